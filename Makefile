@@ -64,14 +64,16 @@ bench: $(STAMP) ## Measure speed against named peers (installs them)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group bench
 	$(BIN)/python -m benchmarks
 
-docs: $(STAMP) ## Make again what comes from catalogues: tables in docs/, the studio's types of the API
+docs: $(STAMP) ## Make again what comes from catalogues: tables in docs/, types of the API for the studio and for Python
 	$(BIN)/python -m tests.docs.generate
+	$(BIN)/python -m tests.docs.signatures
+	@$(BIN)/ruff format --quiet mcml/client/operations.pyi
 	$(BIN)/python -m tests.web.types
 
 lock: $(STAMP) ## Lock the versions that make install and Docker take (UPGRADE=1: the newest)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group lock
 	$(LOCK) --all-extras --group dev --output-file requirements-dev.lock
-	$(LOCK) --extra plots --extra openid --constraint requirements-dev.lock --output-file requirements.lock
+	$(LOCK) --extra server --extra plots --extra openid --constraint requirements-dev.lock --output-file requirements.lock
 
 migration: $(STAMP) ## Make a migration from the difference of tables.py and a fresh store: make migration NAME=what_changed
 	MCML_DATABASE=sqlite:///$(VENV)/migration.db $(BIN)/mcml db upgrade

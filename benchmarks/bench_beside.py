@@ -20,9 +20,9 @@ from benchmarks import basex_client
 from benchmarks.bench_library import store_of
 from benchmarks.library import serving
 from benchmarks.timing import report
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.storage.database import Database
-from service.storage.filtering import DocumentFilter
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.storage.database import Database
+from mcml_service.storage.filtering import DocumentFilter
 
 ROUNDS = 5
 LEG, OTHER = "frame_bone[@name='left_up_leg']", "frame_bone[@name='right_up_leg']"

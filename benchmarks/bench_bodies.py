@@ -22,8 +22,8 @@ from sqlalchemy import text
 from benchmarks.bench_library import store_of
 from benchmarks.library import serving
 from benchmarks.timing import report
-from service.clips.derive import derive_missing
-from service.storage.database import Database
+from mcml_service.clips.derive import derive_missing
+from mcml_service.storage.database import Database
 
 DERIVED, ROUNDS = 3, 9
 """How often bodies are derived, and a question is asked; the least and the median count."""

@@ -16,14 +16,14 @@ from typing import Any
 import numpy as np
 
 from benchmarks.timing import report
-from service.actions.importing.load_demo import add_clips
-from service.analysis.interface import Parts
-from service.demo.dance_clips import dance_clip
-from service.jobs.cluster import Cluster
-from service.jobs.worker import Refused, on_dask
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.tables import document
+from mcml_service.actions.importing.load_demo import add_clips
+from mcml_service.analysis.interface import Parts
+from mcml_service.demo.dance_clips import dance_clip
+from mcml_service.jobs.cluster import Cluster
+from mcml_service.jobs.worker import Refused, on_dask
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.tables import document
 
 CLIPS, BARS = 40, 50
 ROUNDS = 2

@@ -15,12 +15,12 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.timing import median_seconds, report
-from schemas.analyses.dance import BeatsParameters, DanceParameters, GraphParameters
-from service.analysis.dance.analyses import BEATS, DANCE, MOTION_GRAPH
-from service.analysis.dance.metrics import nearest
-from service.analysis.interface import Motion, Part, Parts, silent
-from service.demo.dance_clips import Style, Truth
-from service.motion.skeleton import Convention
+from mcml.motion.skeleton import Convention
+from mcml_schemas.analyses.dance import BeatsParameters, DanceParameters, GraphParameters
+from mcml_service.analysis.dance.analyses import BEATS, DANCE, MOTION_GRAPH
+from mcml_service.analysis.dance.metrics import nearest
+from mcml_service.analysis.interface import Motion, Part, Parts, silent
+from mcml_service.demo.dance_clips import Style, Truth
 from tests.analysis.dance.motions import BEAT_STYLES, STYLES, generated, read_file, resampled
 
 REPEAT = 3

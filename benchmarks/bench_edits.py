@@ -15,11 +15,11 @@ import httpx
 
 from benchmarks.library import clips, longer, served
 from benchmarks.timing import report
-from service.actions.importing.import_motion import import_files
-from service.actions.reading.import_options import ImportOptions
-from service.formats.format import SourceFile
-from service.settings import Settings
-from service.storage.database import Database
+from mcml.files.import_options import ImportOptions
+from mcml.formats.format import SourceFile
+from mcml_service.actions.importing.import_motion import import_files
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 
 FRAMES = 100_000
 REPEAT = 15

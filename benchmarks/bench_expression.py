@@ -1,6 +1,6 @@
 """Expression spaces: all stages at the paper's size, operations, 96,000 frames, and the figures of the docs.
 
-Takes are generated (service/demo/face_takes.py) and in memory, as a worker has them after reading. BLAS has one thread,
+Takes are generated (`demo.face_takes`) and in memory, as a worker has them after reading. BLAS has one thread,
 as in workers. The large space is built in a process of its own. `python -m benchmarks.bench_expression tables` prints
 the tables of docs/analyses/expression.md.
 """
@@ -18,20 +18,20 @@ from typing import Any
 import numpy as np
 
 from benchmarks.timing import median_seconds, report
-from schemas.analyses.expression import (
+from mcml_schemas.analyses.expression import (
     ExpressionCandidateChoice,
     ExpressionLevelChoice,
     ExpressionParameters,
     ExpressionStride,
 )
-from schemas.analyses.expression_paths import (
+from mcml_schemas.analyses.expression_paths import (
     ExpressionPathWish,
     ExpressionPlayback,
     ExpressionRefinement,
 )
-from service.analysis.expression_space.analyses import EXPRESSION
-from service.analysis.interface import Motion, Parts, silent
-from service.demo.face_takes import face_takes
+from mcml_service.analysis.expression_space.analyses import EXPRESSION
+from mcml_service.analysis.interface import Motion, Parts, silent
+from mcml_service.demo.face_takes import face_takes
 from tests.analysis.expression.face_motions import motion_of
 
 LARGE = 96_000

@@ -19,10 +19,10 @@ import pybvh
 import simdjson
 
 from benchmarks.timing import median_seconds, report
-from service.formats import FORMATS
-from service.formats.format import ReadOptions, SourceFile
-from service.formats.number_text import rows_of_text
-from service.motion.clip import ClipStream
+from mcml.formats import FORMATS
+from mcml.formats.format import ReadOptions, SourceFile
+from mcml.formats.number_text import rows_of_text
+from mcml.motion.clip import ClipStream
 
 MEGABYTES = 50
 REPEAT = 3

@@ -16,10 +16,10 @@ import zstandard
 
 from benchmarks.library import clips, longer
 from benchmarks.timing import median_seconds
-from service.formats import FORMATS
-from service.formats.format import ReadOptions, SourceFile
-from service.motion.skeleton import Array
-from service.storage.encoding import compress, decompress
+from mcml.formats import FORMATS
+from mcml.formats.format import ReadOptions, SourceFile
+from mcml.motion.skeleton import Array
+from mcml_service.storage.encoding import compress, decompress
 
 CLIPS = 60
 Motion = tuple[Array, list[slice]]

@@ -18,11 +18,11 @@ from benchmarks.library import serving
 from benchmarks.library_questions import CLASSES
 from benchmarks.start import measure_start
 from benchmarks.timing import report
-from service.actions.importing.import_motion import import_files
-from service.actions.reading.import_options import ImportOptions
-from service.formats.format import SourceFile
-from service.settings import Settings
-from service.storage.database import Database
+from mcml.files.import_options import ImportOptions
+from mcml.formats.format import SourceFile
+from mcml_service.actions.importing.import_motion import import_files
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 
 AT_ONCE = 512
 ROUNDS = 7

@@ -26,7 +26,7 @@ import numpy as np
 
 from benchmarks.library import clips, load_together, serving
 from benchmarks.timing import report
-from service.storage.database import Database
+from mcml_service.storage.database import Database
 from tests import postgres
 
 SECONDS = float(os.environ.get("MCML_LOAD_SECONDS", "600"))

@@ -13,17 +13,17 @@ import numpy as np
 
 from benchmarks.studio_pages import Visitor, browsing, visiting
 from benchmarks.timing import report
-from schemas.analyses.expression import ExpressionParameters
-from schemas.analyses.reach import ReachParameters
-from service.actions.analysing.save_results import add_parts
-from service.actions.importing.load_demo import REACHES, add_clips
-from service.analysis.expression_space.analyses import EXPRESSION
-from service.analysis.interface import Part, Parts, silent
-from service.analysis.reach_blending.analyses import REACH
-from service.demo.reach_clips import reach_clips
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.filtering import DocumentFilter
+from mcml_schemas.analyses.expression import ExpressionParameters
+from mcml_schemas.analyses.reach import ReachParameters
+from mcml_service.actions.analysing.save_results import add_parts
+from mcml_service.actions.importing.load_demo import REACHES, add_clips
+from mcml_service.analysis.expression_space.analyses import EXPRESSION
+from mcml_service.analysis.interface import Part, Parts, silent
+from mcml_service.analysis.reach_blending.analyses import REACH
+from mcml_service.demo.reach_clips import reach_clips
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.filtering import DocumentFilter
 from service.web.build import build
 from tests.analysis.expression.test_real_takes import faces
 from tests.analysis.reach.reach_motions import motion_of

@@ -1,6 +1,6 @@
 """Reach models: fit, synthesis, memory, and how they grow with the number of clips.
 
-Clips are generated (service/demo/reach_clips.py) and in memory, as a worker has them after reading. Each size is fitted
+Clips are generated (`demo.reach_clips`) and in memory, as a worker has them after reading. Each size is fitted
 in a process of its own, BLAS with one thread, as workers have it.
 """
 
@@ -13,12 +13,12 @@ import sys
 import time
 
 from benchmarks.timing import median_seconds, report
-from schemas.analyses.reach import ReachParameters, ReachWish
-from service.analysis.interface import Motion, silent
-from service.analysis.reach_blending.analyses import REACH
-from service.analysis.reach_blending.fit import fit
-from service.analysis.reach_blending.options import options_of
-from service.demo.reach_clips import OLD, YOUNG
+from mcml_schemas.analyses.reach import ReachParameters, ReachWish
+from mcml_service.analysis.interface import Motion, silent
+from mcml_service.analysis.reach_blending.analyses import REACH
+from mcml_service.analysis.reach_blending.fit import fit
+from mcml_service.analysis.reach_blending.options import options_of
+from mcml_service.demo.reach_clips import OLD, YOUNG
 from tests.analysis.reach.reach_motions import motion_of, reach_clips
 
 SIZES = (100, 200, 400, 800)

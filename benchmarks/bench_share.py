@@ -8,10 +8,10 @@ from collections import Counter
 from pathlib import Path
 from random import Random
 
-from schemas.queries import QueryRequest
-from service.errors import LimitError, QueryError
-from service.storage.database import Database
-from service.xpath.language.parse import parse
+from mcml.errors import LimitError, QueryError
+from mcml_schemas.queries import QueryRequest
+from mcml_service.storage.database import Database
+from mcml_service.xpath.language.parse import parse
 from tests.conftest import shared_folder
 from tests.xpath.grammar import Grammar
 from tests.xpath.library import Library, library

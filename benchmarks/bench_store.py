@@ -19,11 +19,11 @@ from benchmarks import basex, basex_client
 from benchmarks.basex_client import BaseXClient
 from benchmarks.library import clips, load, load_together, longer, served, write_plain
 from benchmarks.timing import median_seconds, report
-from service.actions.editing.edit_element import Change
-from service.clips.read_clip import read_clip
-from service.mcml.writer import write_document
-from service.storage.database import Database
-from service.storage.filtering import DocumentFilter
+from mcml.language.writer import write_document
+from mcml_service.actions.editing.edit_element import Change
+from mcml_service.clips.read_clip import read_clip
+from mcml_service.storage.database import Database
+from mcml_service.storage.filtering import DocumentFilter
 from tests.edits import change_element
 
 ASKED = 100

@@ -16,12 +16,12 @@ from typing import Any
 from benchmarks.studio_library import LONG_RATE, LONG_SECONDS, fingered, library
 from benchmarks.studio_pages import Visitor, browsing, seconds_asked, visiting
 from benchmarks.timing import report
-from service.actions.importing.import_motion import import_files
-from service.actions.reading.import_options import ImportOptions
-from service.formats.format import SourceFile
-from service.settings import Settings
-from service.storage.database import Database
-from service.web import STATIC
+from mcml.files.import_options import ImportOptions
+from mcml.formats.format import SourceFile
+from mcml_service.actions.importing.import_motion import import_files
+from mcml_service.api.studio import STATIC
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from service.web.build import build
 
 SMALL, LARGE = 300, 30_000

@@ -17,21 +17,21 @@ from pathlib import Path
 import httpx
 import numpy as np
 
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.actions.importing.import_motion import import_files
-from service.actions.reading.import_options import ImportOptions, Label
-from service.actions.reading.shared_skeleton import kept_skeleton
-from service.demo import body
-from service.formats import FORMATS
-from service.formats.bvh_hierarchy import shared_hierarchy
-from service.formats.format import SourceFile
-from service.formats.number_text import detect_style, rows_of_text
-from service.formats.numbers import parse_numbers
-from service.local_secret import read_secret
-from service.settings import Settings, data_folder
-from service.storage.database import Database
-from service.storage.documents import StoredDocument
-from service.storage.transaction import Transaction
+from mcml.files.import_options import ImportOptions, Label
+from mcml.files.shared_skeleton import kept_skeleton
+from mcml.formats import FORMATS
+from mcml.formats.bvh_hierarchy import shared_hierarchy
+from mcml.formats.format import SourceFile
+from mcml.formats.number_text import detect_style, rows_of_text
+from mcml.formats.numbers import parse_numbers
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.actions.importing.import_motion import import_files
+from mcml_service.demo import body
+from mcml_service.local_secret import read_secret
+from mcml_service.settings import Settings, data_folder
+from mcml_service.storage.database import Database
+from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.transaction import Transaction
 
 DOCUMENTS = 100
 
@@ -146,7 +146,7 @@ def serving(url: str, derive: str = "no") -> Iterator[tuple[int, int]]:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     environment = os.environ | {"MCML_DATABASE": url, "MCML_PORT": str(port), "MCML_DERIVE": derive}
-    command = [sys.executable, "-m", "service.cli", "serve"]
+    command = [sys.executable, "-m", "mcml_service.cli", "serve"]
     process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL)
     try:
         for wait in itertools.count():

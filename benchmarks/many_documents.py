@@ -14,17 +14,17 @@ from typing import Any
 import numpy as np
 from sqlalchemy import select
 
-from service.actions.importing.import_motion import import_files
-from service.actions.reading.import_options import ImportOptions, Label
-from service.demo import body
-from service.formats import FORMATS
-from service.formats.format import SourceFile
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.identifiers import new_uuid, now
-from service.storage.tables import commit, content, document, document_upload, header, property_, revision, span
-from service.storage.tables import thumbnail as picture
-from service.storage.transaction import Transaction
+from mcml.files.import_options import ImportOptions, Label
+from mcml.formats import FORMATS
+from mcml.formats.format import SourceFile
+from mcml_service.actions.importing.import_motion import import_files
+from mcml_service.demo import body
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.identifiers import new_uuid, now
+from mcml_service.storage.tables import commit, content, document, document_upload, header, property_, revision, span
+from mcml_service.storage.tables import thumbnail as picture
+from mcml_service.storage.transaction import Transaction
 
 KINDS = 1000
 """Documents that are imported."""

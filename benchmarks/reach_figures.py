@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from service.analysis.interface import Motion
-from service.analysis.reach_blending.blend import invert as inverse_of
-from service.analysis.reach_blending.blend import left_out, linear_left_out, nearest_left_out
-from service.analysis.reach_blending.evaluation import predictions, reconstruction
-from service.analysis.reach_blending.fit import Fitted, fit
-from service.analysis.reach_blending.options import options_of
-from service.analysis.reach_blending.phases import find_phases
-from service.analysis.reach_blending.quaternion_tracks import angle_between
-from service.demo.reach_clips import reach_clips
+from mcml_service.analysis.interface import Motion
+from mcml_service.analysis.reach_blending.blend import invert as inverse_of
+from mcml_service.analysis.reach_blending.blend import left_out, linear_left_out, nearest_left_out
+from mcml_service.analysis.reach_blending.evaluation import predictions, reconstruction
+from mcml_service.analysis.reach_blending.fit import Fitted, fit
+from mcml_service.analysis.reach_blending.options import options_of
+from mcml_service.analysis.reach_blending.phases import find_phases
+from mcml_service.analysis.reach_blending.quaternion_tracks import angle_between
+from mcml_service.demo.reach_clips import reach_clips
 from tests.analysis.reach.hdm05 import read_reaches
 from tests.analysis.reach.reach_motions import motion_of
 from tests.conftest import shared_folder

@@ -11,11 +11,11 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 
-from service.errors import McmlError
-from service.formats import FORMATS
-from service.formats.format import ReadOptions, SourceFile
-from service.formats.repairs import offers, repaired
-from service.mcml.reader import read_document
+from mcml.errors import McmlError
+from mcml.formats import FORMATS
+from mcml.formats.format import ReadOptions, SourceFile
+from mcml.formats.repairs import offers, repaired
+from mcml.language.reader import read_document
 
 BODY = """HIERARCHY
 ROOT Hips

@@ -43,7 +43,7 @@ def _command(url: str, words: tuple[str, ...]) -> float:
     # Else each process compiles modules that others have compiled.
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    command = [sys.executable, "-m", "service.cli", *words]
+    command = [sys.executable, "-m", "mcml_service.cli", *words]
     subprocess.run(command, env=environment | {"MCML_DATABASE": url}, stdout=subprocess.DEVNULL, check=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime

@@ -10,13 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from service.actions.importing.import_motion import import_files
-from service.actions.reading.import_options import ImportOptions, Label
-from service.demo import body
-from service.formats import FORMATS
-from service.formats.format import SourceFile
-from service.settings import Settings
-from service.storage.database import Database
+from mcml.files.import_options import ImportOptions, Label
+from mcml.formats import FORMATS
+from mcml.formats.format import SourceFile
+from mcml_service.actions.importing.import_motion import import_files
+from mcml_service.demo import body
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 
 KINDS = 100
 """Clips that differ; each is stored many times, so that a large library is there in minutes."""

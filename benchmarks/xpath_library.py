@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.library import clips, labels, longer, write_plain
-from service.actions.editing.edit_element import Change
-from service.actions.importing.import_motion import import_files
-from service.actions.reading.import_options import ImportOptions, Label
-from service.formats.format import SourceFile
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.filtering import DocumentFilter
+from mcml.files.import_options import ImportOptions, Label
+from mcml.formats.format import SourceFile
+from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.importing.import_motion import import_files
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.filtering import DocumentFilter
 from tests.edits import change_element
 
 SIZES = (5, 25, 100)

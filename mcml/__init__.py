@@ -16,15 +16,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from mcml.client.repository import Document, Imported, Query, Repository, Run, open  # noqa: A004  # the name that is wanted
+    from mcml.errors import McmlError as Error
+    from mcml.files.motion import Motion, convert, read
     from mcml.frames import Frames
-    from mcml.motion import Motion, convert, read
-    from mcml.repository import Document, Imported, Query, Repository, Run, open  # noqa: A004  # the name that is wanted
-    from service.errors import McmlError as Error
 
 _HOMES = {
     "mcml.frames": ("Frames",),
-    "mcml.motion": ("Motion", "convert", "read"),
-    "mcml.repository": ("Document", "Imported", "Query", "Repository", "Run", "open"),
+    "mcml.files.motion": ("Motion", "convert", "read"),
+    "mcml.client.repository": ("Document", "Imported", "Query", "Repository", "Run", "open"),
 }
 
 __all__ = ["Document", "Error", "Frames", "Imported", "Motion", "Query", "Repository", "Run", "convert", "open", "read"]
@@ -33,7 +33,7 @@ __all__ = ["Document", "Error", "Frames", "Imported", "Motion", "Query", "Reposi
 def __getattr__(name: str) -> Any:
     """Names are imported when they are used: the command line needs few of them, and mathematics takes a while."""
     if name == "Error":
-        from service.errors import McmlError
+        from mcml.errors import McmlError
 
         return McmlError
     for module, names in _HOMES.items():

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from alembic import context
 
-from service.storage import tables, visits, work_tables  # noqa: F401 - they add themselves to the metadata
-from service.storage.schema import metadata
+from mcml_service.storage import tables, visits, work_tables  # noqa: F401 - they add themselves to the metadata
+from mcml_service.storage.schema import metadata
 
 connection = context.config.attributes.get("connection")
 if connection is None:
-    from service.settings import Settings
-    from service.storage.database import Database
+    from mcml_service.settings import Settings
+    from mcml_service.storage.database import Database
 
     with Database(Settings().database_url).dialect.writing() as connection:
         context.configure(connection=connection, target_metadata=metadata, render_as_batch=False)

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from service.actions.importing import import_workers
-from service.actions.importing.import_motion import import_files
-from service.actions.reading.import_options import ImportOptions
-from service.formats.format import SourceFile
-from service.local_secret import PREFIX
-from service.mcml import joint_names
-from service.motion.skeleton import Skeleton
-from service.settings import Settings
-from service.storage.database import Database
+from mcml.files.import_options import ImportOptions
+from mcml.formats.format import SourceFile
+from mcml.language import joint_names
+from mcml.motion.skeleton import Skeleton
+from mcml_service.actions.importing import import_workers
+from mcml_service.actions.importing.import_motion import import_files
+from mcml_service.local_secret import PREFIX
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.c3d_writer import c3d_bytes
 
 if TYPE_CHECKING:
@@ -267,7 +267,7 @@ def served(
     # Here, as programs that kill tests start import this module, and the web application takes longer than their work.
     from fastapi.testclient import TestClient
 
-    from service.app import create_app
+    from mcml_service.app import create_app
 
     return TestClient(
         create_app(settings or Settings(), database, lambda: SECRET),
@@ -280,7 +280,7 @@ def served(
 @cache
 def description() -> dict[str, Any]:
     """The API's description (OpenAPI), which nobody changes: it takes half a second to make."""
-    from service.app import create_app
+    from mcml_service.app import create_app
 
     made: dict[str, Any] = create_app(Settings(database="sqlite://")).openapi()
     return made

@@ -23,9 +23,9 @@ import pytest
 from fastapi.testclient import TestClient
 from hypothesis import HealthCheck, seed, settings
 
-from service.actions.importing.load_demo import load_demo
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.actions.importing.load_demo import load_demo
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests import fuzz, postgres
 from tests.builders import served
 
@@ -227,7 +227,7 @@ def client(database: Database) -> Iterator[TestClient]:
 @pytest.fixture(scope="session")
 def cluster(sqlite_template: Path) -> Iterator[Any]:
     """Of one worker, which starts with the first job: it takes longer to start than the jobs of tests take."""
-    from service.jobs.cluster import Cluster
+    from mcml_service.jobs.cluster import Cluster
 
     database = Database(f"sqlite:///{sqlite_template}")
     cluster = Cluster(database, Settings(job_workers=1))
@@ -241,7 +241,7 @@ def lent_cluster(cluster: Any) -> Iterator[None]:
     """Let servers that start from now on have their jobs run by the cluster of all tests, which outlives them."""
     lent = SimpleNamespace(client=cluster.client, kill=cluster.kill, close=lambda: None)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("service.jobs.runner.Cluster", lambda _database, _settings: lent)
+        patch.setattr("mcml_service.jobs.runner.Cluster", lambda _database, _settings: lent)
         yield
 
 
@@ -251,7 +251,7 @@ def quick_hashes(monkeypatch: pytest.MonkeyPatch) -> None:
     from pwdlib import PasswordHash
     from pwdlib.hashers.argon2 import Argon2Hasher
 
-    from service import passwords
+    from mcml_service import passwords
 
     quick = PasswordHash((Argon2Hasher(time_cost=1, memory_cost=64, parallelism=1),))
     monkeypatch.setattr(passwords, "_hasher", lambda: quick)

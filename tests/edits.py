@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from service.actions.editing.edit_element import Change
-from service.actions.editing.edit_elements import Deletion, ElementEdit, edit_elements
-from service.storage.documents import StoredDocument
-from service.storage.transaction import Transaction
+from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.editing.edit_elements import Deletion, ElementEdit, edit_elements
+from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.transaction import Transaction
 
 OTHER_SEEDS = [(("sqlite", "postgresql")[seed % 2], seed) for seed in range(10)]
 """Of random stories: another one on each database. In `make fuzz` both have all."""

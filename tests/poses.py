@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from service.motion.clip import FrameBlock
-from service.motion.kinematics import Walker, rest_positions
-from service.motion.skeleton import Array, Skeleton
-from service.motion.units import DEGREES, Reading
+from mcml.motion.clip import FrameBlock
+from mcml.motion.kinematics import Walker, rest_positions
+from mcml.motion.skeleton import Array, Skeleton
+from mcml.motion.units import DEGREES, Reading
 
 
 def global_positions(skeleton: Skeleton, block: FrameBlock, reading: Reading = DEGREES) -> Array:

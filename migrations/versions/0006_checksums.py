@@ -32,7 +32,7 @@ def upgrade() -> None:
         sa.Column('value', sa.Text, nullable=False),
     )
     op.bulk_insert(store, [{'name': name, 'value': value} for name, value in LAYOUT.items()])
-    from service.actions.keeping.seal_store import seal_store
-    from service.storage.sealing import transaction_on
+    from mcml_service.actions.keeping.seal_store import seal_store
+    from mcml_service.storage.sealing import transaction_on
 
     seal_store(transaction_on(op.get_bind()))

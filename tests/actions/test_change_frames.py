@@ -11,17 +11,24 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from schemas.queries import NodeItem, QueryRequest
-from service.actions.editing.change_document import add_labels, restore_revision
-from service.actions.editing.change_frames import delete_frames, insert_frames, move_frames, reverse, trim, write_values
-from service.actions.editing.edit_element import Change
-from service.actions.editing.edit_elements import Deletion, ElementEdit, edit_elements
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.errors import DocumentError, NotFoundError
-from service.mcml.dtd import violations
-from service.settings import Settings
-from service.storage.database import Database
-from service.xpath.queries import Queries
+from mcml.errors import DocumentError, NotFoundError
+from mcml.language.dtd import violations
+from mcml_schemas.queries import NodeItem, QueryRequest
+from mcml_service.actions.editing.change_document import add_labels, restore_revision
+from mcml_service.actions.editing.change_frames import (
+    delete_frames,
+    insert_frames,
+    move_frames,
+    reverse,
+    trim,
+    write_values,
+)
+from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.editing.edit_elements import Deletion, ElementEdit, edit_elements
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.xpath.queries import Queries
 from tests.actions.test_edit_element import PARSER, canonical
 from tests.builders import bvh, store
 from tests.edits import OTHER_SEEDS, change_element, delete_element

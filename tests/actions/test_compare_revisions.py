@@ -9,14 +9,14 @@ import pytest
 from fastapi.testclient import TestClient
 from scipy.spatial.transform import Rotation
 
-from service.actions.editing.change_document import add_labels, change_document
-from service.actions.editing.change_frames import delete_frames, insert_frames, write_values
-from service.actions.editing.edit_element import Change
-from service.actions.reading.compare_revisions import compare_revisions
-from service.clips.read_clip import read_clip
-from service.motion.skeleton import CHANNELS
-from service.operations.arguments import at_revision
-from service.storage.database import Database
+from mcml.motion.skeleton import CHANNELS
+from mcml_service.actions.editing.change_document import add_labels, change_document
+from mcml_service.actions.editing.change_frames import delete_frames, insert_frames, write_values
+from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.reading.compare_revisions import compare_revisions
+from mcml_service.clips.read_clip import read_clip
+from mcml_service.operations.arguments import at_revision
+from mcml_service.storage.database import Database
 from tests.builders import bvh, store
 from tests.edits import change_element
 

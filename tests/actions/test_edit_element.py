@@ -8,13 +8,13 @@ import pytest
 from lxml import etree
 from sqlalchemy import func, select
 
-from service.actions.editing.edit_element import Change
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.actions.reading.read_element import read_element
-from service.errors import DocumentError, NotFoundError
-from service.mcml.dtd import violations
-from service.storage.database import Database
-from service.storage.tables import track
+from mcml.errors import DocumentError, NotFoundError
+from mcml.language.dtd import violations
+from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.actions.reading.read_element import read_element
+from mcml_service.storage.database import Database
+from mcml_service.storage.tables import track
 from tests.builders import ASF, MCML, amc, bvh, store
 from tests.edits import change_element, delete_element
 
@@ -109,7 +109,7 @@ def test_every_element_is_deleted_alone_or_refused(database: Database, uuid: str
         assert canonical(serialised(database, uuid)) == canonical(before), where
         with database.write() as tx:
             stored = tx.documents.get(uuid)
-            from service.actions.editing.change_document import restore_revision
+            from mcml_service.actions.editing.change_document import restore_revision
 
             restore_revision(tx, stored, stored.revision - 1)
         assert canonical(serialised(database, uuid)) == canonical(tree), f"restored after {where}"

@@ -25,13 +25,13 @@ from hypothesis.stateful import (
     run_state_machine_as_test,
 )
 
-from mcml.local import Local
-from schemas.documents import DocumentChange, LabelRequest
-from schemas.elements import ElementChange
-from schemas.frames import FrameEdits
-from service.actions.keeping.purge_documents import purge_documents
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_schemas.documents import DocumentChange, LabelRequest
+from mcml_schemas.elements import ElementChange
+from mcml_schemas.frames import FrameEdits
+from mcml_service.actions.keeping.purge_documents import purge_documents
+from mcml_service.local_store import Local
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests import postgres
 from tests.builders import bvh, store
 

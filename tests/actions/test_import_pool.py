@@ -14,13 +14,13 @@ from typing import Any
 import psutil
 import pytest
 
-from service.actions.importing import import_pool
-from service.actions.importing.import_motion import import_files
-from service.actions.importing.import_pool import ImportPool
-from service.actions.reading.import_options import ImportOptions
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.filtering import DocumentFilter
+from mcml.files.import_options import ImportOptions
+from mcml_service.actions.importing import import_pool
+from mcml_service.actions.importing.import_motion import import_files
+from mcml_service.actions.importing.import_pool import ImportPool
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.filtering import DocumentFilter
 from tests.builders import bvh, source
 
 CLIPS = {f"clip{number:02}.bvh": bvh(3 + number % 5, seed=number) for number in range(12)}
@@ -110,9 +110,9 @@ def test_a_worker_that_dies_costs_no_clip(sqlite: Database, pool: ImportPool) ->
 
 PROGRAM = """
 import sys
-from service.actions.importing.import_pool import ImportPool
-from service.settings import Settings
-from service.actions.reading.import_options import ImportOptions
+from mcml_service.actions.importing.import_pool import ImportPool
+from mcml_service.settings import Settings
+from mcml.files.import_options import ImportOptions
 if __name__ == "__main__":
     pool = ImportPool()
     pool.submit([("bvh", {}, ImportOptions())], Settings()).result()

@@ -6,16 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.actions.importing.import_batch import BATCH_CLIPS, EARLY_CLIPS, ImportResult
-from service.actions.importing.import_motion import import_files
-from service.actions.reading.import_options import ImportOptions
-from service.errors import ConflictError
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.documents import Documents
-from service.storage.filtering import DocumentFilter
-from service.storage.transaction import Transaction
+from mcml.errors import ConflictError
+from mcml.files.import_options import ImportOptions
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.actions.importing.import_batch import BATCH_CLIPS, EARLY_CLIPS, ImportResult
+from mcml_service.actions.importing.import_motion import import_files
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.documents import Documents
+from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.transaction import Transaction
 from tests import fuzz
 from tests.actions.test_kill import run
 from tests.builders import ASF, bvh, read_by, source

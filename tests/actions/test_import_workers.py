@@ -16,17 +16,17 @@ from pathlib import Path
 
 import pytest
 
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.actions.importing import import_workers
-from service.actions.importing.import_batch import ImportResult
-from service.actions.importing.import_motion import import_files
-from service.actions.importing.import_pool import reading_ahead
-from service.actions.importing.import_workers import ImportWorkers, ReadApart, Task
-from service.actions.reading.gather_files import Clip
-from service.actions.reading.import_options import ImportOptions
-from service.formats.format import SourceFile
-from service.settings import Settings
-from service.storage.database import Database
+from mcml.files.gather_files import Clip
+from mcml.files.import_options import ImportOptions
+from mcml.formats.format import SourceFile
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.actions.importing import import_workers
+from mcml_service.actions.importing.import_batch import ImportResult
+from mcml_service.actions.importing.import_motion import import_files
+from mcml_service.actions.importing.import_pool import reading_ahead
+from mcml_service.actions.importing.import_workers import ImportWorkers, ReadApart, Task
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.actions.test_kill import IMPORTER
 from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, c3d_file, read_by, source
 

@@ -10,12 +10,12 @@ import pytest
 from fastapi.testclient import TestClient
 from lxml import etree
 
-from service.actions.editing.edit_element import Change
-from service.actions.editing.edit_elements import Deletion, ElementEdit, Insertion, Replacement, edit_elements
-from service.errors import McmlError
-from service.mcml.dtd import violations
-from service.mcml.fragment import read_fragment
-from service.storage.database import Database
+from mcml.errors import McmlError
+from mcml.language.dtd import violations
+from mcml.language.fragment import read_fragment
+from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.editing.edit_elements import Deletion, ElementEdit, Insertion, Replacement, edit_elements
+from mcml_service.storage.database import Database
 from tests.actions.test_change_frames import content, motion
 from tests.actions.test_edit_element import PARSER, canonical
 from tests.builders import MCML, bvh, one_kind, store

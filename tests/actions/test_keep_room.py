@@ -11,18 +11,18 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from service.actions.editing.change_document import restore_revision, undo_revision
-from service.actions.editing.edit_element import Change
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.actions.keeping.check_uploads import compare_all
-from service.actions.keeping.keep_room import compact_store, prune_history
-from service.actions.keeping.keep_store import backup
-from service.actions.keeping.purge_documents import purge_documents
-from service.cli import app
-from service.errors import ConflictError, NotFoundError, SpaceError
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.reserve import Reserve
+from mcml.errors import ConflictError, NotFoundError, SpaceError
+from mcml_service.actions.editing.change_document import restore_revision, undo_revision
+from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.actions.keeping.check_uploads import compare_all
+from mcml_service.actions.keeping.keep_room import compact_store, prune_history
+from mcml_service.actions.keeping.keep_store import backup
+from mcml_service.actions.keeping.purge_documents import purge_documents
+from mcml_service.cli import app
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.reserve import Reserve
 from tests.builders import bvh, store
 from tests.edits import change_element
 

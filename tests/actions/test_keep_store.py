@@ -12,22 +12,22 @@ import numpy as np
 import pytest
 from sqlalchemy import func, insert, select, text
 
-from schemas.queries import QueryRequest
-from service.actions.editing.change_document import add_labels
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.actions.keeping.keep_store import backup, restore
-from service.actions.keeping.purge_documents import purge_documents
-from service.errors import ConflictError, StoreError
-from service.settings import Settings
-from service.storage.bodies import StoredBody
-from service.storage.database import Database
-from service.storage.schema import metadata
-from service.storage.tables import document, skeleton
-from service.storage.tables import store as about_itself
-from service.storage.terms import Terms
-from service.storage.transaction import Transaction
-from service.storage.webhooks import delivery
-from service.xpath.queries import Queries
+from mcml.errors import ConflictError, StoreError
+from mcml_schemas.queries import QueryRequest
+from mcml_service.actions.editing.change_document import add_labels
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.actions.keeping.keep_store import backup, restore
+from mcml_service.actions.keeping.purge_documents import purge_documents
+from mcml_service.settings import Settings
+from mcml_service.storage.bodies import StoredBody
+from mcml_service.storage.database import Database
+from mcml_service.storage.schema import metadata
+from mcml_service.storage.tables import document, skeleton
+from mcml_service.storage.tables import store as about_itself
+from mcml_service.storage.terms import Terms
+from mcml_service.storage.transaction import Transaction
+from mcml_service.storage.webhooks import delivery
+from mcml_service.xpath.queries import Queries
 from tests import postgres
 from tests.actions.test_move_project import fill
 from tests.builders import bvh, store

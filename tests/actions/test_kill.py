@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 from sqlalchemy import func, select
 
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.storage.database import Database
-from service.storage.filtering import DocumentFilter
-from service.storage.schema import metadata
-from service.storage.tables import document
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.storage.database import Database
+from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.schema import metadata
+from mcml_service.storage.tables import document
 from tests.builders import bvh, store
 
 IMPORTER = textwrap.dedent(
@@ -23,8 +23,8 @@ IMPORTER = textwrap.dedent(
     import os, pathlib, signal, sys
     sys.path.insert(0, {root!r})
     from sqlalchemy import event
-    from service.actions.importing import import_motion, keep_upload
-    from service.storage.database import Database
+    from mcml_service.actions.importing import import_motion, keep_upload
+    from mcml_service.storage.database import Database
     from tests.builders import store
 
     import_motion.FLUSH_BYTES = 30_000

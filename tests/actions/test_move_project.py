@@ -13,12 +13,12 @@ import pytest
 from fastapi.testclient import TestClient
 from sqlalchemy import func, select, text
 
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.actions.keeping.move_project import export_project, import_project
-from service.errors import ConflictError, DamageError, McmlError
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.schema import metadata
+from mcml.errors import ConflictError, DamageError, McmlError
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.actions.keeping.move_project import export_project, import_project
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.schema import metadata
 from tests.api.asked import API, filled
 from tests.builders import ASF, HTR, MCML, SECRET, TRC, amc, bvh, c3d_file, one_kind, served, store
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from service.formats import FORMATS
-from service.mcml.elements import joint_names
-from service.motion.carriers import first_moving
-from service.storage.database import Database
+from mcml.formats import FORMATS
+from mcml.language.elements import joint_names
+from mcml.motion.carriers import first_moving
+from mcml_service.storage.database import Database
 from tests.builders import store
 from tests.formats.contract import read
 

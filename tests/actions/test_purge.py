@@ -11,22 +11,22 @@ import pytest
 from pydantic import BaseModel
 from typer.testing import CliRunner
 
-from schemas.queries import QueryRequest
-from service.actions.analysing.use_result import Results
-from service.actions.editing.change_document import add_labels, delete_document
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.actions.keeping.keep_room import prune_history
-from service.actions.keeping.keep_store import backup, restore
-from service.actions.keeping.purge_documents import finish_purges, purge_documents, purgeable
-from service.analysis.catalogue import ANALYSES
-from service.analysis.interface import Answer
-from service.cli import app
-from service.errors import ConflictError, NotFoundError
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.schema import metadata
-from service.storage.tables import document
-from service.xpath.queries import Queries
+from mcml.errors import ConflictError, NotFoundError
+from mcml_schemas.queries import QueryRequest
+from mcml_service.actions.analysing.use_result import Results
+from mcml_service.actions.editing.change_document import add_labels, delete_document
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.actions.keeping.keep_room import prune_history
+from mcml_service.actions.keeping.keep_store import backup, restore
+from mcml_service.actions.keeping.purge_documents import finish_purges, purge_documents, purgeable
+from mcml_service.analysis.catalogue import ANALYSES
+from mcml_service.analysis.interface import Answer
+from mcml_service.cli import app
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.schema import metadata
+from mcml_service.storage.tables import document
+from mcml_service.xpath.queries import Queries
 from tests.builders import MCML, bvh, store
 
 NAME = "somebody-private"

@@ -8,20 +8,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.actions.editing.edit_element import Change
-from service.actions.exporting.convert_files import convert_files
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.actions.importing.import_motion import import_files
-from service.actions.reading.import_options import ImportOptions
-from service.actions.reading.read_element import read_element
-from service.clips.read_clip import read_clip
-from service.errors import ConversionError, NotFoundError
-from service.formats import FORMATS
-from service.formats.format import ReadOptions, SourceFile
-from service.mcml.dtd import violations
-from service.motion.clip import ClipStream, FrameBlock
-from service.settings import Settings
-from service.storage.database import Database
+from mcml.errors import ConversionError, NotFoundError
+from mcml.files.convert_files import convert_files
+from mcml.files.import_options import ImportOptions
+from mcml.files.limits import FileLimits
+from mcml.formats import FORMATS
+from mcml.formats.format import ReadOptions, SourceFile
+from mcml.language.dtd import violations
+from mcml.motion.clip import ClipStream, FrameBlock
+from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.actions.importing.import_motion import import_files
+from mcml_service.actions.reading.read_element import read_element
+from mcml_service.clips.read_clip import read_clip
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests import fuzz
 from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, c3d_file, store
 from tests.conftest import shared_folder
@@ -131,7 +132,7 @@ def test_a_skeleton_alone_leaves_as_it_came(database: Database) -> None:
             assert_same_clip(read("asf-amc", {"leg.asf": content}), read("asf-amc", {"leg.asf": ASF}))
             with pytest.raises(ConversionError, match="without frames"):
                 b"".join(export_document(tx, stored, ExportOptions("amc")).content)
-    with convert_files([SourceFile("leg.asf", io.BytesIO(ASF))], "asf-amc", Settings()) as converted:
+    with convert_files([SourceFile("leg.asf", io.BytesIO(ASF))], "asf-amc", FileLimits()) as converted:
         assert list(converted.files) == [".asf"]
 
 
@@ -208,7 +209,7 @@ def test_ranges_are_frames_of_the_whole(database: Database) -> None:
 
 
 def test_labels_do_not_break_byte_identity_and_restore_regains_it(database: Database) -> None:
-    from service.actions.editing.change_document import add_labels, change_document, restore_revision
+    from mcml_service.actions.editing.change_document import add_labels, change_document, restore_revision
 
     content = bvh(20)
     (uuid,) = store(database, {"chain.bvh": content})

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions.labelling.set_properties import parse_table, set_properties
-from service.errors import DocumentError
-from service.mcml.elements import to_head
-from service.storage.database import Database
+from mcml.errors import DocumentError
+from mcml.language.elements import to_head
+from mcml_service.actions.labelling.set_properties import parse_table, set_properties
+from mcml_service.storage.database import Database
 from tests.builders import bvh, store
 
 

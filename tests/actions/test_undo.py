@@ -8,13 +8,20 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions.editing.change_document import add_labels, change_document, remove_labels, undo_revision
-from service.actions.editing.change_frames import delete_frames, insert_frames, move_frames, reverse, trim, write_values
-from service.actions.editing.edit_element import Change
-from service.errors import ConflictError, McmlError
-from service.storage.database import Database
-from service.storage.documents import StoredDocument
-from service.storage.transaction import Transaction
+from mcml.errors import ConflictError, McmlError
+from mcml_service.actions.editing.change_document import add_labels, change_document, remove_labels, undo_revision
+from mcml_service.actions.editing.change_frames import (
+    delete_frames,
+    insert_frames,
+    move_frames,
+    reverse,
+    trim,
+    write_values,
+)
+from mcml_service.actions.editing.edit_element import Change
+from mcml_service.storage.database import Database
+from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.transaction import Transaction
 from tests.actions.test_change_frames import content
 from tests.builders import bvh, store
 from tests.edits import OTHER_SEEDS, change_element, delete_element

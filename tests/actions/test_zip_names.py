@@ -10,9 +10,9 @@ import zlib
 
 import pytest
 
-from service.actions.reading.gather_files import gathered
-from service.formats.format import SourceFile
-from service.settings import Settings
+from mcml.files.gather_files import gathered
+from mcml.files.limits import FileLimits
+from mcml.formats.format import SourceFile
 from tests.builders import bvh
 
 
@@ -37,7 +37,7 @@ def zip_of(names: list[bytes], flag: int = 0, extra: bytes = b"") -> bytes:
 
 
 def names_of(data: bytes) -> tuple[list[str], str]:
-    with gathered([SourceFile("all.zip", io.BytesIO(data))], Settings()) as found:
+    with gathered([SourceFile("all.zip", io.BytesIO(data))], FileLimits()) as found:
         assert not found.problems
         files = [file for clip in found.clips for file in clip.files.values()]
         said = {notice.what for file in files for notice in file.notices}

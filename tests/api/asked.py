@@ -8,9 +8,9 @@ from typing import Any, Literal
 import numpy as np
 from fastapi.testclient import TestClient
 
-from schemas.examples import example_of
-from service.operations.operation import Operation, Right
-from service.storage.database import Database
+from mcml_schemas.examples import example_of
+from mcml_service.operations.operation import Operation, Right
+from mcml_service.storage.database import Database
 from tests.builders import upload
 from tests.motion.bodies.made import person
 

@@ -10,16 +10,16 @@ import pytest
 from fastapi.testclient import TestClient
 from sqlalchemy import text
 
-from service import passwords
-from service.app import create_app
-from service.errors import AccessError, ConflictError
-from service.operations import all_operations
-from service.operations.call import Call, Repository
-from service.operations.operation import RIGHTS, Operation, Right
-from service.settings import Settings
-from service.storage.accounts import ROLES
-from service.storage.database import Database
-from service.storage.views import SCOPES, View
+from mcml.errors import AccessError, ConflictError
+from mcml_service import passwords
+from mcml_service.app import create_app
+from mcml_service.operations import all_operations
+from mcml_service.operations.call import Call, Repository
+from mcml_service.operations.operation import RIGHTS, Operation, Right
+from mcml_service.settings import Settings
+from mcml_service.storage.accounts import ROLES
+from mcml_service.storage.database import Database
+from mcml_service.storage.views import SCOPES, View
 from tests.builders import SECRET, bvh, one_kind, upload
 
 pytestmark = pytest.mark.usefixtures("quick_hashes")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions.reading.shared_skeleton import kept_skeleton
-from service.mcml import joint_names
+from mcml.files.shared_skeleton import kept_skeleton
+from mcml.language import joint_names
 from tests.builders import MCML, bvh, upload
 
 API = "/api/v1"

@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from service.api.policy import DEFAULTS, NOTHING
-from service.storage.database import Database
+from mcml_service.api.policy import DEFAULTS, NOTHING
+from mcml_service.storage.database import Database
 from tests.builders import bvh, description, one_kind, served, upload
 
 DESCRIPTION = description()

@@ -12,7 +12,7 @@ from fastapi.testclient import TestClient
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.cells import read_cell, safe_cell
+from mcml_service.cells import read_cell, safe_cell
 from tests.api.asked import API
 from tests.builders import bvh, one_kind, upload
 

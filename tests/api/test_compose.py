@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.demo import body
-from service.formats import FORMATS
-from service.motion.clip import ClipStream
-from service.motion.resizing import scale, turn_up
+from mcml.formats import FORMATS
+from mcml.motion.clip import ClipStream
+from mcml.motion.resizing import scale, turn_up
+from mcml_service.demo import body
 from tests.builders import bvh, c3d_file, one_kind
 
 API = "/api/v1"

@@ -19,12 +19,12 @@ import httpx
 import pytest
 import uvicorn
 
-from service.api.connections import BACKLOG, connections_of
-from service.app import create_app
-from service.settings import Settings
-from service.storage.database import Database
-from service.xpath.limits import Limits
-from service.xpath.query_pool import PooledQueries as Queries
+from mcml_service.api.connections import BACKLOG, connections_of
+from mcml_service.app import create_app
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.xpath.limits import Limits
+from mcml_service.xpath.query_pool import PooledQueries as Queries
 from tests.actions.test_import_failures import rows
 from tests.api.test_lanes import until
 from tests.builders import SECRET, bvh, one_kind, store
@@ -277,7 +277,7 @@ def test_half_open_sockets_leave_mcml_serve_answering(
         port = probe.getsockname()[1]
     with (tmp_path / "log").open("wb") as log:
         server = subprocess.Popen(
-            [sys.executable, "-m", "service.cli", "serve", "--port", str(port)],
+            [sys.executable, "-m", "mcml_service.cli", "serve", "--port", str(port)],
             env=environment,
             stdout=subprocess.DEVNULL,
             stderr=log,

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.operations.documents import Sort
+from mcml_service.operations.documents import Sort
 from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, upload
 
 API = "/api/v1"

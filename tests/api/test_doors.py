@@ -23,12 +23,12 @@ import uvicorn
 from fastapi.testclient import TestClient
 from starlette.datastructures import Headers
 
-from service.api.doors import FORWARDING
-from service.api.forwarded import as_the_client_sent_it
-from service.app import create_app
-from service.local_secret import NAME, keep_secret, read_secret
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.api.doors import FORWARDING
+from mcml_service.api.forwarded import as_the_client_sent_it
+from mcml_service.app import create_app
+from mcml_service.local_secret import NAME, keep_secret, read_secret
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.builders import SECRET, bvh
 
 DOCUMENTS = "/api/v1/documents"
@@ -326,7 +326,7 @@ def free_port() -> int:
 
 def test_a_server_that_was_not_told_where_it_listens_is_closed(run: Any, tmp_path: Path) -> None:
     port = free_port()
-    words = ("uvicorn", "--factory", "service.app:app_from_environment", "--host", "0.0.0.0", "--port", str(port))
+    words = ("uvicorn", "--factory", "mcml_service.app:app_from_environment", "--host", "0.0.0.0", "--port", str(port))
     _until_answers(port, run(*words))
     address = f"http://127.0.0.1:{port}{DOCUMENTS}"
     refused = httpx.get(address)
@@ -338,27 +338,27 @@ def test_a_server_that_was_not_told_where_it_listens_is_closed(run: Any, tmp_pat
 
 def test_commands_of_this_machine_go_on_behind_the_first_token(run: Any) -> None:
     port = free_port()
-    server = run("service.cli", "serve", "--port", str(port))
+    server = run("mcml_service.cli", "serve", "--port", str(port))
     assert "MCML Repository on" in server.stdout.readline()
     assert "until the first account or token is made" in server.stdout.readline()
     _until_answers(port, server)
     address = f"http://127.0.0.1:{port}"
     assert httpx.get(address + DOCUMENTS).status_code == 200
-    assert run("service.cli", "token", "add", "kim").wait(60) == 0
+    assert run("mcml_service.cli", "token", "add", "kim").wait(60) == 0
     assert httpx.get(address + DOCUMENTS).status_code == 401
     for where in (("--server", address), ()):
-        listed = run("service.cli", "ls", "--json", *where)
+        listed = run("mcml_service.cli", "ls", "--json", *where)
         assert '"total": 0' in listed.communicate(timeout=60)[0], where
         assert listed.returncode == 0
         # A command that works through the API itself.
-        assert run("service.cli", "jobs", "list", *where).wait(60) == 0, where
-    assert run("service.cli", "ls", "--server", address, MCML_TOKEN="mcml_wrong").wait(60) == 1
+        assert run("mcml_service.cli", "jobs", "list", *where).wait(60) == 0, where
+    assert run("mcml_service.cli", "ls", "--server", address, MCML_TOKEN="mcml_wrong").wait(60) == 1
 
 
 @pytest.mark.parametrize("how", [{"MCML_LOGIN": "always"}, {"MCML_HOST": "0.0.0.0"}])
 def test_a_closed_server_says_so_and_how_its_first_account_is_made(run: Any, how: dict[str, str]) -> None:
     port = free_port()
-    server = run("service.cli", "serve", "--port", str(port), **how)
+    server = run("mcml_service.cli", "serve", "--port", str(port), **how)
     server.stdout.readline()
     assert server.stdout.readline() == "Closed: requests need an account or a token.\n"
     told, code = "", None
@@ -376,7 +376,7 @@ def test_a_closed_server_says_so_and_how_its_first_account_is_made(run: Any, how
 
 @pytest.mark.parametrize(("name", "value"), [("MCML_TRUSTED_PROXIES", "nginx"), ("MCML_LOGIN", "never")])
 def test_settings_that_make_no_sense_are_named(run: Any, name: str, value: str) -> None:
-    command = run("service.cli", "ls", **{name: value})
+    command = run("mcml_service.cli", "ls", **{name: value})
     errors = command.communicate(timeout=60)[1]
     assert command.returncode == 1
     assert errors.startswith(f"mcml: {name}: ")

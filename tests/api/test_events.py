@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions.reading import read_news
-from service.storage.database import Database
+from mcml_service.actions.reading import read_news
+from mcml_service.storage.database import Database
 from tests.builders import bvh, store
 
 API = "/api/v1"

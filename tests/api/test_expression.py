@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions.analysing.use_result import Results
-from service.actions.importing.load_demo import add_clips
-from service.demo.face_takes import EXPRESSIONS, face_takes
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.actions.analysing.use_result import Results
+from mcml_service.actions.importing.load_demo import add_clips
+from mcml_service.demo.face_takes import EXPRESSIONS, face_takes
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.builders import one_kind
 from tests.jobs.test_jobs import wait
 

@@ -9,11 +9,11 @@ import pytest
 from fastapi.testclient import TestClient
 from sqlalchemy import text
 
-from service.app import create_app
-from service.errors import ConflictError
-from service.settings import Settings
-from service.storage.accounts import ROLES
-from service.storage.database import Database
+from mcml.errors import ConflictError
+from mcml_service.app import create_app
+from mcml_service.settings import Settings
+from mcml_service.storage.accounts import ROLES
+from mcml_service.storage.database import Database
 from tests.api.test_accounts import API, HOME, SHORT, WORDS, browser, form, team
 from tests.builders import SECRET, one_kind, served
 

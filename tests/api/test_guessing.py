@@ -8,12 +8,12 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from fastapi.testclient import TestClient
 
-from service import passwords
-from service.app import create_app
-from service.errors import AttemptsError, RequestError
-from service.settings import Settings
-from service.storage.attempts import attempt, count_attempt
-from service.storage.database import Database
+from mcml.errors import AttemptsError, RequestError
+from mcml_service import passwords
+from mcml_service.app import create_app
+from mcml_service.settings import Settings
+from mcml_service.storage.attempts import attempt, count_attempt
+from mcml_service.storage.database import Database
 from tests.builders import SECRET, one_kind
 
 pytestmark = pytest.mark.usefixtures("quick_hashes")

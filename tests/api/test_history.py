@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from fastapi.testclient import TestClient
 
-from service.storage.database import Database
+from mcml_service.storage.database import Database
 from tests.builders import ASF, amc, bvh, upload
 
 API = "/api/v1"

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 import pytest
 from fastapi.testclient import TestClient
 
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.builders import bvh, one_kind, served, upload
 
 API = "/api/v1"

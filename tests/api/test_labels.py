@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from fastapi.testclient import TestClient
 
-from service.demo import body
-from service.formats import FORMATS
-from service.storage.database import Database
+from mcml.formats import FORMATS
+from mcml_service.demo import body
+from mcml_service.storage.database import Database
 from tests.builders import bvh, c3d_file, one_kind, store
 
 API = "/api/v1"

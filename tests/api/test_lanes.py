@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from service.api import lanes
-from service.operations import OPERATIONS
-from service.settings import Settings
-from service.storage.database import Database
-from service.xpath.query_pool import PooledQueries as Queries
+from mcml_service.api import lanes
+from mcml_service.operations import OPERATIONS
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.xpath.query_pool import PooledQueries as Queries
 from tests.builders import bvh, one_kind, served, upload
 
 API = "/api/v1"

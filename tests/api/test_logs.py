@@ -12,11 +12,11 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from service.api.logs import Faults, JsonLine, Line
-from service.app import create_app
-from service.settings import Settings
-from service.storage.database import Database
-from service.xpath.query_pool import PooledQueries as Queries
+from mcml_service.api.logs import Faults, JsonLine, Line
+from mcml_service.app import create_app
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.xpath.query_pool import PooledQueries as Queries
 from tests.builders import SECRET, one_kind
 
 API = "/api/v1"

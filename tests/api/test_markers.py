@@ -7,8 +7,8 @@ import io
 import numpy as np
 from fastapi.testclient import TestClient
 
-from service.formats import FORMATS
-from service.formats.format import ReadOptions, SourceFile
+from mcml.formats import FORMATS
+from mcml.formats.format import ReadOptions, SourceFile
 from tests.builders import TRC, bvh, c3d_file, one_kind
 
 API = "/api/v1"

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions.importing.load_demo import add_clips
-from service.demo.dance_clips import dance_clip
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.actions.importing.load_demo import add_clips
+from mcml_service.demo.dance_clips import dance_clip
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.builders import one_kind
 from tests.jobs.test_jobs import wait
 

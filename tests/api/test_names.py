@@ -8,8 +8,8 @@ import unicodedata
 import pytest
 from fastapi.testclient import TestClient
 
-from service.mcml.dtd import violations
-from service.settings import Settings
+from mcml.language.dtd import violations
+from mcml_service.settings import Settings
 from tests.builders import MCML, bvh, one_kind, upload
 
 API = "/api/v1"

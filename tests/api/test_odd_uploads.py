@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.builders import ASF, amc, bvh, served
 
 API = "/api/v1"

@@ -18,11 +18,11 @@ from joserfc import jwt
 from joserfc.jwk import RSAKey
 from oidc_provider_mock import run_server_in_thread
 
-from service.api import openid
-from service.api.openid import BACK, FLOW_COOKIE, START, asking
-from service.app import create_app
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.api import openid
+from mcml_service.api.openid import BACK, FLOW_COOKIE, START, asking
+from mcml_service.app import create_app
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.builders import SECRET, one_kind
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")

@@ -8,13 +8,13 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions.keeping.purge_documents import purge_documents
-from service.api.doors import SHARED
-from service.app import create_app
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.identifiers import now
-from service.storage.presence import LASTS, presence
+from mcml_service.actions.keeping.purge_documents import purge_documents
+from mcml_service.api.doors import SHARED
+from mcml_service.app import create_app
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.identifiers import now
+from mcml_service.storage.presence import LASTS, presence
 from tests.builders import SECRET, bvh, one_kind, store
 
 API = "/api/v1"

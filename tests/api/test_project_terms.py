@@ -8,10 +8,10 @@ from typing import Any
 from fastapi.testclient import TestClient
 from sqlalchemy import func, select
 
-from service.operations import all_operations
-from service.operations.operation import Effect
-from service.storage.database import Database
-from service.storage.schema import metadata
+from mcml_service.operations import all_operations
+from mcml_service.operations.operation import Effect
+from mcml_service.storage.database import Database
+from mcml_service.storage.schema import metadata
 from tests.api.asked import API, filled, request_of, send
 from tests.builders import bvh, one_kind, served
 

@@ -12,14 +12,14 @@ import pytest
 from fastapi.testclient import TestClient
 from sqlalchemy import func, select
 
-from service.app import create_app
-from service.jobs.runner import Runner
-from service.operations import all_operations
-from service.operations.operation import Operation, Right
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.members import PROJECT_ROLES
-from service.storage.schema import metadata
+from mcml_service.app import create_app
+from mcml_service.jobs.runner import Runner
+from mcml_service.operations import all_operations
+from mcml_service.operations.operation import Operation, Right
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.members import PROJECT_ROLES
+from mcml_service.storage.schema import metadata
 from tests.api.asked import API, Things, commented, filled, labelled, request_of, send
 from tests.builders import SECRET, one_kind
 from tests.motion.bodies.made import person

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.demo import body
-from service.formats import FORMATS
+from mcml.formats import FORMATS
+from mcml_service.demo import body
 from tests.builders import one_kind
 
 API = "/api/v1"

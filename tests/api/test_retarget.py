@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.demo import body
-from service.formats import FORMATS
-from service.motion.resizing import turn_up
+from mcml.formats import FORMATS
+from mcml.motion.resizing import turn_up
+from mcml_service.demo import body
 from tests.builders import bvh, c3d_file, one_kind
 
 API = "/api/v1"

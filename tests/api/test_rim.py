@@ -13,9 +13,9 @@ import pyarrow.parquet as pq
 import pytest
 from fastapi.testclient import TestClient
 
-from service.app import create_app
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.app import create_app
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.builders import ASF, SECRET, amc, bvh, mcml_of, one_kind, served, upload
 
 API = "/api/v1"

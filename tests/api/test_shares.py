@@ -11,11 +11,11 @@ import pytest
 from fastapi.testclient import TestClient
 from sqlalchemy import text
 
-from service.api.doors import SHARED
-from service.app import create_app
-from service.operations import all_operations
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.api.doors import SHARED
+from mcml_service.app import create_app
+from mcml_service.operations import all_operations
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.api.asked import API, filled, request_of
 from tests.builders import SECRET, one_kind
 

@@ -10,8 +10,8 @@ from contextlib import suppress
 import pytest
 from sqlalchemy import make_url
 
-from service.errors import UnavailableError
-from service.storage.database import Database
+from mcml.errors import UnavailableError
+from mcml_service.storage.database import Database
 from tests import postgres
 from tests.builders import bvh, served, upload
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.api.streaming import PIECE, ahead, pieces
+from mcml_service.api.streaming import PIECE, ahead, pieces
 
 SIZES = st.sampled_from([0, 1, 1000, PIECE - 1, PIECE, PIECE + 1])
 

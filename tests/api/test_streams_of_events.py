@@ -8,13 +8,13 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from service.api import events
-from service.api.doors import SHARED
-from service.app import create_app
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.identifiers import now
-from service.storage.transaction import Transaction
+from mcml_service.api import events
+from mcml_service.api.doors import SHARED
+from mcml_service.app import create_app
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.identifiers import now
+from mcml_service.storage.transaction import Transaction
 from tests.builders import SECRET, bvh, one_kind, store
 
 pytestmark = one_kind

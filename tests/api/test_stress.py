@@ -10,7 +10,7 @@ from typing import Any
 
 from fastapi.testclient import TestClient
 
-from service.storage.database import Database
+from mcml_service.storage.database import Database
 from tests.builders import ASF, amc, bvh, store, upload
 
 API = "/api/v1"

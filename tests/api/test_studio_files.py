@@ -9,7 +9,7 @@ import anyio
 import pytest
 from fastapi.testclient import TestClient
 
-from service.api import studio
+from mcml_service.api import studio
 
 
 def test_a_file_that_is_built_again_while_it_is_sent_has_the_length_that_is_told(

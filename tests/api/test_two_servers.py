@@ -23,11 +23,11 @@ from fastapi.testclient import TestClient
 from sqlalchemy import Engine, TextClause, create_engine, make_url, text
 from sqlalchemy.exc import OperationalError
 
-from service.actions.reading.read_news import News
-from service.operations.call import Call
-from service.storage.database import Database
-from service.storage.dialects.postgresql import COMMIT_LOCK
-from service.storage.identifiers import now
+from mcml_service.actions.reading.read_news import News
+from mcml_service.operations.call import Call
+from mcml_service.storage.database import Database
+from mcml_service.storage.dialects.postgresql import COMMIT_LOCK
+from mcml_service.storage.identifiers import now
 from tests import postgres
 from tests.builders import bvh
 
@@ -44,7 +44,7 @@ def environment(url: str, folder: Path, **more: str) -> dict[str, str]:
 def serving(url: str, folder: Path, servers: int, *words: str) -> Iterator[list[str]]:
     """Addresses of servers of a store."""
     ports = [postgres.free_port() for _ in range(servers)]
-    command = [sys.executable, "-m", "service.cli", "serve", *words]
+    command = [sys.executable, "-m", "mcml_service.cli", "serve", *words]
     with (folder / "log").open("wb") as log:
         started = [
             subprocess.Popen([*command, "--port", str(port)], env=environment(url, folder), stdout=log, stderr=log)
@@ -180,7 +180,7 @@ def test_workers_of_one_server_are_one(database: Database, database_url: str, to
 
 def test_an_upgrade_by_two_at_once_is_one(kind: str, request: Any, tmp_path: Path) -> None:
     def upgraded(url: str) -> None:
-        command = [sys.executable, "-m", "service.cli", "db", "upgrade"]
+        command = [sys.executable, "-m", "mcml_service.cli", "db", "upgrade"]
         piped: Any = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "env": environment(url, tmp_path)}
         both = [subprocess.Popen(command, **piped) for _ in range(2)]
         said = [one.communicate(timeout=120)[0] for one in both]
@@ -203,7 +203,7 @@ def test_a_job_that_ended_by_a_slow_clock_is_told(database: Database, monkeypatc
     with database.read() as tx:
         news = News(tx.newest_commit(), now(), 0)
         assert [job.uuid for job in news.changed_jobs(tx)] == [uuid]
-    monkeypatch.setattr("service.storage.jobs.now", lambda: now(-timedelta(seconds=5)))
+    monkeypatch.setattr("mcml_service.storage.jobs.now", lambda: now(-timedelta(seconds=5)))
     with database.write() as tx:
         tx.jobs.end(uuid, "other", "done")
     with database.read() as tx:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.formats import NEEDED, WRITERS
+from mcml.formats import NEEDED, WRITERS
 from tests.builders import TRC, bvh, upload
 from tests.formats.scenes.reading import read_glb
 from tests.motion.bodies.made import person

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from service.storage.database import Database
+from mcml_service.storage.database import Database
 from tests.builders import bvh, store
 
 API = "/api/v1"

@@ -11,10 +11,10 @@ import pytest
 from fastapi.testclient import TestClient
 from lxml import etree
 
-from schemas.queries import QueryRequest
-from service.xpath.answer.writing import STREAMS
-from service.xpath.finding import addresses
-from service.xpath.queries import Queries
+from mcml_schemas.queries import QueryRequest
+from mcml_service.xpath.answer.writing import STREAMS
+from mcml_service.xpath.finding import addresses
+from mcml_service.xpath.queries import Queries
 from tests.builders import HTR, MCML, bvh, upload
 from tests.conftest import StoreOf
 

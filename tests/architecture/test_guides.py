@@ -15,7 +15,7 @@ GUIDES = (
     "README.md",
     "docs/glossary.md",
     "docs/security.md",
-    "service/xpath/README.md",
+    "service/mcml_service/xpath/README.md",
 )
 ROWS = re.findall(r"^\| (?!word )([^|-][^|]*) \| [^|]+ \| `([^`]+)` \|$", (ROOT / "docs/glossary.md").read_text(), re.M)
 

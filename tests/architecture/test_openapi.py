@@ -10,10 +10,10 @@ import pytest
 from lxml import etree
 from pydantic import BaseModel
 
-import schemas
-from schemas import examples
-from service.mcml import dtd
-from service.operations.analyses import offered
+import mcml_schemas
+from mcml.language import dtd
+from mcml_schemas import examples
+from mcml_service.operations.analyses import offered
 from tests.builders import description
 from tests.conftest import StoreOf
 
@@ -29,7 +29,7 @@ every_operation = pytest.mark.parametrize(("method", "path", "operation"), OPERA
 def models() -> dict[str, type[BaseModel]]:
     """Every model of the wire by its name."""
     found: dict[str, type[BaseModel]] = {}
-    for module in pkgutil.walk_packages(schemas.__path__, "schemas."):
+    for module in pkgutil.walk_packages(mcml_schemas.__path__, "mcml_schemas."):
         for name, value in vars(importlib.import_module(module.name)).items():
             if isinstance(value, type) and issubclass(value, BaseModel) and value.__module__ == module.name:
                 found[name] = value

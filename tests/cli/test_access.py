@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import pytest
 
-from mcml.client import Client
-from mcml.remote import Remote
-from service.settings import Settings
-from service.storage.database import Database
+from mcml.client.client import Client
+from mcml.client.remote import Remote
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.builders import bvh, served, store
 
 

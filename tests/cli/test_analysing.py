@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-import service.cli
-from service.actions.importing.load_demo import REACHES, add_clips
-from service.app import create_app
-from service.demo.dance_clips import dance_clip
-from service.demo.reach_clips import reach_clips
-from service.settings import Settings
-from service.storage.database import Database
+import mcml_service.cli
+from mcml_service.actions.importing.load_demo import REACHES, add_clips
+from mcml_service.app import create_app
+from mcml_service.demo.dance_clips import dance_clip
+from mcml_service.demo.reach_clips import reach_clips
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.api.test_doors import listening
 
 Run = Callable[..., tuple[int, str, str]]
@@ -48,7 +48,7 @@ def mcml(library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys:
         monkeypatch.setattr(sys, "argv", ["mcml", *words])
         capsys.readouterr()
         with pytest.raises(SystemExit) as ended:
-            service.cli.main()
+            mcml_service.cli.main()
         said = capsys.readouterr()
         code = ended.value.code
         return (code if isinstance(code, int) else 0), said.out, said.err

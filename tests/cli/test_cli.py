@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.cli import main
+from mcml_service.cli import main
 from tests.builders import ASF, HTR, MCML, amc, bvh
 
 Mcml = Callable[..., tuple[int, str, str]]
@@ -154,7 +154,7 @@ def test_the_same_commands_on_a_server(mcml: Mcml, tmp_path: Path) -> None:
         port = probe.getsockname()[1]
     address = f"http://127.0.0.1:{port}"
     environment = os.environ | {"XDG_DATA_HOME": str(tmp_path / "served")}
-    server = subprocess.Popen([sys.executable, "-m", "service.cli", "serve", "--port", str(port)], env=environment)
+    server = subprocess.Popen([sys.executable, "-m", "mcml_service.cli", "serve", "--port", str(port)], env=environment)
     try:
         for _ in range(300):
             try:

@@ -67,7 +67,7 @@ def test_names_of_any_bytes(mcml, tmp_path: Path) -> None:  # noqa: F811
     assert names >= {"걸음", "달리기", "für"}
     # A terminal that can show none of them.
     shown = subprocess.run(
-        [sys.executable, "-m", "service.cli", "ls", "--json"],
+        [sys.executable, "-m", "mcml_service.cli", "ls", "--json"],
         capture_output=True,
         cwd=tmp_path,
         env=environment(tmp_path) | {"PYTHONIOENCODING": "ascii"},
@@ -97,7 +97,7 @@ def test_nobody_reads_the_output(mcml, tmp_path: Path, words: tuple[str, ...]) -
     read_end, write_end = os.pipe()
     os.close(read_end)
     done = subprocess.run(
-        [sys.executable, "-m", "service.cli", *(word.format(id=uuid) for word in words)],
+        [sys.executable, "-m", "mcml_service.cli", *(word.format(id=uuid) for word in words)],
         stdout=write_end,
         stderr=subprocess.PIPE,
         cwd=tmp_path,
@@ -112,7 +112,7 @@ def test_an_import_goes_on_where_nobody_reads_what_it_says(mcml: Mcml, tmp_path:
         (tmp_path / f"take{number}.bvh").write_bytes(bvh(3, seed=number))
     read_end, write_end = os.pipe()
     os.close(read_end)
-    command = [sys.executable, "-m", "service.cli", "import", *(f"take{number}.bvh" for number in range(6))]
+    command = [sys.executable, "-m", "mcml_service.cli", "import", *(f"take{number}.bvh" for number in range(6))]
     done = subprocess.run(command, stdout=write_end, stderr=subprocess.PIPE, cwd=tmp_path, env=environment(tmp_path))
     os.close(write_end)
     assert (done.returncode, done.stderr) == (0, b"")
@@ -190,7 +190,7 @@ def test_what_is_purged_may_be_chosen(mcml: Mcml) -> None:  # noqa: F811
 
 def test_the_first_account_is_an_owners(mcml, monkeypatch: pytest.MonkeyPatch) -> None:  # noqa: F811
     """Neither an invitation nor a guest's account comes first."""
-    monkeypatch.setattr("service.cli.accounts._asked", lambda: "four words in a row")
+    monkeypatch.setattr("mcml_service.cli.accounts._asked", lambda: "four words in a row")
     for words in (("account", "invite"), ("account", "add", "lee"), ("account", "add", "lee", "--role", "member")):
         code, _, errors = mcml(*words)
         assert (code, "your own account first" in " ".join(errors.split())) == (1, True), (words, errors)

@@ -8,9 +8,9 @@ import pytest
 from sqlalchemy import text
 from typer.testing import CliRunner
 
-from service.actions.keeping.find_differing import Differing, look_for_differing
-from service.cli import app, differing
-from service.storage.database import Database
+from mcml_service.actions.keeping.find_differing import Differing, look_for_differing
+from mcml_service.cli import app, differing
+from mcml_service.storage.database import Database
 from tests.builders import bvh, c3d_file, one_kind, store
 from tests.c3d_writer import c3d_bytes
 from tests.formats.test_bvh_translation import LYING, row
@@ -36,7 +36,7 @@ def added(database: Database, name: str) -> str:
 def measured(database: Database, monkeypatch: pytest.MonkeyPatch) -> str:
     """A document of which a program before took angles and the like as markers."""
     with monkeypatch.context() as patch:
-        patch.setattr("service.formats.c3d.quantities_of", lambda said, labels: {})
+        patch.setattr("mcml.formats.c3d.quantities_of", lambda said, labels: {})
         return store(database, {"lab.c3d": c3d_bytes(POINTS, labels=LABELS, parameters=TYPED)}, project="lab")[0]
 
 
@@ -86,7 +86,7 @@ def test_up_that_was_guessed_otherwise(database: Database, shared: Path) -> None
 def test_files_of_laboratories(database: Database, shared: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     files = {name: (shared / "lab" / name).read_bytes() for name in ("s4_am_gait04.c3d", "hc030a05.c3d")}
     with monkeypatch.context() as patch:
-        patch.setattr("service.formats.c3d.quantities_of", lambda said, labels: {})
+        patch.setattr("mcml.formats.c3d.quantities_of", lambda said, labels: {})
         before = store(database, files)
     told = {one.id for one in found_in(database) if "stored as markers" in one.what}
     assert told == set(before)

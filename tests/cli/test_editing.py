@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from service.cli import app
-from service.demo import body
-from service.errors import McmlError
-from service.formats import FORMATS
+from mcml.errors import McmlError
+from mcml.formats import FORMATS
+from mcml_service.cli import app
+from mcml_service.demo import body
 from tests.builders import ASF, amc, bvh
 
 Run = Callable[..., str]

@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from mcml import folders
-from mcml.client import Client
-from mcml.folders import _stored, groups_of
-from mcml.pace import Pace
-from service.cli import bar as bars
-from service.errors import UnsupportedError
+from mcml.client import folders
+from mcml.client.client import Client
+from mcml.client.folders import _stored, groups_of
+from mcml.client.pace import Pace
+from mcml.errors import UnsupportedError
+from mcml_service.cli import bar as bars
 from tests.builders import ASF, amc, bvh, read_by
 from tests.cli.test_access import library as server  # noqa: F401
 from tests.cli.test_cli import Mcml, environment, mcml  # noqa: F401
@@ -150,7 +150,7 @@ def test_what_is_stored_is_derived_afterwards(mcml: Mcml, folder: Path, monkeypa
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("service.cli.deriving.derive_missing", stopped)
+        patch.setattr("mcml_service.cli.deriving.derive_missing", stopped)
         code, output, _ = mcml("import", "hand.mcml", MCML_DERIVE="yes")
     assert code == 130
     assert ("1 stored, 0 failed" in output, "mcml db derive goes on" in output) == (True, True)

@@ -10,10 +10,10 @@ import uvicorn
 from typer.testing import CliRunner
 
 import mcml
-from service.actions.keeping.keep_store import upgrade
-from service.cli import app
-from service.errors import McmlError, StoreError
-from service.storage.database import Database
+from mcml.errors import McmlError, StoreError
+from mcml_service.actions.keeping.keep_store import upgrade
+from mcml_service.cli import app
+from mcml_service.storage.database import Database
 from tests.builders import bvh, store
 from tests.storage.test_migrations import upgrade as upgrade_to
 
@@ -105,7 +105,7 @@ def test_without_room_for_the_copy_nothing_is_upgraded(older: Path, monkeypatch:
 
     database = Database(f"sqlite:///{older}")
     database.schema_versions()
-    monkeypatch.setattr("service.actions.keeping.keep_store.sqlite3.connect", small)
+    monkeypatch.setattr("mcml_service.actions.keeping.keep_store.sqlite3.connect", small)
     with pytest.raises(McmlError) as told:
         upgrade(database)
     assert "not upgraded" in told.value.what

@@ -9,9 +9,9 @@ import pytest
 import uvicorn
 from typer.testing import CliRunner
 
-from service import app as application
-from service.cli import app
-from service.settings import OTHERS, Settings, unknown_variables
+from mcml_service import app as application
+from mcml_service.cli import app
+from mcml_service.settings import OTHERS, Settings, unknown_variables
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 
 import mcml
-from mcml.client import Client
-from mcml.local import Local
-from mcml.remote import Remote
-from service.actions.importing.load_demo import demo_files
-from service.errors import ConflictError, McmlError, NotFoundError, RequestError
-from service.settings import Settings
-from service.storage.database import Database
+from mcml.client.client import Client
+from mcml.client.remote import Remote
+from mcml.errors import ConflictError, McmlError, NotFoundError, RequestError
+from mcml_service.actions.importing.load_demo import demo_files
+from mcml_service.local_store import Local
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.builders import ASF, amc, bvh, served, source
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -117,7 +117,7 @@ def test_changes_are_revisions(repo: mcml.Repository) -> None:
     assert clip.detail().unit == "cm"
     clip.delete()
     assert "other" not in [item.name for item in repo.documents()]
-    repo.call("restore_document", id=clip.id, if_match="*")
+    repo.operations.restore_document(id=clip.id, if_match="*")
     assert clip.refresh().project == "third"
 
 
@@ -192,7 +192,7 @@ def test_examples_of_docstrings_run(demo_folder: Path, name: str) -> None:
 def test_a_server_that_is_too_busy_is_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """With the whole of the file each time; other refusals are told at once."""
     waited: list[float] = []
-    monkeypatch.setattr("mcml.remote.time.sleep", waited.append)
+    monkeypatch.setattr("mcml.client.remote.time.sleep", waited.append)
     busy = {"type": "/docs/problems#busy-error", "title": "Busy error", "status": 503, "detail": "100 wait already."}
     share = busy | {"type": "/docs/problems#share-error", "status": 429}
     away = busy | {"type": "/docs/problems#unavailable-error"}
@@ -213,7 +213,7 @@ def test_a_server_that_is_too_busy_is_asked_again(monkeypatch: pytest.MonkeyPatc
     with pytest.raises(McmlError, match="100 wait"):
         client.call("list_documents")
     left += [busy] * 1000
-    monkeypatch.setattr("mcml.remote.BUSY", 1.0)
+    monkeypatch.setattr("mcml.client.remote.BUSY", 1.0)
     with pytest.raises(McmlError, match="100 wait"):
         client.call("list_documents")
     assert waited == [5, 5]

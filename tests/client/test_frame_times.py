@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 import mcml
-from service.actions.checking.check_names import check_frame_time
-from service.cli import app
-from service.errors import DocumentError, RequestError
+from mcml.errors import DocumentError, RequestError
+from mcml.files.check_names import check_frame_time
+from mcml_service.cli import app
 from tests.api.asked import API
 from tests.builders import ASF, MCML, amc, bvh, one_kind, upload
 

@@ -13,9 +13,9 @@ from typing import Any
 
 import pytest
 
-from service.app import create_app
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.app import create_app
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.api.test_doors import listening
 from tests.builders import SECRET, bvh, description, one_kind
 

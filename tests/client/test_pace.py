@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mcml.pace import FEWEST_SECONDS, LOOKED_BACK, Pace
+from mcml.client.pace import FEWEST_SECONDS, LOOKED_BACK, Pace
 
 
 class _Clock:

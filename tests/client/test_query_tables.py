@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import mcml
-from mcml.repository import Repository
-from service.errors import QueryError
-from service.storage.database import Database
+from mcml.client.repository import Repository
+from mcml.errors import QueryError
+from mcml_service.storage.database import Database
 from tests.builders import bvh, one_kind, store
 from tests.motion.bodies.made import person
 

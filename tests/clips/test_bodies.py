@@ -11,18 +11,18 @@ from fastapi.testclient import TestClient
 from numpy.typing import NDArray
 from sqlalchemy import text
 
-from service.actions.editing.change_document import add_labels, change_document, delete_document
-from service.actions.keeping.keep_room import prune_history
-from service.clips.bodies import Body, read_bodies
-from service.clips.derive import derive_missing
-from service.clips.read_clip import read_clip
-from service.errors import StoreError
-from service.motion.bodies.positions import UNSEEN, clip_positions, filled, rounded
-from service.motion.units import reading_of
-from service.storage import steps
-from service.storage.columns import Listed
-from service.storage.database import Database
-from service.storage.transaction import Transaction
+from mcml.errors import StoreError
+from mcml.motion.bodies.positions import UNSEEN, clip_positions, filled, rounded
+from mcml.motion.units import reading_of
+from mcml_service.actions.editing.change_document import add_labels, change_document, delete_document
+from mcml_service.actions.keeping.keep_room import prune_history
+from mcml_service.clips.bodies import Body, read_bodies
+from mcml_service.clips.derive import derive_missing
+from mcml_service.clips.read_clip import read_clip
+from mcml_service.storage import steps
+from mcml_service.storage.columns import Listed
+from mcml_service.storage.database import Database
+from mcml_service.storage.transaction import Transaction
 from tests.builders import TRC, bvh, store
 
 NAMES = ("Hips", "LeftUpLeg", "LeftLeg", "LeftFoot")
@@ -137,7 +137,7 @@ def test_what_is_damaged_counts_as_not_there(database: Database, damage: str) ->
 
 def test_it_can_be_stopped_and_goes_on(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     many(database)
-    monkeypatch.setattr("service.clips.derive.TOGETHER", 2)
+    monkeypatch.setattr("mcml_service.clips.derive.TOGETHER", 2)
 
     def stop(done: int, of: int) -> None:
         if done == 4:
@@ -152,7 +152,7 @@ def test_it_can_be_stopped_and_goes_on(database: Database, monkeypatch: pytest.M
 
 def test_documents_that_go_meanwhile_are_passed_over(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     uuids = many(database, 3)
-    monkeypatch.setattr("service.clips.derive.TOGETHER", 1)
+    monkeypatch.setattr("mcml_service.clips.derive.TOGETHER", 1)
     gone: list[str] = []
 
     def remove(done: int, of: int) -> None:

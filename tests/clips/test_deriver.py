@@ -11,21 +11,21 @@ from random import Random
 import pytest
 from sqlalchemy import text
 
-from schemas.frames import FrameEdits
-from service.actions.editing.change_document import add_labels, change_document, delete_document
-from service.actions.editing.change_frames import edit_frames
-from service.api import traffic
-from service.clips import derive, deriver
-from service.clips.bodies import MADE, read_bodies
-from service.clips.derive import derive_missing
-from service.clips.deriver import Deriver
-from service.clips.read_clip import Skeletons
-from service.errors import UnavailableError
-from service.settings import Settings
-from service.storage.columns import Listed
-from service.storage.database import Database
-from service.xpath.library.caches import Caches
-from service.xpath.library.search import index_poses
+from mcml.errors import UnavailableError
+from mcml_schemas.frames import FrameEdits
+from mcml_service.actions.editing.change_document import add_labels, change_document, delete_document
+from mcml_service.actions.editing.change_frames import edit_frames
+from mcml_service.api import traffic
+from mcml_service.clips import derive, deriver
+from mcml_service.clips.bodies import MADE, read_bodies
+from mcml_service.clips.derive import derive_missing
+from mcml_service.clips.deriver import Deriver
+from mcml_service.clips.read_clip import Skeletons
+from mcml_service.settings import Settings
+from mcml_service.storage.columns import Listed
+from mcml_service.storage.database import Database
+from mcml_service.xpath.library.caches import Caches
+from mcml_service.xpath.library.search import index_poses
 from tests.builders import bvh, one_kind, served, store
 
 NAMES = ("Hips", "LeftUpLeg", "LeftLeg", "LeftFoot")

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.clips.bodies import read_bodies, read_turned
-from service.clips.derive import derive_missing
-from service.motion.skeleton import Array
-from service.storage.database import Database
+from mcml.motion.skeleton import Array
+from mcml_service.clips.bodies import read_bodies, read_turned
+from mcml_service.clips.derive import derive_missing
+from mcml_service.storage.database import Database
 from tests.builders import one_kind, store
 from tests.motion.bodies.made import PARTS, person
 

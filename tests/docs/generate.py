@@ -8,12 +8,12 @@ from pathlib import Path
 import typer
 from typer.main import get_command
 
-from service.cli import app as cli
-from service.mcml import joint_names, motion_names
-from service.operations import all_operations
-from service.operations.operation import RIGHTS, Right
-from service.storage.accounts import ROLES
-from service.storage.members import PROJECT_ROLES
+from mcml.language import joint_names, motion_names
+from mcml_service.cli import app as cli
+from mcml_service.operations import all_operations
+from mcml_service.operations.operation import RIGHTS, Right
+from mcml_service.storage.accounts import ROLES
+from mcml_service.storage.members import PROJECT_ROLES
 from tests.builders import description
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"

@@ -26,10 +26,10 @@ sys.exit(code[0] if code else 70)
 
 def serve(path: str) -> None:
     """Run commands until this process is ended."""
-    import service.cli
-    import service.cli.commands
-    import service.operations.analyses
-    import service.xpath.queries  # noqa: F401  # what most commands need
+    import mcml_service.cli
+    import mcml_service.cli.commands
+    import mcml_service.operations.analyses
+    import mcml_service.xpath.queries  # noqa: F401  # what most commands need
 
     listener = socket.socket(socket.AF_UNIX)
     listener.bind(path)
@@ -58,7 +58,7 @@ def _run(wire: socket.socket) -> int:
     os.environ.clear()
     os.environ.update(environment)
     sys.argv = ["mcml", *arguments]
-    from service.cli import main
+    from mcml_service.cli import main
 
     code = 0
     try:

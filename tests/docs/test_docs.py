@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from pathlib import Path
 
 import pytest
 
-from service.formats import FORMATS, WRITERS
-from service.settings import Settings
+from mcml.formats import FORMATS, WRITERS
+from mcml_service.settings import Settings
+from tests.docs import signatures
 from tests.docs.generate import DOCS, PAGES, TABLES, renewed
 
 
@@ -16,6 +18,14 @@ from tests.docs.generate import DOCS, PAGES, TABLES, renewed
 def test_generated_tables_are_fresh(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     assert renewed(text) == text, "run `make docs`"
+
+
+def test_python_knows_the_operations_that_there_are() -> None:
+    for path, text in signatures.made().items():
+        kept = path.read_text(encoding="utf-8")
+        # The stub is laid out by ruff.
+        same = kept == text if path.suffix == ".json" else ast.dump(ast.parse(kept)) == ast.dump(ast.parse(text))
+        assert same, f"{path.name}: run `make docs`"
 
 
 def test_every_table_is_shown() -> None:

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from schemas.queries import NodeItem, QueryRequest
-from service.actions.importing.load_demo import load_people
-from service.motion.bodies.limb_angles import angle_names
-from service.settings import Settings
-from service.storage.database import Database
-from service.xpath.language.motion_functions import MOTION_FUNCTIONS
-from service.xpath.queries import Queries
+from mcml.motion.bodies.limb_angles import angle_names
+from mcml_schemas.queries import NodeItem, QueryRequest
+from mcml_service.actions.importing.load_demo import load_people
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.xpath.language.motion_functions import MOTION_FUNCTIONS
+from mcml_service.xpath.queries import Queries
 from tests.xpath.motion_twin import Asked, Document, Node, best_runs, read_documents
 
 TEXT = (Path(__file__).resolve().parents[2] / "docs" / "motion.md").read_text(encoding="utf-8")

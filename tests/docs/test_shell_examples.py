@@ -11,12 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from service.actions.importing.load_demo import demo_files
-from service.actions.reading.import_options import Label
-from service.app import create_app
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.filtering import DocumentFilter
+from mcml.files.import_options import Label
+from mcml_service.actions.importing.load_demo import demo_files
+from mcml_service.app import create_app
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.filtering import DocumentFilter
 from tests.api.test_doors import listening
 from tests.builders import SECRET, store
 from tests.docs.generate import DOCS

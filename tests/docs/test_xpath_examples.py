@@ -12,16 +12,16 @@ from typing import Any
 import pytest
 from lxml import etree
 
-from schemas.queries import NodeItem, QueryRequest, ScalarItem, ValueItem
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.actions.importing.load_demo import load_people
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.filtering import DocumentFilter
-from service.xpath.language.parse import parse
-from service.xpath.language.tree import Written
-from service.xpath.queries import Queries
-from service.xpath.xml.worker import Addresses, describe
+from mcml_schemas.queries import NodeItem, QueryRequest, ScalarItem, ValueItem
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.actions.importing.load_demo import load_people
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.xpath.language.parse import parse
+from mcml_service.xpath.language.tree import Written
+from mcml_service.xpath.queries import Queries
+from mcml_service.xpath.xml.worker import Addresses, describe
 
 TEXT = (Path(__file__).resolve().parents[2] / "docs" / "xpath.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"^\| [^|`]+ \| `(.+)` \|$", TEXT, re.MULTILINE)

@@ -11,10 +11,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.errors import ConversionError, FormatError, LimitError, McmlError, UnsupportedError
-from service.formats import FORMATS, find_format
-from service.formats.format import Format, Limits, ReadOptions, SourceFile
-from service.motion.clip import ClipStream, FrameBlock
+from mcml.errors import ConversionError, FormatError, LimitError, McmlError, UnsupportedError
+from mcml.formats import FORMATS, find_format
+from mcml.formats.format import Format, Limits, ReadOptions, SourceFile
+from mcml.motion.clip import ClipStream, FrameBlock
 
 Files = Mapping[str, bytes]
 

@@ -7,10 +7,10 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from service.errors import ConversionError, FormatError, LimitError
-from service.formats import FORMATS
-from service.formats.format import Limits, ReadOptions
-from service.motion.clip import ClipStream
+from mcml.errors import ConversionError, FormatError, LimitError
+from mcml.formats import FORMATS
+from mcml.formats.format import Limits, ReadOptions
+from mcml.motion.clip import ClipStream
 from tests.builders import ASF as LEG
 from tests.builders import amc
 from tests.formats.contract import FormatContract, frames, read, written

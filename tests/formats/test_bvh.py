@@ -7,10 +7,10 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from service.errors import FormatError, LimitError
-from service.formats import FORMATS
-from service.formats.format import Limits, ReadOptions
-from service.motion.clip import ClipStream
+from mcml.errors import FormatError, LimitError
+from mcml.formats import FORMATS
+from mcml.formats.format import Limits, ReadOptions
+from mcml.motion.clip import ClipStream
 from tests.formats.contract import FormatContract, frames, read, written
 
 HEAD = """HIERARCHY
@@ -242,7 +242,7 @@ def test_a_hierarchy_read_before_says_the_same(
         return clip.head, read_in_full, clip.notices
 
     first, again = said(), said()
-    monkeypatch.setattr("service.formats.bvh.LONGEST_SHARED", 0)
+    monkeypatch.setattr("mcml.formats.bvh.LONGEST_SHARED", 0)
     assert first == again == said()
 
 

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.errors import McmlError, Notice
-from service.formats.bvh_hierarchy import SharedHierarchy, read_hierarchy, shared_hierarchy
-from service.formats.bvh_plain import read_plain
-from service.formats.format import Limits
-from service.formats.lines import Encoding, Lines, Tokens
+from mcml.errors import McmlError, Notice
+from mcml.formats.bvh_hierarchy import SharedHierarchy, read_hierarchy, shared_hierarchy
+from mcml.formats.bvh_plain import read_plain
+from mcml.formats.format import Limits
+from mcml.formats.lines import Encoding, Lines, Tokens
 
 LIMITS = Limits(joints=12, depth=5, name=20)
 WORDS = ("ROOT", "JOINT", "End Site", "OFFSET", "CHANNELS", "{", "}", "0", "1.5", "3", "Xposition", "Zrotation", "a b")

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.formats import FORMATS
-from service.formats.bvh_translation import differing_translations, read_translations
-from service.formats.format import ReadOptions, SourceFile
-from service.motion.clip import ClipStream
+from mcml.formats import FORMATS
+from mcml.formats.bvh_translation import differing_translations, read_translations
+from mcml.formats.format import ReadOptions, SourceFile
+from mcml.motion.clip import ClipStream
 from tests.formats.contract import read
 
 BODY = """HIERARCHY

@@ -10,14 +10,14 @@ import ezc3d
 import numpy as np
 import pytest
 
-from service.errors import ConversionError, FormatError, LimitError, McmlError
-from service.formats import FORMATS
-from service.formats.c3d_quantities import kept_quantities
-from service.formats.format import Limits, ReadOptions
-from service.motion.clip import ClipHead, ClipStream, FrameBlock, full_shape
-from service.motion.conventions import convert
-from service.motion.markers import marker_skeleton
-from service.motion.skeleton import Convention
+from mcml.errors import ConversionError, FormatError, LimitError, McmlError
+from mcml.formats import FORMATS
+from mcml.formats.c3d_quantities import kept_quantities
+from mcml.formats.format import Limits, ReadOptions
+from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, full_shape
+from mcml.motion.conventions import convert
+from mcml.motion.markers import marker_skeleton
+from mcml.motion.skeleton import Convention
 from tests.builders import bvh, c3d_file
 from tests.formats.contract import frames, read, written
 

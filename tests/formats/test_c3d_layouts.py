@@ -9,7 +9,7 @@ import ezc3d
 import numpy as np
 import pytest
 
-from service.errors import FormatError, McmlError
+from mcml.errors import FormatError, McmlError
 from tests.c3d_writer import DEC, INTEL, MIPS, Value, c3d_bytes
 from tests.formats.contract import frames
 from tests.formats.test_c3d import clip_of, table

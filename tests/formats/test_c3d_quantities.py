@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.formats import FORMATS
-from service.formats.c3d import quantity_labels
-from service.formats.c3d_quantities import kept_quantities
-from service.formats.format import ReadOptions, SourceFile
-from service.mcml.elements import from_head
-from service.mcml.reader import read_document
-from service.mcml.writer import write_document
-from service.motion.clip import ClipStream, FrameBlock
+from mcml.formats import FORMATS
+from mcml.formats.c3d import quantity_labels
+from mcml.formats.c3d_quantities import kept_quantities
+from mcml.formats.format import ReadOptions, SourceFile
+from mcml.language.elements import from_head
+from mcml.language.reader import read_document
+from mcml.language.writer import write_document
+from mcml.motion.clip import ClipStream, FrameBlock
 from tests.c3d_writer import Value, c3d_bytes
 from tests.formats.contract import read, written
 
@@ -128,7 +128,7 @@ def test_a_file_of_quantities_alone_has_no_markers() -> None:
 
 
 def test_quantities_that_are_too_long_stay_in_the_kept_file(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("service.formats.c3d_quantities.MOST_TEXT", 100)
+    monkeypatch.setattr("mcml.formats.c3d_quantities.MOST_TEXT", 100)
     clip = clip_of(TYPED)
     assert kept_quantities(clip.head.sources[0].sections) == []
     assert any("the kept file has them" in notice.what for notice in clip.notices)

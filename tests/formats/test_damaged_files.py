@@ -10,10 +10,10 @@ import warnings
 import numpy as np
 import pytest
 
-from service.errors import McmlError
-from service.formats import FORMATS
-from service.formats.format import Limits, ReadOptions, SourceFile
-from service.mcml.reader import read_document
+from mcml.errors import McmlError
+from mcml.formats import FORMATS
+from mcml.formats.format import Limits, ReadOptions, SourceFile
+from mcml.language.reader import read_document
 from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, c3d_file
 from tests.c3d_writer import DEC, MIPS, c3d_bytes
 from tests.formats.contract import frames

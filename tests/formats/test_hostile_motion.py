@@ -7,9 +7,9 @@ import tracemalloc
 
 import pytest
 
-from service.errors import McmlError
-from service.formats import FORMATS
-from service.formats.format import ReadOptions, SourceFile
+from mcml.errors import McmlError
+from mcml.formats import FORMATS
+from mcml.formats.format import ReadOptions, SourceFile
 
 BVH = b"HIERARCHY\nROOT r\n{\nOFFSET 0 0 0\nCHANNELS 1 Xposition\n}\nMOTION\nFrames: 1000000\nFrame Time: 1\n"
 BODY = b"{\nOFFSET 0 0 0\n}\n"

@@ -7,10 +7,10 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from service.errors import FormatError, LimitError, UnsupportedError
-from service.formats import FORMATS
-from service.formats.format import Limits, ReadOptions
-from service.motion.clip import ClipStream
+from mcml.errors import FormatError, LimitError, UnsupportedError
+from mcml.formats import FORMATS
+from mcml.formats.format import Limits, ReadOptions
+from mcml.motion.clip import ClipStream
 from tests.builders import HTR
 from tests.builders import HTR_HEAD as HEAD
 from tests.builders import HTR_V1 as V1

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.errors import FormatError
-from service.formats import FORMATS, find_format
-from service.formats.format import ReadOptions, SourceFile
-from service.formats.repairs import offers, repaired
-from service.motion.clip import ClipStream
+from mcml.errors import FormatError
+from mcml.formats import FORMATS, find_format
+from mcml.formats.format import ReadOptions, SourceFile
+from mcml.formats.repairs import offers, repaired
+from mcml.motion.clip import ClipStream
 from tests.builders import ASF, HTR, TRC, amc, bvh
 from tests.formats.contract import read
 

@@ -9,18 +9,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.errors import ConversionError
-from service.formats import FORMATS, WRITERS
-from service.formats.opensim.angles import OPPOSITES, all_columns
-from service.mcml import motion_names
-from service.motion.bodies.calibration import calibrate
-from service.motion.bodies.quantities import compute
-from service.motion.bodies.turned_angles import turned_angle
-from service.motion.clip import ClipStream
-from service.motion.hub import rest_of
-from service.motion.kinematics import Walker
-from service.motion.skeleton import Convention
-from service.motion.units import reading_of
+from mcml.errors import ConversionError
+from mcml.formats import FORMATS, WRITERS
+from mcml.formats.opensim.angles import OPPOSITES, all_columns
+from mcml.language import motion_names
+from mcml.motion.bodies.calibration import calibrate
+from mcml.motion.bodies.quantities import compute
+from mcml.motion.bodies.turned_angles import turned_angle
+from mcml.motion.clip import ClipStream
+from mcml.motion.hub import rest_of
+from mcml.motion.kinematics import Walker
+from mcml.motion.skeleton import Convention
+from mcml.motion.units import reading_of
 from tests.builders import TRC
 from tests.formats.contract import read
 from tests.formats.scenes.clips import CLIPS, cut, hostile, without_joints

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from service.formats import FORMATS
-from service.formats.format import ReadOptions
-from service.formats.plausible_text import plausible_codecs
+from mcml.formats import FORMATS
+from mcml.formats.format import ReadOptions
+from mcml.formats.plausible_text import plausible_codecs
 from tests.builders import bvh
 from tests.formats.contract import read
 

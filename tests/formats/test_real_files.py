@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from scipy.spatial.distance import pdist
 
-from service.errors import FormatError
-from service.formats import FORMATS, find_format
-from service.formats.format import ReadOptions, SourceFile
-from service.motion.clip import ClipStream
-from service.motion.conventions import convert
-from service.motion.hub import rest_of
-from service.motion.kinematics import Walker
-from service.motion.skeleton import Convention
-from service.motion.units import reading_of
+from mcml.errors import FormatError
+from mcml.formats import FORMATS, find_format
+from mcml.formats.format import ReadOptions, SourceFile
+from mcml.motion.clip import ClipStream
+from mcml.motion.conventions import convert
+from mcml.motion.hub import rest_of
+from mcml.motion.kinematics import Walker
+from mcml.motion.skeleton import Convention
+from mcml.motion.units import reading_of
 from tests.formats.contract import read, written
 from tests.poses import rest_height
 

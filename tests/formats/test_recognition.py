@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from service.errors import FormatError, UnsupportedError
-from service.formats import FORMATS, NEEDED, UNSUPPORTED, WRITERS, find_format
+from mcml.errors import FormatError, UnsupportedError
+from mcml.formats import FORMATS, NEEDED, UNSUPPORTED, WRITERS, find_format
 
 LFS = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n"
 

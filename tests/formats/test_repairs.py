@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from service.formats.repairs import split_numbers, whole_frames
+from mcml.formats.repairs import split_numbers, whole_frames
 from tests.builders import ASF, amc, bvh
 
 API = "/api/v1"

@@ -11,13 +11,13 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from service.errors import ConversionError, FormatError
-from service.formats import FORMATS
-from service.formats.format import ReadOptions
-from service.motion.clip import ClipStream
-from service.motion.conventions import convert
-from service.motion.kinematics import Walker
-from service.motion.skeleton import Convention
+from mcml.errors import ConversionError, FormatError
+from mcml.formats import FORMATS
+from mcml.formats.format import ReadOptions
+from mcml.motion.clip import ClipStream
+from mcml.motion.conventions import convert
+from mcml.motion.kinematics import Walker
+from mcml.motion.skeleton import Convention
 from tests.builders import ASF, TRC, amc, bvh, c3d_file
 from tests.formats.contract import FormatContract, frames, read, written
 

@@ -12,18 +12,18 @@ from fastapi.testclient import TestClient
 from hypothesis import strategies as st
 from schemathesis import Case
 
-from schemas.jobs import Selection
-from service.actions.analysing.start_analysis import find_analysis, start_analysis
-from service.actions.importing.load_demo import add_clips
-from service.actions.reading.import_options import Label
-from service.analysis.catalogue import ANALYSES
-from service.demo.face_takes import EXPRESSIONS, face_takes
-from service.demo.reach_clips import reach_clips
-from service.jobs.runner import run_here
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.identifiers import new_uuid
-from service.xpath.queries import Queries
+from mcml.files.import_options import Label
+from mcml_schemas.jobs import Selection
+from mcml_service.actions.analysing.start_analysis import find_analysis, start_analysis
+from mcml_service.actions.importing.load_demo import add_clips
+from mcml_service.analysis.catalogue import ANALYSES
+from mcml_service.demo.face_takes import EXPRESSIONS, face_takes
+from mcml_service.demo.reach_clips import reach_clips
+from mcml_service.jobs.runner import run_here
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.identifiers import new_uuid
+from mcml_service.xpath.queries import Queries
 from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, c3d_file, mcml_of, store
 
 API = "/api/v1"

@@ -17,12 +17,12 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from service.api import doors
-from service.app import create_app
-from service.operations import all_operations
-from service.operations.operation import Effect
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.api import doors
+from mcml_service.app import create_app
+from mcml_service.operations import all_operations
+from mcml_service.operations.operation import Effect
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.builders import MCML, SECRET, bvh, upload
 
 API = "/api/v1"

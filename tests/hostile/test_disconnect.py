@@ -13,9 +13,9 @@ import httpx
 import pytest
 import uvicorn
 
-from service.app import create_app
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.app import create_app
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.actions.test_import_failures import rows
 from tests.builders import SECRET, bvh
 

@@ -15,8 +15,8 @@ import pytest
 from sqlalchemy import Connection
 from sqlalchemy.exc import OperationalError
 
-from service.storage.database import Database
-from service.storage.reserve import TO_OPEN
+from mcml_service.storage.database import Database
+from mcml_service.storage.reserve import TO_OPEN
 from tests.builders import one_kind
 
 ALONE = ["unshare", "-rm"]
@@ -27,10 +27,10 @@ import json, os, sys
 from contextlib import suppress
 from pathlib import Path
 from typer.testing import CliRunner
-from service.cli import app
-from service.errors import SpaceError
-from service.storage import reserve
-from service.storage.database import Database
+from mcml_service.cli import app
+from mcml.errors import SpaceError
+from mcml_service.storage import reserve
+from mcml_service.storage.database import Database
 from tests.builders import bvh, served, store
 
 reserve.BYTES = 2 << 20

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.errors import ConversionError
-from service.storage.database import Database
+from mcml.errors import ConversionError
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.storage.database import Database
 from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, store, upload
 
 API = "/api/v1"
@@ -80,7 +80,7 @@ def test_nothing_is_printed(tmp_path: Path) -> None:
             path.write_bytes(content)
             names.append(path.name)
     for command in (["import", *names], ["convert", names[0], "out.htr"], ["convert", names[2], "out.amc"]):
-        words = [sys.executable, "-m", "service.cli", *command]
+        words = [sys.executable, "-m", "mcml_service.cli", *command]
         done = subprocess.run(words, cwd=tmp_path, env=env, capture_output=True, text=True, check=False)
         assert "Warning" not in done.stderr, done.stderr
         assert "Traceback" not in done.stderr, done.stderr

@@ -15,18 +15,18 @@ import pytest
 from sqlalchemy import Connection, Table, and_, select, update
 from sqlalchemy.exc import SQLAlchemyError
 
-from schemas.queries import QueryRequest
-from service.actions.editing.change_document import add_labels, change_document, delete_document
-from service.actions.editing.edit_element import Change
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.errors import McmlError
-from service.settings import Settings
-from service.storage.checks import faults
-from service.storage.database import Database
-from service.storage.filtering import DocumentFilter
-from service.storage.schema import metadata
-from service.storage.transaction import Transaction
-from service.xpath.queries import Queries
+from mcml.errors import McmlError
+from mcml_schemas.queries import QueryRequest
+from mcml_service.actions.editing.change_document import add_labels, change_document, delete_document
+from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.settings import Settings
+from mcml_service.storage.checks import faults
+from mcml_service.storage.database import Database
+from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.schema import metadata
+from mcml_service.storage.transaction import Transaction
+from mcml_service.xpath.queries import Queries
 from tests import postgres
 from tests.builders import ASF, HTR, MCML, amc, bvh, c3d_file, store
 from tests.edits import change_element

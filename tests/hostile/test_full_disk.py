@@ -13,8 +13,8 @@ import pytest
 from fastapi.testclient import TestClient
 from sqlalchemy import event, text
 
-from service.actions.importing import import_motion, keep_upload
-from service.storage.database import Database
+from mcml_service.actions.importing import import_motion, keep_upload
+from mcml_service.storage.database import Database
 from tests.actions.test_import_failures import rows
 from tests.builders import bvh, upload
 

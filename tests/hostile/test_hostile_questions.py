@@ -19,7 +19,7 @@ import psutil
 import pytest
 from hypothesis import settings
 
-from service.storage.database import Database
+from mcml_service.storage.database import Database
 from tests.api.test_lanes import until
 from tests.builders import bvh, one_kind, store
 from tests.hostile.hostile_expressions import hostile_expression
@@ -98,7 +98,7 @@ def served(url: str, folder: Path) -> Iterator[tuple[httpx.Client, Resident]]:
     """A server of its own, and what it takes."""
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
-    command = [sys.executable, "-m", "service.cli", "serve", "--port", str(port)]
+    command = [sys.executable, "-m", "mcml_service.cli", "serve", "--port", str(port)]
     with (folder / "said.txt").open("wb") as said:
         server = subprocess.Popen(command, env=environment(url, folder), stdout=said, stderr=said, process_group=0)
     try:
@@ -163,7 +163,7 @@ def test_an_owner_sees_running_questions_and_ends_one(database_url: str, databas
 @pytest.mark.parametrize("name", ["pattern", "doubled nodes", "doubled text", "range of ranges", "deep predicates"])
 def test_no_question_takes_all_of_a_command(name: str, database_url: str, database: Database, tmp_path: Path) -> None:
     store(database, {"a.bvh": bvh(200)})
-    command = [sys.executable, "-m", "service.cli", "xpath", BOMBS[name]]
+    command = [sys.executable, "-m", "mcml_service.cli", "xpath", BOMBS[name]]
     with (
         subprocess.Popen(
             command, env=environment(database_url, tmp_path), stdout=subprocess.PIPE, stderr=subprocess.STDOUT

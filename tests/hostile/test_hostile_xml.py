@@ -8,9 +8,9 @@ from io import BytesIO, RawIOBase
 
 import pytest
 
-from service.errors import DocumentError, LimitError
-from service.mcml import dtd
-from service.mcml.reader import Limits, read_document
+from mcml.errors import DocumentError, LimitError
+from mcml.language import dtd
+from mcml.language.reader import Limits, read_document
 
 HEAD = b'<mcml version="1.0"><header/><skeleton><bone><name>a</name></bone></skeleton>'
 BOMB = b'<?xml version="1.0"?><!DOCTYPE mcml [<!ENTITY a "aaaaaaaaaa">' + b"".join(

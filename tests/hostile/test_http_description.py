@@ -36,8 +36,8 @@ from schemathesis.specs.openapi.checks import (
     status_code_conformance,
 )
 
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.builders import description, served
 from tests.hostile.library import FILES, Library
 

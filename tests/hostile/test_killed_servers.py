@@ -20,8 +20,8 @@ from typing import Any
 import httpx
 import pytest
 
-from service.storage.database import Database
-from service.storage.jobs import ENDED
+from mcml_service.storage.database import Database
+from mcml_service.storage.jobs import ENDED
 from tests.api.test_lanes import until
 from tests.builders import bvh, store
 from tests.motion.bodies.made import person
@@ -56,7 +56,11 @@ class Scene:
         environment["XDG_DATA_HOME"] = str(self.folder)
         said = (self.folder / "said.txt").open("ab")
         started = subprocess.Popen(
-            [sys.executable, "-m", "service.cli", *command], env=environment, stdout=said, stderr=said, process_group=0
+            [sys.executable, "-m", "mcml_service.cli", *command],
+            env=environment,
+            stdout=said,
+            stderr=said,
+            process_group=0,
         )
         self.commands.append(started)
         return started

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from fastapi import FastAPI
 
-from schemas.queries import QueryRequest
-from service.storage.database import Database
+from mcml_schemas.queries import QueryRequest
+from mcml_service.storage.database import Database
 from tests.builders import one_kind, served
 
 

@@ -10,15 +10,15 @@ import pytest
 from fastapi.testclient import TestClient
 from hypothesis import settings
 
-from schemas.jobs import Selection
-from service.actions.analysing.start_analysis import find_analysis, start_analysis
-from service.analysis.catalogue import ANALYSES
-from service.clips.derive import derive_missing
-from service.errors import McmlError
-from service.jobs.runner import run_here
-from service.settings import Settings
-from service.storage.database import Database
-from service.xpath.queries import Queries
+from mcml.errors import McmlError
+from mcml_schemas.jobs import Selection
+from mcml_service.actions.analysing.start_analysis import find_analysis, start_analysis
+from mcml_service.analysis.catalogue import ANALYSES
+from mcml_service.clips.derive import derive_missing
+from mcml_service.jobs.runner import run_here
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.xpath.queries import Queries
 from tests.builders import one_kind, store
 from tests.motion.bodies.made import person
 from tests.odd_documents import ODD, odd_document

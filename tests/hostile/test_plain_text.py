@@ -11,10 +11,10 @@ import pytest
 from fastapi.testclient import TestClient
 from lxml import etree
 
-from service.app import create_app
-from service.passwords import MOST, hashed, opens
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.app import create_app
+from mcml_service.passwords import MOST, hashed, opens
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.builders import SECRET, bvh, one_kind, upload
 
 API = "/api/v1"

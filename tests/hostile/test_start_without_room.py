@@ -11,11 +11,11 @@ import pytest
 import uvicorn
 from uvicorn.lifespan.on import LifespanOn
 
-from service.errors import SpaceError, StoreError
-from service.jobs.runner import Runner
-from service.settings import Settings
-from service.storage import reserve
-from service.storage.database import Database
+from mcml.errors import SpaceError, StoreError
+from mcml_service.jobs.runner import Runner
+from mcml_service.settings import Settings
+from mcml_service.storage import reserve
+from mcml_service.storage.database import Database
 from tests.builders import one_kind, served
 
 

@@ -8,8 +8,8 @@ import zipfile
 
 from fastapi.testclient import TestClient
 
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.builders import ASF, HTR, MCML, amc, bvh, served
 
 API = "/api/v1"

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from service.app import create_app
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.app import create_app
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.api.test_doors import listening
 from tests.integrations.addon import Blender, Served
 

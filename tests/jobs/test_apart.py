@@ -15,14 +15,14 @@ import numpy as np
 import pytest
 from sqlalchemy import select
 
-from service.actions.importing.load_demo import add_clips
-from service.demo.dance_clips import dance_clip
-from service.jobs.apart import StoredMotions
-from service.jobs.cluster import Cluster
-from service.jobs.worker import Refused, on_dask, perform
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.tables import document
+from mcml_service.actions.importing.load_demo import add_clips
+from mcml_service.demo.dance_clips import dance_clip
+from mcml_service.jobs.apart import StoredMotions
+from mcml_service.jobs.cluster import Cluster
+from mcml_service.jobs.worker import Refused, on_dask, perform
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.tables import document
 from tests.builders import one_kind
 
 Inputs = list[dict[str, Any]]

@@ -12,12 +12,12 @@ from distributed import KilledWorker
 from distributed.client import FutureCancelledError
 from sqlalchemy import update
 
-from service.jobs.runner import Runner
-from service.jobs.worker import Refused
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.jobs import StoredJob
-from service.storage.work_tables import job as jobs
+from mcml_service.jobs.runner import Runner
+from mcml_service.jobs.worker import Refused
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.jobs import StoredJob
+from mcml_service.storage.work_tables import job as jobs
 from tests.builders import one_kind
 
 SAID = {"detail": "what the analysis itself said"}
@@ -91,7 +91,7 @@ def ended(database: Database, uuid: str, workers: Workers, monkeypatch: pytest.M
                 done.set()
 
     monkeypatch.setattr(Runner, "_drive", driven)
-    monkeypatch.setattr("service.jobs.runner.LOOK_SECONDS", 0.001)
+    monkeypatch.setattr("mcml_service.jobs.runner.LOOK_SECONDS", 0.001)
     runner = Runner(database, Settings(job_workers=1))
     monkeypatch.setattr(runner, "_cluster", workers)
     runner.start()

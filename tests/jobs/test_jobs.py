@@ -17,14 +17,14 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-import service.jobs.runner
-from service.actions.importing.load_demo import REACHES, add_clips
-from service.analysis.interface import Part
-from service.demo.reach_clips import reach_clips
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.filtering import DocumentFilter
-from service.storage.jobs import ENDED
+import mcml_service.jobs.runner
+from mcml_service.actions.importing.load_demo import REACHES, add_clips
+from mcml_service.analysis.interface import Part
+from mcml_service.demo.reach_clips import reach_clips
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.jobs import ENDED
 from tests.builders import one_kind, served
 
 API = "/api/v1"
@@ -76,7 +76,7 @@ def instead(monkeypatch: pytest.MonkeyPatch, work: Callable[..., Any]) -> None:
         return work(*arguments)
 
     cloudpickle.register_pickle_by_value(__import__("sys").modules[__name__])
-    monkeypatch.setattr(service.jobs.runner, "on_dask", sent)
+    monkeypatch.setattr(mcml_service.jobs.runner, "on_dask", sent)
 
 
 def test_a_model_is_fitted_used_and_deleted(server: TestClient, database: Database) -> None:
@@ -187,8 +187,8 @@ def endless(urls: tuple[str, str | None], uuid: str, *_: Any) -> None:
     """Work that tells of itself for ever, and looks whether it shall end."""
     from distributed import get_worker
 
-    from service.jobs.worker import CancelledError
-    from service.storage.database import Database
+    from mcml_service.jobs.worker import CancelledError
+    from mcml_service.storage.database import Database
 
     store = Database(urls[0])
     while True:
@@ -221,7 +221,7 @@ def test_a_running_job_is_cancelled(server: TestClient, monkeypatch: pytest.Monk
 @one_kind
 @pytest.mark.fuzz
 def test_a_worker_that_does_not_listen_is_killed(own_server: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(service.jobs.runner, "KILL_SECONDS", 0.5)
+    monkeypatch.setattr(mcml_service.jobs.runner, "KILL_SECONDS", 0.5)
     instead(monkeypatch, deaf)
     job = start(own_server)
     wait(own_server, job, lambda found: found["stage"] == "deaf")
@@ -275,7 +275,7 @@ def test_a_job_whose_server_was_killed_is_taken_up(database: Database, monkeypat
         ]
     with database.write() as tx:
         # As a server leaves it that is killed in the middle: running, its lease not yet over.
-        monkeypatch.setattr("service.storage.jobs.LEASE_SECONDS", 0.5)
+        monkeypatch.setattr("mcml_service.storage.jobs.LEASE_SECONDS", 0.5)
         uuid = tx.jobs.add(
             tx.projects.get(REACHES), "reach", "a model", "kim", inputs, {"components": 4}, runner="a dead one"
         )

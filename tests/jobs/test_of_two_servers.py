@@ -14,7 +14,7 @@ import httpx
 import psutil
 import pytest
 
-from service.storage.database import Database
+from mcml_service.storage.database import Database
 from tests import postgres
 from tests.api.test_two_servers import API, environment, is_ready, until
 from tests.jobs.test_jobs import fill, start, wait
@@ -25,7 +25,7 @@ class Server:
 
     def __init__(self, url: str, folder: Path, token: str) -> None:
         port = postgres.free_port()
-        command = [sys.executable, "-m", "service.cli", "serve", "--port", str(port)]
+        command = [sys.executable, "-m", "mcml_service.cli", "serve", "--port", str(port)]
         with (folder / "log").open("ab") as log:
             self.process = subprocess.Popen(command, env=environment(url, folder), stdout=log, stderr=log)
         self.address = f"http://127.0.0.1:{port}"

@@ -10,13 +10,13 @@ from typing import Any
 
 import pytest
 
-from service.errors import StoreError, UnavailableError
-from service.jobs.runner import Runner, keep_outcome
-from service.jobs.worker import Refused
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.jobs import StoredJob
-from service.storage.transaction import Transaction
+from mcml.errors import StoreError, UnavailableError
+from mcml_service.jobs.runner import Runner, keep_outcome
+from mcml_service.jobs.worker import Refused
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.jobs import StoredJob
+from mcml_service.storage.transaction import Transaction
 
 
 @pytest.mark.parametrize("method", ["read", "write"])
@@ -42,7 +42,7 @@ def test_jobs_go_on_when_the_store_is_back(
         taken.append(job.uuid)
         ended.set()
 
-    monkeypatch.setattr("service.jobs.runner.LOOK_SECONDS", 0.001)
+    monkeypatch.setattr("mcml_service.jobs.runner.LOOK_SECONDS", 0.001)
     monkeypatch.setattr(Runner, "_drive", drive)
     monkeypatch.setattr(database, method, seldom)
     runner = Runner(database, settings)
@@ -79,9 +79,9 @@ class Work:
 
 def test_a_job_outlives_an_outage(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     """Twice while a worker does it, and once when it is begun, after which it is begun anew."""
-    monkeypatch.setattr("service.storage.jobs.LEASE_SECONDS", 0.2)
+    monkeypatch.setattr("mcml_service.storage.jobs.LEASE_SECONDS", 0.2)
     for name, value in (("LOOK_SECONDS", 0.001), ("NEWS_SECONDS", 0.001), ("LEASE_SECONDS", 0.004)):
-        monkeypatch.setattr(f"service.jobs.runner.{name}", value)
+        monkeypatch.setattr(f"mcml_service.jobs.runner.{name}", value)
     with database.write() as tx:
         uuid = tx.jobs.add(tx.projects.get_or_add("lab"), "reach", "a model", "kim", [], {})
     work, calls, ended = Work(), [0], threading.Event()
@@ -105,7 +105,7 @@ def test_a_job_outlives_an_outage(database: Database, monkeypatch: pytest.Monkey
 
     monkeypatch.setattr(Runner, "_tell", seldom)
     monkeypatch.setattr(Runner, "_end", ending)
-    monkeypatch.setattr("service.jobs.runner.keep_outcome", kept)
+    monkeypatch.setattr("mcml_service.jobs.runner.keep_outcome", kept)
     runner = Runner(database, Settings(job_workers=1))
     monkeypatch.setattr(runner, "_cluster", SimpleNamespace(client=work.client, close=lambda: None))
     runner.start()

@@ -7,13 +7,13 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions.importing.load_demo import add_clips
-from service.analysis.catalogue import ANALYSES
-from service.analysis.interface import silent
-from service.demo.dance_clips import dance_clip
-from service.jobs.worker import Refused, perform
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.actions.importing.load_demo import add_clips
+from mcml_service.analysis.catalogue import ANALYSES
+from mcml_service.analysis.interface import silent
+from mcml_service.demo.dance_clips import dance_clip
+from mcml_service.jobs.worker import Refused, perform
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.builders import bvh, one_kind, upload
 from tests.jobs.test_jobs import wait
 

@@ -18,10 +18,10 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
-from service.errors import StoreError
-from service.jobs.cluster import Cluster
-from service.settings import Settings
-from service.storage.database import Database
+from mcml.errors import StoreError
+from mcml_service.jobs.cluster import Cluster
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests import postgres
 from tests.builders import served
 from tests.jobs.test_jobs import API, dying, fill, instead, start, wait

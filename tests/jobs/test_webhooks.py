@@ -14,13 +14,13 @@ from fastapi.testclient import TestClient
 from sqlalchemy import select, update
 from standardwebhooks import Webhook
 
-from service.actions.keeping.keep_room import forget_activity
-from service.app import create_app
-from service.jobs import webhooks
-from service.jobs.webhooks import Sender, is_public
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.webhooks import RETRY_SECONDS, delivery
+from mcml_service.actions.keeping.keep_room import forget_activity
+from mcml_service.app import create_app
+from mcml_service.jobs import webhooks
+from mcml_service.jobs.webhooks import Sender, is_public
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.webhooks import RETRY_SECONDS, delivery
 from tests.builders import SECRET, bvh, one_kind, store
 from tests.jobs.conftest import Receiver
 

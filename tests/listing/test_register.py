@@ -8,15 +8,15 @@ from random import Random
 
 import pytest
 
-from service.actions.editing import change_document as changes
-from service.actions.keeping.purge_documents import purge_documents
-from service.errors import McmlError
-from service.listing import register as registers
-from service.listing.register import Register
-from service.storage import facets
-from service.storage.database import Database
-from service.storage.filtering import DocumentFilter
-from service.storage.orders import NEWEST, TYPES, Order
+from mcml.errors import McmlError
+from mcml_service.actions.editing import change_document as changes
+from mcml_service.actions.keeping.purge_documents import purge_documents
+from mcml_service.listing import register as registers
+from mcml_service.listing.register import Register
+from mcml_service.storage import facets
+from mcml_service.storage.database import Database
+from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.orders import NEWEST, TYPES, Order
 from tests.builders import TRC, bvh, one_kind, store
 from tests.edits import OTHER_SEEDS
 

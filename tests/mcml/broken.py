@@ -12,11 +12,11 @@ from typing import Any
 
 from lxml import etree
 
-from service.errors import DocumentError
-from service.mcml import dtd
-from service.mcml.element import Element
-from service.mcml.lexical import is_decimal, unescape
-from service.mcml.reader import read_document
+from mcml.errors import DocumentError
+from mcml.language import dtd
+from mcml.language.element import Element
+from mcml.language.lexical import is_decimal, unescape
+from mcml.language.reader import read_document
 from tests.mcml.samples import captures, generated, hand_written
 
 

@@ -1,7 +1,7 @@
 """The content models of `mcml.dtd`, read from its text: what an element must hold, and which sequences it may.
 
 Written anew for the tests, from the text of the DTD to regular expressions of Python, so that it shares nothing with
-libxml2 nor with `service.mcml.content`.
+libxml2 nor with `mcml.language.content`.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import re
 from collections.abc import Mapping
 from functools import cache
 
-from service.resources import dtd_path
+from mcml.resources import dtd_path
 
 _ELEMENT = re.compile(r"<!ELEMENT\s+(\S+)\s+(.*?)>", re.DOTALL)
 _ATTRIBUTES = re.compile(r"<!ATTLIST\s+(\S+)\s+(.*?)>", re.DOTALL)

@@ -7,12 +7,12 @@ from io import BytesIO
 
 from hypothesis import Phase, given, seed, settings
 
-from service.demo import body, face
-from service.formats import FORMATS
-from service.formats.format import ReadOptions, SourceFile
-from service.mcml.elements import from_head
-from service.mcml.writer import write_document
-from service.motion.clip import ClipStream
+from mcml.formats import FORMATS
+from mcml.formats.format import ReadOptions, SourceFile
+from mcml.language.elements import from_head
+from mcml.language.writer import write_document
+from mcml.motion.clip import ClipStream
+from mcml_service.demo import body, face
 from tests.builders import ASF, HTR, MCML, amc, bvh
 from tests.mcml.strategies import documents, small_document
 

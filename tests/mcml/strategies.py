@@ -7,10 +7,10 @@ from io import BytesIO
 import numpy as np
 from hypothesis import strategies as st
 
-from service.mcml.elements import from_head
-from service.mcml.writer import Layout, write_document
-from service.motion.clip import ClipHead, FrameBlock, SourcePart, full_shape
-from service.motion.skeleton import CHANNELS, Convention, EndSite, Joint, Skeleton, unique_names
+from mcml.language.elements import from_head
+from mcml.language.writer import Layout, write_document
+from mcml.motion.clip import ClipHead, FrameBlock, SourcePart, full_shape
+from mcml.motion.skeleton import CHANNELS, Convention, EndSite, Joint, Skeleton, unique_names
 
 LEXEMES = st.sampled_from(["0", "-0", "1.0", "5.7300", "-160.5", ".5", "+1", "4.48953e-011", "-0.0", "1e3"])
 TRIPLES = st.tuples(LEXEMES, LEXEMES, LEXEMES)

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.errors import VocabularyError
-from service.mcml.joint_names import RIGS, NamingReport, named, root_candidates, table, translate
-from service.motion.skeleton import Convention, Joint, Skeleton
+from mcml.errors import VocabularyError
+from mcml.language.joint_names import RIGS, NamingReport, named, root_candidates, table, translate
+from mcml.motion.skeleton import Convention, Joint, Skeleton
 from tests.builders import assign
 from tests.mcml.strategies import NAMES
 

@@ -7,12 +7,12 @@ from typing import Any
 import pytest
 from lxml import etree
 
-from service.errors import DocumentError
-from service.mcml import dtd, vocabulary
-from service.mcml.content import declarations
-from service.mcml.elements import Element, mcml_element
-from service.motion.skeleton import CHANNELS
-from service.resources import dtd_path
+from mcml.errors import DocumentError
+from mcml.language import dtd, vocabulary
+from mcml.language.content import declarations
+from mcml.language.elements import Element, mcml_element
+from mcml.motion.skeleton import CHANNELS
+from mcml.resources import dtd_path
 from tests.mcml.samples import FIGURES
 from tests.mcml.strategies import small_document
 

@@ -7,14 +7,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lxml import etree
 
-from service.errors import DocumentError
-from service.mcml import dtd
-from service.mcml.element import Element, leaf
-from service.mcml.elements import addresses, check_counts, from_head, refresh_counts, to_head
-from service.mcml.lexical import escape, is_decimal, join_list, split_list, unescape
-from service.mcml.writer import write_element
-from service.motion.clip import ClipHead
-from service.motion.skeleton import Convention
+from mcml.errors import DocumentError
+from mcml.language import dtd
+from mcml.language.element import Element, leaf
+from mcml.language.elements import addresses, check_counts, from_head, refresh_counts, to_head
+from mcml.language.lexical import escape, is_decimal, join_list, split_list, unescape
+from mcml.language.writer import write_element
+from mcml.motion.clip import ClipHead
+from mcml.motion.skeleton import Convention
 from tests.mcml.strategies import HARD_TEXTS, heads
 
 

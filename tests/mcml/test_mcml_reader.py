@@ -11,14 +11,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.errors import DocumentError
-from service.mcml import dtd, reader
-from service.mcml.elements import from_head, to_head
-from service.mcml.reader import McmlDocument, read_document
-from service.mcml.repeats import match
-from service.mcml.writer import Layout, write_document
-from service.motion.clip import ClipHead, FrameBlock, Shape
-from service.motion.skeleton import CHANNELS
+from mcml.errors import DocumentError
+from mcml.language import dtd, reader
+from mcml.language.elements import from_head, to_head
+from mcml.language.reader import McmlDocument, read_document
+from mcml.language.repeats import match
+from mcml.language.writer import Layout, write_document
+from mcml.motion.clip import ClipHead, FrameBlock, Shape
+from mcml.motion.skeleton import CHANNELS
 from tests.mcml.strategies import blocks, heads, small_document
 
 Frame = tuple[str, tuple[str, ...], tuple[tuple[int, int, tuple[bytes, ...]], ...]]

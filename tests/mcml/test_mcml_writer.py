@@ -8,14 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lxml import etree
 
-from service.errors import DocumentError
-from service.mcml import dtd
-from service.mcml.content import declarations
-from service.mcml.elements import from_head
-from service.mcml.lexical import escape
-from service.mcml.writer import Layout, write_document, write_frames
-from service.motion.clip import ClipHead, FrameBlock
-from service.motion.skeleton import CHANNELS
+from mcml.errors import DocumentError
+from mcml.language import dtd
+from mcml.language.content import declarations
+from mcml.language.elements import from_head
+from mcml.language.lexical import escape
+from mcml.language.writer import Layout, write_document, write_frames
+from mcml.motion.clip import ClipHead, FrameBlock
+from mcml.motion.skeleton import CHANNELS
 from tests.mcml.strategies import FINITE, blocks, documents, heads, small_document
 
 

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.errors import VocabularyError
-from service.mcml import lexical, motion_names
-from service.mcml.joint_names import table
-from service.mcml.motion_names import SIDES, MotionName, canonical, movements, parse, parts
+from mcml.errors import VocabularyError
+from mcml.language import lexical, motion_names
+from mcml.language.joint_names import table
+from mcml.language.motion_names import SIDES, MotionName, canonical, movements, parse, parts
 
 # The table of movements as anatomy books have it, in the letters of its column heads.
 F, E, AB, AD = "flexion", "extension", "abduction", "adduction"

@@ -16,9 +16,9 @@ from typing import Any
 import pytest
 from lxml import etree
 
-from service.errors import DocumentError
-from service.mcml import dtd
-from service.mcml.reader import read_document
+from mcml.errors import DocumentError
+from mcml.language import dtd
+from mcml.language.reader import read_document
 from tests.mcml.models import may_have, may_hold, models, required
 from tests.mcml.samples import captures, generated, hand_written
 

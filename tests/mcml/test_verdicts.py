@@ -7,9 +7,9 @@ from random import Random
 
 import pytest
 
-from service.errors import DocumentError
-from service.mcml import dtd
-from service.mcml.reader import read_document
+from mcml.errors import DocumentError
+from mcml.language import dtd
+from mcml.language.reader import read_document
 from tests.mcml.broken import (
     broken_documents,
     clip_verdict,

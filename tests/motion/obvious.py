@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from service.motion.clip import ClipStream
-from service.motion.skeleton import CHANNELS, Convention, Joint, numbers
-from service.motion.units import reading_of
+from mcml.motion.clip import ClipStream
+from mcml.motion.skeleton import CHANNELS, Convention, Joint, numbers
+from mcml.motion.units import reading_of
 
 
 def positions(clip: ClipStream) -> np.ndarray:

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from service.motion.clip import ClipHead, ClipStream, FrameBlock, full_shape
-from service.motion.skeleton import CHANNEL_INDEX, Convention, EndSite, Joint, Skeleton, Triple
+from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, full_shape
+from mcml.motion.skeleton import CHANNEL_INDEX, Convention, EndSite, Joint, Skeleton, Triple
 
 ORDERS = ("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
 FORMAT_OF = {Convention.LISTED: "bvh", Convention.FIXED: "asf-amc", Convention.BASE: "htr"}

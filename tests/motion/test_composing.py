@@ -11,13 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from service.errors import ConversionError
-from service.motion.clip import ClipStream, FrameBlock, full_shape
-from service.motion.composing import LARGEST_JUMP, Composed, Piece, compose, layered
-from service.motion.frames import in_columns
-from service.motion.hub import HubReader
-from service.motion.skeleton import Array, Convention, Joint, Skeleton
-from service.motion.units import Reading, reading_of
+from mcml.errors import ConversionError
+from mcml.motion.clip import ClipStream, FrameBlock, full_shape
+from mcml.motion.composing import LARGEST_JUMP, Composed, Piece, compose, layered
+from mcml.motion.frames import in_columns
+from mcml.motion.hub import HubReader
+from mcml.motion.skeleton import Array, Convention, Joint, Skeleton
+from mcml.motion.units import Reading, reading_of
 from tests import fuzz
 from tests.formats.test_real_files import opened
 from tests.motion.random_clips import random_clip

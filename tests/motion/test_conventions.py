@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.errors import ConversionError
-from service.motion.clip import ClipStream, full_shape
-from service.motion.conventions import convert, scale, turn_up
-from service.motion.skeleton import CHANNELS, Convention, Joint, Skeleton
-from service.motion.units import metres_per_unit
+from mcml.errors import ConversionError
+from mcml.motion.clip import ClipStream, full_shape
+from mcml.motion.conventions import convert, scale, turn_up
+from mcml.motion.skeleton import CHANNELS, Convention, Joint, Skeleton
+from mcml.motion.units import metres_per_unit
 from tests import fuzz
 from tests.motion import obvious
 from tests.motion.random_clips import random_clip

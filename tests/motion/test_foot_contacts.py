@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from service.motion.foot_contacts import contacts, hysteresis, sliding, two_bones
-from service.numerics.runs import find_true
+from mcml.motion.foot_contacts import contacts, hysteresis, sliding, two_bones
+from mcml.numerics.runs import find_true
 
 UP = np.array([0.0, 1.0, 0.0])
 

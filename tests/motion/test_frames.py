@@ -10,15 +10,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation, Slerp
 
-from service.errors import ConversionError
-from service.motion.clip import ClipStream, FrameBlock, full_shape
-from service.motion.frames import adjusted, eased, in_columns, joined, reversed_frames
-from service.motion.hub import HubReader
-from service.motion.resampling import frame_places, resampled, sampled
-from service.motion.rotation_vectors import angle_between
-from service.motion.skeleton import Array, Convention, Joint, Skeleton
-from service.motion.smoothing import smoothed
-from service.motion.units import reading_of
+from mcml.errors import ConversionError
+from mcml.motion.clip import ClipStream, FrameBlock, full_shape
+from mcml.motion.frames import adjusted, eased, in_columns, joined, reversed_frames
+from mcml.motion.hub import HubReader
+from mcml.motion.resampling import frame_places, resampled, sampled
+from mcml.motion.rotation_vectors import angle_between
+from mcml.motion.skeleton import Array, Convention, Joint, Skeleton
+from mcml.motion.smoothing import smoothed
+from mcml.motion.units import reading_of
 from tests import fuzz
 from tests.formats.test_real_files import opened
 from tests.motion.random_clips import random_clip

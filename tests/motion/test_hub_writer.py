@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
-from service.motion.clip import ClipStream, FrameBlock, full_shape
-from service.motion.hub import HubReader
-from service.motion.hub_writer import HubWriter, Known, angles_of
-from service.motion.rotation_vectors import angle_between, from_vector, to_vector, twist
-from service.motion.rotations import from_euler
-from service.motion.skeleton import Array, Convention, Joint, Skeleton
-from service.motion.units import reading_of
+from mcml.motion.clip import ClipStream, FrameBlock, full_shape
+from mcml.motion.hub import HubReader
+from mcml.motion.hub_writer import HubWriter, Known, angles_of
+from mcml.motion.rotation_vectors import angle_between, from_vector, to_vector, twist
+from mcml.motion.rotations import from_euler
+from mcml.motion.skeleton import Array, Convention, Joint, Skeleton
+from mcml.motion.units import reading_of
 from tests import fuzz
 from tests.formats.test_real_files import opened
 from tests.motion.random_clips import ORDERS, random_clip

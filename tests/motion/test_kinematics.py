@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.motion import hub
-from service.motion.clip import FrameBlock, full_shape
-from service.motion.hub import rest_of
-from service.motion.kinematics import Walker, rest_positions
-from service.motion.rotations import rotate
-from service.motion.skeleton import Convention, EndSite, Joint, Skeleton, once_a_skeleton
-from service.motion.units import reading_of
+from mcml.motion import hub
+from mcml.motion.clip import FrameBlock, full_shape
+from mcml.motion.hub import rest_of
+from mcml.motion.kinematics import Walker, rest_positions
+from mcml.motion.rotations import rotate
+from mcml.motion.skeleton import Convention, EndSite, Joint, Skeleton, once_a_skeleton
+from mcml.motion.units import reading_of
 from tests.motion import obvious
 from tests.motion.random_clips import random_clip
 from tests.poses import global_positions, global_rotations

@@ -10,15 +10,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.errors import ConversionError
-from service.motion.clip import ClipStream, FrameBlock, full_shape
-from service.motion.frames import joined
-from service.motion.hub import HubReader, walked
-from service.motion.mirroring import mirrored, own_plane
-from service.motion.rotation_vectors import angle_between
-from service.motion.sides import Sagittal, is_left, partners, sagittal
-from service.motion.skeleton import Array, Convention, Joint, Skeleton
-from service.motion.units import reading_of
+from mcml.errors import ConversionError
+from mcml.motion.clip import ClipStream, FrameBlock, full_shape
+from mcml.motion.frames import joined
+from mcml.motion.hub import HubReader, walked
+from mcml.motion.mirroring import mirrored, own_plane
+from mcml.motion.rotation_vectors import angle_between
+from mcml.motion.sides import Sagittal, is_left, partners, sagittal
+from mcml.motion.skeleton import Array, Convention, Joint, Skeleton
+from mcml.motion.units import reading_of
 from tests import fuzz
 from tests.builders import assign
 from tests.formats.test_real_files import opened

@@ -13,15 +13,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from service.errors import ConversionError
-from service.mcml.motion_names import MotionName, parse, parts
-from service.motion.anatomical_axes import PARTS
-from service.motion.frames import joined
-from service.motion.hub import HubReader, rest_of
-from service.motion.lexemes import triple
-from service.motion.movement_names import CIRCLING, Suggestion, suggest_movements
-from service.motion.skeleton import Array, Convention, EndSite, Joint, Skeleton
-from service.motion.units import reading_of
+from mcml.errors import ConversionError
+from mcml.language.motion_names import MotionName, parse, parts
+from mcml.motion.anatomical_axes import PARTS
+from mcml.motion.frames import joined
+from mcml.motion.hub import HubReader, rest_of
+from mcml.motion.lexemes import triple
+from mcml.motion.movement_names import CIRCLING, Suggestion, suggest_movements
+from mcml.motion.skeleton import Array, Convention, EndSite, Joint, Skeleton
+from mcml.motion.units import reading_of
 from tests import fuzz
 from tests.builders import assign
 from tests.formats.test_real_files import opened

@@ -12,20 +12,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from service.errors import ConversionError
-from service.motion.bone_mapping import Match, check_matches, suggest_matches
-from service.motion.clip import FrameBlock, full_shape
-from service.motion.frames import joined
-from service.motion.hinges import best_twist, beyond_limits
-from service.motion.hub import HubReader
-from service.motion.hub_writer import HubWriter
-from service.motion.lexemes import triple
-from service.motion.resizing import scale
-from service.motion.retarget import Retargeted, retarget
-from service.motion.rotation_vectors import angle_between
-from service.motion.rotations import from_euler, inverse, multiply
-from service.motion.skeleton import Array, Convention, Joint, Skeleton, numbers
-from service.motion.units import Reading, reading_of
+from mcml.errors import ConversionError
+from mcml.motion.bone_mapping import Match, check_matches, suggest_matches
+from mcml.motion.clip import FrameBlock, full_shape
+from mcml.motion.frames import joined
+from mcml.motion.hinges import best_twist, beyond_limits
+from mcml.motion.hub import HubReader
+from mcml.motion.hub_writer import HubWriter
+from mcml.motion.lexemes import triple
+from mcml.motion.resizing import scale
+from mcml.motion.retarget import Retargeted, retarget
+from mcml.motion.rotation_vectors import angle_between
+from mcml.motion.rotations import from_euler, inverse, multiply
+from mcml.motion.skeleton import Array, Convention, Joint, Skeleton, numbers
+from mcml.motion.units import Reading, reading_of
 from tests import fuzz
 from tests.builders import assign
 from tests.formats.test_real_files import opened

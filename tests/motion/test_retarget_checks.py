@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.errors import ConversionError
-from service.motion.bone_mapping import suggest_matches
-from service.motion.clip import ClipStream, FrameBlock
-from service.motion.frames import joined
-from service.motion.retarget import retarget
-from service.motion.skeleton import Skeleton
+from mcml.errors import ConversionError
+from mcml.motion.bone_mapping import suggest_matches
+from mcml.motion.clip import ClipStream, FrameBlock
+from mcml.motion.frames import joined
+from mcml.motion.retarget import retarget
+from mcml.motion.skeleton import Skeleton
 from tests.clips.test_references import floating
 from tests.motion.bodies.made import PARTS, clip_of, person
 from tests.poses import global_positions

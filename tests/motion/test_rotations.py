@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation, Slerp
 
-from service.motion.rotations import (
+from mcml.motion.rotations import (
     IDENTITY,
     from_euler,
     from_fixed_euler,

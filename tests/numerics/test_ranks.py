@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from service.numerics.ranks import median, percentile
+from mcml.numerics.ranks import median, percentile
 
 FINITE = st.floats(-1e6, 1e6, allow_subnormal=False)
 VALUES = arrays.arrays(np.float64, st.integers(1, 60), elements=FINITE)

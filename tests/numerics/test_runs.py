@@ -9,8 +9,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.numerics import runs
-from service.numerics.runs import find_consecutive, find_equal, find_starts, find_true
+from mcml.numerics import runs
+from mcml.numerics.runs import find_consecutive, find_equal, find_starts, find_true
 
 small = st.lists(st.integers(-2, 3), max_size=12)
 

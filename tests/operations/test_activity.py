@@ -11,14 +11,14 @@ import pytest
 from fastapi.testclient import TestClient
 from sqlalchemy import select, text, update
 
-from service.actions.keeping.keep_room import forget_activity
-from service.actions.keeping.purge_documents import purge_documents
-from service.app import create_app
-from service.errors import ConflictError
-from service.settings import Settings
-from service.storage.activity import EventFilter, event
-from service.storage.database import Database
-from service.storage.tables import document, revision
+from mcml.errors import ConflictError
+from mcml_service.actions.keeping.keep_room import forget_activity
+from mcml_service.actions.keeping.purge_documents import purge_documents
+from mcml_service.app import create_app
+from mcml_service.settings import Settings
+from mcml_service.storage.activity import EventFilter, event
+from mcml_service.storage.database import Database
+from mcml_service.storage.tables import document, revision
 from tests.builders import SECRET, bvh, one_kind, store
 
 API = "/api/v1"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.storage.database import Database
+from mcml_service.storage.database import Database
 from tests.builders import bvh, store
 
 API = "/api/v1/documents"

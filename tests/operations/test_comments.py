@@ -10,11 +10,11 @@ import pytest
 from fastapi.testclient import TestClient
 from sqlalchemy import text
 
-from service.actions.keeping.keep_store import backup, restore
-from service.actions.keeping.purge_documents import purge_documents
-from service.app import create_app
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.actions.keeping.keep_store import backup, restore
+from mcml_service.actions.keeping.purge_documents import purge_documents
+from mcml_service.app import create_app
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.builders import SECRET, bvh, one_kind, store
 
 API = "/api/v1"

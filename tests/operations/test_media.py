@@ -7,8 +7,8 @@ import pytest
 from fastapi.testclient import TestClient
 from sqlalchemy import text
 
-from service.actions.keeping.purge_documents import purge_documents
-from service.storage.database import Database
+from mcml_service.actions.keeping.purge_documents import purge_documents
+from mcml_service.storage.database import Database
 from tests.builders import bvh, store
 
 API = "/api/v1/documents"

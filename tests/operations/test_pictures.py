@@ -14,16 +14,16 @@ import pytest
 from fastapi.testclient import TestClient
 from PIL import Image
 
-from schemas.analyses.dance import BeatsParameters, DanceParameters, GraphParameters
-from schemas.analyses.expression import ExpressionParameters
-from schemas.analyses.reach import ReachParameters
-from service.analysis.catalogue import ANALYSES
-from service.analysis.dance.analyses import BEATS, DANCE, MOTION_GRAPH
-from service.analysis.expression_space.analyses import EXPRESSION
-from service.analysis.interface import Part, Parts, silent
-from service.analysis.reach_blending.analyses import REACH
-from service.storage.database import Database
-from service.storage.results import BLOCK_BYTES
+from mcml_schemas.analyses.dance import BeatsParameters, DanceParameters, GraphParameters
+from mcml_schemas.analyses.expression import ExpressionParameters
+from mcml_schemas.analyses.reach import ReachParameters
+from mcml_service.analysis.catalogue import ANALYSES
+from mcml_service.analysis.dance.analyses import BEATS, DANCE, MOTION_GRAPH
+from mcml_service.analysis.expression_space.analyses import EXPRESSION
+from mcml_service.analysis.interface import Part, Parts, silent
+from mcml_service.analysis.reach_blending.analyses import REACH
+from mcml_service.storage.database import Database
+from mcml_service.storage.results import BLOCK_BYTES
 from tests.analysis.dance.motions import generated as dances
 from tests.analysis.expression.face_motions import motions as faces
 from tests.analysis.reach.reach_motions import generated as reaches

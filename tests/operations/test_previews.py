@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.motion.skeleton import Array
-from service.storage.database import Database
+from mcml.motion.skeleton import Array
+from mcml_service.storage.database import Database
 from tests.builders import bvh, store
 from tests.operations.test_viewing import TWO_LEGS
 

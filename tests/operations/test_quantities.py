@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.motion.bodies.quantities import QUANTITIES
-from service.storage.database import Database
+from mcml.motion.bodies.quantities import QUANTITIES
+from mcml_service.storage.database import Database
 from tests.builders import bvh, one_kind, store
 from tests.motion.bodies.made import person
 from tests.xpath.motion_twin import read_documents
@@ -101,7 +101,7 @@ def test_what_is_not_known_is_nan_and_empty_in_tables(client: TestClient, databa
         ({"quantity": "angle:left-knee-flexoin"}, 422, ["not the name of an angle", "left-knee-flexion"]),
         ({"quantity": "angle:Root,Head"}, 422, ["three joints"]),
         ({"quantity": "position:Head,w"}, 422, ["no axis", "front"]),
-        ({"quantity": "height:tail"}, 404, ["no bone 'tail'", "It has: Root"]),
+        ({"quantity": "height:tail"}, 404, ["no bone 'tail'", "There are: Root"]),
         ({"quantity": "time", "space": "positions"}, 422, ["beside channels"]),
         ({"quantity": "time", "format": "json"}, 422, ["beside channels"]),
         ({"quantity": "time", "format": "block", "reduce": "minmax"}, 422, ["beside channels"]),

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions.reading import reduce_frames
-from service.motion.skeleton import Array
-from service.storage.database import Database
+from mcml.motion.skeleton import Array
+from mcml_service.actions.reading import reduce_frames
+from mcml_service.storage.database import Database
 from tests import fuzz
 from tests.builders import TRC, bvh, store
 

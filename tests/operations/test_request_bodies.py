@@ -10,9 +10,9 @@ import pytest
 from fastapi.testclient import TestClient
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from schemas.examples import example_of
-from schemas.request_body import RequestBody
-from service.operations import all_operations
+from mcml_schemas.examples import example_of
+from mcml_schemas.request_body import RequestBody
+from mcml_service.operations import all_operations
 from tests.api.asked import API
 from tests.builders import bvh, one_kind, upload
 

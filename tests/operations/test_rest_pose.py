@@ -10,10 +10,10 @@ from fastapi.testclient import TestClient
 from typer.testing import CliRunner
 
 import mcml
-from mcml.local import Local
-from service.cli import app
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.cli import app
+from mcml_service.local_store import Local
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.builders import bvh, store
 
 WANTED = [[0.0, 0.0, 0.0], [0.0, 10.5, 0.0], [0.0, 21.0, 0.0]]
@@ -34,7 +34,7 @@ def test_over_http(client: TestClient, uuid: str) -> None:
 
 def test_in_python(database: Database, uuid: str) -> None:
     with mcml.Repository(Local(database, Settings())) as repo:
-        np.testing.assert_array_equal(repo.call("get_rest_pose", id=uuid).positions, WANTED)
+        np.testing.assert_array_equal(repo.operations.get_rest_pose(id=uuid).positions, WANTED)
 
 
 def test_on_the_command_line(database: Database, uuid: str) -> None:

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.motion.bodies.poses import NEEDS, at_rate, motion_distances, pose_distances
-from service.motion.skeleton import Array, Convention
-from service.storage.database import Database
+from mcml.motion.bodies.poses import NEEDS, at_rate, motion_distances, pose_distances
+from mcml.motion.skeleton import Array, Convention
+from mcml_service.storage.database import Database
 from tests.builders import TRC, bvh, one_kind, store
 from tests.conftest import StoreOf
 from tests.motion.bodies.made import PARTS, person

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.motion.skeleton import Array
+from mcml.motion.skeleton import Array
 from tests.builders import bvh, upload
 
 API = "/api/v1"

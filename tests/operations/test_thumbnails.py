@@ -11,9 +11,9 @@ import pytest
 from fastapi.testclient import TestClient
 from sqlalchemy import text
 
-from service.actions.reading import make_thumbnail
-from service.actions.reading.make_thumbnail import read_thumbnail
-from service.storage.database import Database
+from mcml_service.actions.reading import make_thumbnail
+from mcml_service.actions.reading.make_thumbnail import read_thumbnail
+from mcml_service.storage.database import Database
 from tests import thumbnails as mt1
 from tests.builders import TRC, bvh, c3d_file, store, upload
 
@@ -119,7 +119,7 @@ def test_nothing_to_draw(client: TestClient) -> None:
 
 
 def test_pictures_go_with_their_document(database: Database, client: TestClient) -> None:
-    from service.actions.keeping.purge_documents import purge_documents
+    from mcml_service.actions.keeping.purge_documents import purge_documents
 
     purge_documents(database, store(database, {"walk.bvh": bvh(30)}))
     assert kept(database) == []
@@ -128,7 +128,7 @@ def test_pictures_go_with_their_document(database: Database, client: TestClient)
 def test_real_clips_are_within_a_pixel(shared: Path) -> None:
     """95 of 100 joints of the loop, at 160 pixels height, between poses too."""
     import mcml
-    from service.actions.reading.make_thumbnail import _Drawing, poses_of
+    from mcml_service.actions.reading.make_thumbnail import _Drawing, poses_of
 
     files = sorted((shared / "bvh/bandai").glob("*walk*.bvh"))[:3]
     assert files

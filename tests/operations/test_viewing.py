@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.motion.skeleton import Array
-from service.storage.database import Database
+from mcml.motion.skeleton import Array
+from mcml_service.storage.database import Database
 from tests.builders import ASF as LEG
 from tests.builders import HTR, TRC, amc, bvh, store, upload
 

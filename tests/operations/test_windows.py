@@ -8,8 +8,8 @@ import pytest
 from fastapi.testclient import TestClient
 from lxml import etree
 
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.builders import ASF, amc, bvh, served, store, upload
 from tests.conftest import StoreOf
 

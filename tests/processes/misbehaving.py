@@ -7,7 +7,7 @@ import resource
 import signal
 import sys
 
-from service.processes.bounds import bound_memory, end_after
+from mcml_service.processes.bounds import bound_memory, end_after
 
 
 def main() -> None:

@@ -10,8 +10,8 @@ from pathlib import Path
 import psutil
 import pytest
 
-from service.errors import FormatError, LimitError
-from service.processes.programs import Watch, end_program, run_reader, start_program
+from mcml.errors import FormatError, LimitError
+from mcml_service.processes.programs import Watch, end_program, run_reader, start_program
 
 MISBEHAVING = "tests.processes.misbehaving"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 
-from service.processes.turns import Turns
+from mcml_service.processes.turns import Turns
 
 
 def test_who_waits_is_served_in_turn() -> None:

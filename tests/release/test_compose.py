@@ -20,8 +20,8 @@ import yaml
 from prometheus_client.parser import text_string_to_metric_families
 from sqlalchemy import make_url
 
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests import postgres
 from tests.api.test_two_servers import is_ready, until
 from tests.jobs.test_jobs import fill, start, wait
@@ -30,7 +30,7 @@ ROOT = Path(__file__).resolve().parents[2]
 COMPOSE = (ROOT / "docker-compose.yml").read_text()
 DOCKERFILE = (ROOT / "Dockerfile").read_text()
 PROGRAMS = {
-    "mcml": [sys.executable, "-m", "service.cli"],
+    "mcml": [sys.executable, "-m", "mcml_service.cli"],
     "dask": [sys.executable, "-m", "dask"],
     "python": [sys.executable],
 }
@@ -191,7 +191,9 @@ def test_the_backup_job_keeps_a_copy_a_day(tmp_path: Path, monkeypatch: pytest.M
     store.close()
     (tmp_path / "backups").mkdir()
     monkeypatch.setenv("MCML_DATABASE", f"sqlite:///{tmp_path}/store.db")
-    words = f'mcml() {{ {shlex.quote(sys.executable)} -m service.cli "$@"; }}; sleep() {{ echo slept $1; exit; }}; '
+    words = (
+        f'mcml() {{ {shlex.quote(sys.executable)} -m mcml_service.cli "$@"; }}; sleep() {{ echo slept $1; exit; }}; '
+    )
     command = [shell, option, words + script.replace("$$", "$")]
     given = os.environ | {"PYTHONPATH": str(ROOT)}
     for _ in range(2):

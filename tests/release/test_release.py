@@ -8,29 +8,15 @@ from __future__ import annotations
 import os
 import re
 import subprocess
-import sys
 import tarfile
 import zipfile
 from pathlib import Path
 
-import pytest
-
 from tests.builders import bvh
+from tests.release.conftest import ROOT, build
 
-ROOT = Path(__file__).resolve().parents[2]
-PACKAGES = [name for name in ("service", "schemas", "mcml") if (ROOT / name).is_dir()]
-
-
-def build(source: Path, target: Path) -> dict[str, Path]:
-    """Wheel and sdist of a folder, by the ends of their names."""
-    command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-t", "sdist", "-d", str(target)]
-    subprocess.run(command, cwd=source, check=True, capture_output=True)
-    return {path.suffix: path for path in target.iterdir()}
-
-
-@pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    return build(ROOT, tmp_path_factory.mktemp("built"))
+PACKAGES = {"mcml": "mcml", "service/mcml_service": "mcml_service", "schemas/mcml_schemas": "mcml_schemas"}
+"""Folders of packages, and what a wheel calls them."""
 
 
 def names(wheel: Path) -> set[str]:
@@ -40,19 +26,22 @@ def names(wheel: Path) -> set[str]:
 
 def test_a_wheel_holds_all_of_the_house_and_nothing_else(built: dict[str, Path]) -> None:
     tracked = {
-        path.relative_to(ROOT).as_posix()
-        for name in PACKAGES
-        for path in (ROOT / name).rglob("*")
-        if path.suffix in (".py", ".csv", ".txt") and not {"static", "node_modules"} & set(path.parts)
+        f"{package}/{path.relative_to(ROOT / folder).as_posix()}"
+        for folder, package in PACKAGES.items()
+        for path in (ROOT / folder).rglob("*")
+        if path.suffix in (".py", ".pyi", ".csv", ".txt", ".json") or path.name == "py.typed"
     }
     held = names(built[".whl"])
     assert tracked <= held
-    assert "service/_data/mcml.dtd" in held
     assert {
-        f"service/_data/migrations/versions/{path.name}" for path in (ROOT / "migrations/versions").glob("*.py")
-    } <= held
+        "mcml/_data/mcml.dtd",
+        "mcml_service/_data/web/pages.json",
+        "mcml_service/_data/web/static/index.html",
+    } < held
+    migrations = {path.name for path in (ROOT / "migrations/versions").glob("*.py")}
+    assert {f"mcml_service/_data/migrations/versions/{name}" for name in migrations} <= held
     folders = {name.partition("/")[0] for name in held}
-    assert {name for name in folders if not name.endswith(".dist-info")} == set(PACKAGES)
+    assert {name for name in folders if not name.endswith(".dist-info")} == set(PACKAGES.values())
 
 
 def test_an_sdist_makes_the_same_wheel_without_git(built: dict[str, Path], tmp_path: Path) -> None:
@@ -65,26 +54,23 @@ def test_an_sdist_makes_the_same_wheel_without_git(built: dict[str, Path], tmp_p
     assert names(again[".whl"]) == names(built[".whl"])
 
 
-def test_an_installed_wheel_works(built: dict[str, Path], tmp_path: Path) -> None:
-    home = tmp_path / "installed"
-    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--no-index"]
-    subprocess.run([*pip, "--no-compile", "--target", str(home), str(built[".whl"])], check=True)
+def test_an_installed_wheel_works(built: dict[str, Path], installed: Path, tmp_path: Path) -> None:
     (tmp_path / "walk.bvh").write_bytes(bvh())
-    environment = os.environ | {"PYTHONPATH": str(home), "MCML_DATABASE": f"sqlite:///{tmp_path / 'store.db'}"}
+    environment = os.environ | {"MCML_DATABASE": f"sqlite:///{tmp_path / 'store.db'}"}
 
     def run(*command: str | Path) -> str:
         done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
         return done.stdout
 
-    where = "import service, importlib.metadata as m; print(service.__file__, m.version('mcml-repository'))"
-    file, version = run(sys.executable, "-P", "-c", where).split()
-    assert Path(file).is_relative_to(home)
+    where = "import mcml_service as s, importlib.metadata as m; print(s.__file__, m.version('mcml-repository'))"
+    file, version = run(installed / "python", "-P", "-c", where).split()
+    assert Path(file).is_relative_to(installed.parent)
     assert built[".whl"].name == f"mcml_repository-{version}-py3-none-any.whl"
     # The definition of the language, and the migrations, lie in the wheel.
-    run(home / "bin" / "mcml", "convert", "walk.bvh", "walk.mcml")
+    run(installed / "mcml", "convert", "walk.bvh", "walk.mcml")
     assert (tmp_path / "walk.mcml").read_bytes().startswith(b"<?xml")
-    run(home / "bin" / "mcml", "db", "upgrade")
+    run(installed / "mcml", "db", "upgrade")
     assert (tmp_path / "store.db").stat().st_size
 
 

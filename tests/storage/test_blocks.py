@@ -7,10 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.errors import StoreError
-from service.motion.skeleton import Array
-from service.storage.blocks import Stretch, evenly, gathered, side_by_side
-from service.storage.encoding import PCODEC, channels_of, compress
+from mcml.errors import StoreError
+from mcml.motion.skeleton import Array
+from mcml.numerics.runs import evenly
+from mcml_service.storage.blocks import Stretch, gathered, side_by_side
+from mcml_service.storage.encoding import PCODEC, channels_of, compress
 
 Sample = tuple[int, int, int]
 """Bone, channel, frame of the chunk."""

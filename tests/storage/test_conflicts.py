@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from service.errors import ConflictError
-from service.storage import tables
-from service.storage.database import Database
+from mcml.errors import ConflictError
+from mcml_service.storage import tables
+from mcml_service.storage.database import Database
 
 ROW: dict[str, Any] = {"number": 7, "time": "2026-01-01T00:00:00Z", "author": "kim"}
 

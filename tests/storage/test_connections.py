@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import pytest
 from sqlalchemy import create_engine, make_url, text
 
-from service.errors import UnavailableError
-from service.storage.database import Database
-from service.storage.dialects import postgresql
+from mcml.errors import UnavailableError
+from mcml_service.storage.database import Database
+from mcml_service.storage.dialects import postgresql
 from tests import postgres
 
 

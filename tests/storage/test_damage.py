@@ -7,20 +7,20 @@ from pathlib import Path
 import pytest
 from sqlalchemy import text, update
 
-from schemas.queries import QueryRequest
-from service.actions.editing.change_document import add_labels, restore_revision
-from service.actions.editing.edit_element import Change
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.actions.keeping.check_uploads import compare_all
-from service.actions.keeping.keep_store import backup, restore
-from service.errors import DamageError, StoreError
-from service.settings import Settings
-from service.storage import tables
-from service.storage.database import Database
-from service.storage.layout import LAYOUT
-from service.storage.schema import metadata
-from service.storage.transaction import Transaction
-from service.xpath.queries import Queries
+from mcml.errors import DamageError, StoreError
+from mcml_schemas.queries import QueryRequest
+from mcml_service.actions.editing.change_document import add_labels, restore_revision
+from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.actions.keeping.check_uploads import compare_all
+from mcml_service.actions.keeping.keep_store import backup, restore
+from mcml_service.settings import Settings
+from mcml_service.storage import tables
+from mcml_service.storage.database import Database
+from mcml_service.storage.layout import LAYOUT
+from mcml_service.storage.schema import metadata
+from mcml_service.storage.transaction import Transaction
+from mcml_service.xpath.queries import Queries
 from tests.builders import ASF, MCML, amc, bvh, store
 from tests.edits import change_element
 
@@ -124,7 +124,7 @@ def test_deep_checks_read_the_files_again(database: Database) -> None:
 
 
 def key_uuid(database: Database, name: str) -> str:
-    from service.storage.filtering import DocumentFilter
+    from mcml_service.storage.filtering import DocumentFilter
 
     with database.read() as tx:
         return tx.documents.page(DocumentFilter(name=name), after=None, limit=1)[0].uuid

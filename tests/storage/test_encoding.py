@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
 
-from service.motion.clip import FrameBlock, full_shape
-from service.storage.encoding import (
+from mcml.motion.clip import FrameBlock, full_shape
+from mcml_service.storage.encoding import (
     TRACK_COLUMNS,
     ClipEncoder,
     FrameIdRuns,

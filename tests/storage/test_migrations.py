@@ -11,10 +11,10 @@ from alembic import command
 from alembic.config import Config
 from sqlalchemy import text
 
-from service.actions.editing.change_document import change_document, restore_revision
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.resources import migrations_path
-from service.storage.database import Database
+from mcml_service.actions.editing.change_document import change_document, restore_revision
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.resources import migrations_path
+from mcml_service.storage.database import Database
 from tests import postgres
 from tests.builders import bvh, store
 

@@ -9,11 +9,11 @@ import pytest
 from fastapi.testclient import TestClient
 from typer.testing import CliRunner
 
-from service.app import create_app
-from service.cli import app
-from service.errors import McmlError, StoreError
-from service.settings import Settings
-from service.storage.database import Database
+from mcml.errors import McmlError, StoreError
+from mcml_service.app import create_app
+from mcml_service.cli import app
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 
 COMMANDS = [
     ["ls"], ["import", "a.bvh"], ["xpath", "//frame"], ["purge", "x"], ["demo"], ["serve"], ["doctor"],

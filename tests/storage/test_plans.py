@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from service.storage.database import Database
-from service.storage.facts import facts_of
-from service.storage.filtering import DocumentFilter
-from service.storage.transaction import Transaction
+from mcml_service.storage.database import Database
+from mcml_service.storage.facts import facts_of
+from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.transaction import Transaction
 from tests.builders import bvh, store
 
 ASKED: dict[str, tuple[Callable[[Transaction], object], str]] = {

@@ -13,14 +13,14 @@ from fastapi.testclient import TestClient
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.api import streaming
-from service.errors import ReplicaError, StoreError
-from service.settings import Settings
-from service.storage import replica as replicas
-from service.storage.database import Database
-from service.storage.documents import Documents
-from service.storage.replica import Snapshot
-from service.storage.transaction import Transaction
+from mcml.errors import ReplicaError, StoreError
+from mcml_service.api import streaming
+from mcml_service.settings import Settings
+from mcml_service.storage import replica as replicas
+from mcml_service.storage.database import Database
+from mcml_service.storage.documents import Documents
+from mcml_service.storage.replica import Snapshot
+from mcml_service.storage.transaction import Transaction
 from tests import postgres
 from tests.builders import bvh, served, upload
 

@@ -18,10 +18,10 @@ import httpx
 import pytest
 import uvicorn
 
-from service.app import create_app
-from service.settings import Settings
-from service.storage.database import Database
-from service.web import STATIC
+from mcml_service.api.studio import STATIC
+from mcml_service.app import create_app
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.builders import bvh
 
 FLAGS = ["--gaia-url=http://127.0.0.1:9", "--component-updater=url-source=http://127.0.0.1:9/"]

@@ -10,11 +10,11 @@ import pytest
 from playwright.sync_api import expect
 from pydantic import BaseModel, Field
 
-from service.actions.importing.load_demo import add_clips
-from service.analysis import catalogue
-from service.analysis.interface import Analysis, Answer, PartInfo, ResultUse
-from service.demo.dance_clips import dance_clip
-from service.settings import Settings
+from mcml_service.actions.importing.load_demo import add_clips
+from mcml_service.analysis import catalogue
+from mcml_service.analysis.interface import Analysis, Answer, PartInfo, ResultUse
+from mcml_service.demo.dance_clips import dance_clip
+from mcml_service.settings import Settings
 from tests.web.conftest import Served, serve, walk
 
 pytestmark = pytest.mark.usefixtures("lent_cluster")

@@ -15,16 +15,16 @@ import numpy as np
 import pytest
 from playwright.sync_api import expect
 
-from schemas.analyses.reach import ReachParameters
-from service.actions.analysing.save_results import add_parts
-from service.actions.importing.import_motion import import_files
-from service.actions.importing.load_demo import REACHES, add_clips
-from service.actions.reading.import_options import ImportOptions
-from service.analysis.interface import Motion, silent
-from service.analysis.reach_blending.analyses import REACH
-from service.demo.reach_clips import reach_clips
-from service.formats.format import SourceFile
-from service.settings import Settings
+from mcml.files.import_options import ImportOptions
+from mcml.formats.format import SourceFile
+from mcml_schemas.analyses.reach import ReachParameters
+from mcml_service.actions.analysing.save_results import add_parts
+from mcml_service.actions.importing.import_motion import import_files
+from mcml_service.actions.importing.load_demo import REACHES, add_clips
+from mcml_service.analysis.interface import Motion, silent
+from mcml_service.analysis.reach_blending.analyses import REACH
+from mcml_service.demo.reach_clips import reach_clips
+from mcml_service.settings import Settings
 from tests.analysis.reach.hdm05 import TARGETS
 from tests.analysis.reach.reach_motions import motion_of
 from tests.web.conftest import Served

@@ -8,8 +8,8 @@ from urllib.parse import parse_qs, urlsplit
 
 import pytest
 
-from service.demo import body
-from service.formats import FORMATS
+from mcml.formats import FORMATS
+from mcml_service.demo import body
 from tests.web.conftest import Served
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect

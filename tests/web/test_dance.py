@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from playwright.sync_api import expect
 
-from service.actions.importing.load_demo import add_clips
-from service.demo.dance_clips import dance_clip
-from service.settings import Settings
+from mcml_service.actions.importing.load_demo import add_clips
+from mcml_service.demo.dance_clips import dance_clip
+from mcml_service.settings import Settings
 from tests.web.conftest import Served
 from tests.web.test_pages import PICTURES, serious_faults
 

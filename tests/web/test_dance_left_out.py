@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from service.actions.importing.load_demo import add_clips
-from service.demo.dance_clips import dance_clip
-from service.settings import Settings
+from mcml_service.actions.importing.load_demo import add_clips
+from mcml_service.demo.dance_clips import dance_clip
+from mcml_service.settings import Settings
 from tests.web.conftest import Served, walk
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect

@@ -12,14 +12,14 @@ import numpy as np
 import pytest
 from playwright.sync_api import expect
 
-from schemas.analyses.expression import ExpressionParameters
-from service.actions.analysing.save_results import add_parts
-from service.actions.importing.load_demo import add_clips
-from service.analysis.expression_space.analyses import EXPRESSION
-from service.analysis.interface import Motion, silent
-from service.demo.face_takes import EXPRESSIONS, face_takes
-from service.settings import Settings
-from service.storage.database import Database
+from mcml_schemas.analyses.expression import ExpressionParameters
+from mcml_service.actions.analysing.save_results import add_parts
+from mcml_service.actions.importing.load_demo import add_clips
+from mcml_service.analysis.expression_space.analyses import EXPRESSION
+from mcml_service.analysis.interface import Motion, silent
+from mcml_service.demo.face_takes import EXPRESSIONS, face_takes
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
 from tests.analysis.expression.face_motions import motions
 from tests.analysis.expression.test_real_takes import read
 from tests.web.conftest import Served

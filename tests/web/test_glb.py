@@ -6,7 +6,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
-from service.formats import WRITERS
+from mcml.formats import WRITERS
 from tests.formats.scenes.clips import CLIPS, stated, told
 from tests.formats.scenes.reading import expected, height
 from tests.web.test_units import vitest

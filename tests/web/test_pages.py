@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 
-from schemas.analyses.dance import BeatsParameters
-from service.actions.analysing.save_results import add_parts
-from service.analysis.dance.analyses import BEATS
-from service.analysis.interface import silent
-from service.storage.database import Database
+from mcml_schemas.analyses.dance import BeatsParameters
+from mcml_service.actions.analysing.save_results import add_parts
+from mcml_service.analysis.dance.analyses import BEATS
+from mcml_service.analysis.interface import silent
+from mcml_service.storage.database import Database
 from service.web.build import WEB
 from tests import fuzz
 from tests.analysis.dance.motions import generated

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from service.formats import FORMATS
-from service.motion.skeleton import Convention
+from mcml.formats import FORMATS
+from mcml.motion.skeleton import Convention
 from tests.builders import ASF, HTR, TRC, amc, bvh, c3d_file
 from tests.conftest import shared_folder
 from tests.motion.random_clips import FORMAT_OF, random_clip

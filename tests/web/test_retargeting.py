@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from service.demo import body
-from service.formats import FORMATS
+from mcml.formats import FORMATS
+from mcml_service.demo import body
 from tests.builders import TRC
 from tests.web.conftest import Served, walk
 

@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 from fastapi.testclient import TestClient
 
-from service import web
-from service.web import STATIC
+from mcml_service.api.studio import PAGES, STATIC, page_addresses
 from service.web.build import WEB, fingerprint, is_current
 from tests.web.types import TYPES, types
 
@@ -35,18 +34,17 @@ def test_what_is_built_is_built_of_these_sources() -> None:
     assert fingerprint() == before
 
 
-def test_a_row_of_pages_is_an_address(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_row_of_pages_is_an_address(tmp_path: Path) -> None:
     """A page is added by a row and its component: a unit test of the studio holds the rows against words and files."""
     rows = json.loads((WEB / "pages.json").read_text(encoding="utf-8"))
-    assert {"/", "/library", "/clips/{id}", "/settings", "/settings/{id}"} < set(web.addresses())
+    assert {"/", "/library", "/clips/{id}", "/settings", "/settings/{id}"} < set(page_addresses(PAGES))
     added = {"name": "floor", "path": "/floor", "about": "any", "title": "floor", "file": "floor/FloorPage"}
     (tmp_path / "pages.json").write_text(json.dumps([*rows, added]))
-    before = set(web.addresses())
-    monkeypatch.setattr(web, "PAGES", tmp_path / "pages.json")
-    assert set(web.addresses()) - before == {"/floor", "/floor/{id}"}
+    before = set(page_addresses(PAGES))
+    assert set(page_addresses(tmp_path / "pages.json")) - before == {"/floor", "/floor/{id}"}
 
 
-@pytest.mark.parametrize("path", [address.replace("{id}", "0") for address in web.addresses()])
+@pytest.mark.parametrize("path", [address.replace("{id}", "0") for address in page_addresses(PAGES)])
 def test_pages_are_strict_and_asked_for_anew(client: TestClient, path: str) -> None:
     answer = client.get(path)
     assert answer.status_code == 200

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from service.jobs.webhooks import Sender
+from mcml_service.jobs.webhooks import Sender
 from tests.web.conftest import Served, serve
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect

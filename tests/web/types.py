@@ -8,8 +8,8 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from service.app import create_app
-from service.settings import Settings
+from mcml_service.app import create_app
+from mcml_service.settings import Settings
 from service.web.build import WEB, install
 
 TYPES = WEB / "src/api/types.gen.ts"

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from random import Random
 from typing import Any
 
-from service.xpath.language.tree import AXES
+from mcml_service.xpath.language.tree import AXES
 from tests.xpath.on_frames import CHANNELS, of_frame_bones, of_id
 from tests.xpath.spelling import nested, position_test, without_space
 from tests.xpath.witness import Witness, child, element, move

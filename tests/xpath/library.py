@@ -12,17 +12,17 @@ from typing import Any
 
 from lxml import etree
 
-from service.actions.editing.change_document import add_labels
-from service.actions.editing.change_frames import delete_frames, move_frames, reverse
-from service.actions.editing.edit_element import Change
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.errors import McmlError
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.documents import StoredDocument
-from service.storage.filtering import DocumentFilter
-from service.storage.transaction import Transaction
-from service.xpath.queries import Queries
+from mcml.errors import McmlError
+from mcml_service.actions.editing.change_document import add_labels
+from mcml_service.actions.editing.change_frames import delete_frames, move_frames, reverse
+from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.transaction import Transaction
+from mcml_service.xpath.queries import Queries
 from tests.builders import ASF, HTR, MCML, amc, bvh, mcml_of, store
 from tests.edits import change_element, delete_element
 

@@ -1,6 +1,6 @@
 """Documents as questions about motion see them: plain lists, a frame after the other.
 
-What a quantity is in a frame `service.motion.bodies` says, which has a twin of its own; here it is on trial which
+What a quantity is in a frame `mcml.motion.bodies` says, which has a twin of its own; here it is on trial which
 frames are looked at.
 """
 
@@ -17,14 +17,14 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.clips.bodies import read_bodies, read_turned
-from service.motion.bodies.local_fit import rate
-from service.motion.bodies.poses import NEEDS, at_rate, motion_distances, pose_distances, pose_features
-from service.motion.bodies.quantities import QUANTITIES, compute
-from service.motion.bodies.stretch import HIPS
-from service.storage.database import Database
-from service.storage.filtering import DocumentFilter
+from mcml.motion.bodies.local_fit import rate
+from mcml.motion.bodies.poses import NEEDS, at_rate, motion_distances, pose_distances, pose_features
+from mcml.motion.bodies.quantities import QUANTITIES, compute
+from mcml.motion.bodies.stretch import HIPS
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.clips.bodies import read_bodies, read_turned
+from mcml_service.storage.database import Database
+from mcml_service.storage.filtering import DocumentFilter
 
 RESTS = {
     "metres": r"mo:(height|position|distance|speed|acceleration|leg|unit)\(",

@@ -16,10 +16,10 @@ from typing import Any
 
 from lxml import etree
 
-from schemas.queries import NodeItem, QueryAnswer, QueryRequest, RunItem, ScalarItem
-from service.xpath.language.labels import without_index
-from service.xpath.language.parse import Query, parse
-from service.xpath.language.tree import (
+from mcml_schemas.queries import NodeItem, QueryAnswer, QueryRequest, RunItem, ScalarItem
+from mcml_service.xpath.language.labels import without_index
+from mcml_service.xpath.language.parse import Query, parse
+from mcml_service.xpath.language.tree import (
     Call,
     Expression,
     Filter,
@@ -32,11 +32,11 @@ from service.xpath.language.tree import (
     walk,
     with_children,
 )
-from service.xpath.language.types import type_of
-from service.xpath.language.unparse import unparse
-from service.xpath.nodes.texts import to_number
-from service.xpath.queries import Queries
-from service.xpath.xml.worker import Addresses, describe, namespace_owners
+from mcml_service.xpath.language.types import type_of
+from mcml_service.xpath.language.unparse import unparse
+from mcml_service.xpath.nodes.texts import to_number
+from mcml_service.xpath.queries import Queries
+from mcml_service.xpath.xml.worker import Addresses, describe, namespace_owners
 
 Trees = Mapping[str, Any]
 WIDE = ("descendant", "descendant-or-self", "following", "preceding", "following-sibling", "preceding-sibling")

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from service.xpath.language.tree import (
+from mcml_service.xpath.language.tree import (
     AXES,
     Call,
     Expression,

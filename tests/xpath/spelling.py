@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from random import Random
 
-from service.xpath.language.tokens import Token, tokens
+from mcml_service.xpath.language.tokens import Token, tokens
 
 BEYOND = (
     "99999999999999999999", "1000000000000", "-1", "0", "-0", "0.5", "1.5", "1 div 0", "-1 div 0", "0 div 0",

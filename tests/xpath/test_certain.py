@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from schemas.queries import NodeItem, QueryRequest
-from service.settings import Settings
-from service.storage.database import Database
-from service.xpath.language.parse import parse
-from service.xpath.queries import Queries
+from mcml_schemas.queries import NodeItem, QueryRequest
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.xpath.language.parse import parse
+from mcml_service.xpath.queries import Queries
 from tests.builders import bvh, one_kind, store
 from tests.motion.bodies.made import person
 

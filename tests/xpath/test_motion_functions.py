@@ -10,18 +10,18 @@ from typing import Any
 
 import pytest
 
-from schemas.queries import NodeItem, QueryRequest, ScalarItem
-from service.actions.editing.change_document import add_labels, change_document, delete_document, restore_document
-from service.actions.editing.change_frames import delete_frames, move_frames, reverse
-from service.actions.editing.edit_element import Change
-from service.clips.derive import derive_missing
-from service.errors import McmlError
-from service.formats import FORMATS
-from service.motion.skeleton import Convention
-from service.settings import Settings
-from service.storage.database import Database
-from service.xpath.library.caches import Caches
-from service.xpath.queries import Queries
+from mcml.errors import McmlError
+from mcml.formats import FORMATS
+from mcml.motion.skeleton import Convention
+from mcml_schemas.queries import NodeItem, QueryRequest, ScalarItem
+from mcml_service.actions.editing.change_document import add_labels, change_document, delete_document, restore_document
+from mcml_service.actions.editing.change_frames import delete_frames, move_frames, reverse
+from mcml_service.actions.editing.edit_element import Change
+from mcml_service.clips.derive import derive_missing
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.xpath.library.caches import Caches
+from mcml_service.xpath.queries import Queries
 from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, c3d_file, store
 from tests.edits import OTHER_SEEDS, change_element, delete_element
 from tests.formats.contract import written

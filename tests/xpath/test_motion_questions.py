@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueItem
-from service.errors import QueryError
-from service.settings import Settings
-from service.storage.database import Database
-from service.xpath.answer.writing import STREAMS
-from service.xpath.queries import Queries
+from mcml.errors import QueryError
+from mcml_schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueItem
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.xpath.answer.writing import STREAMS
+from mcml_service.xpath.queries import Queries
 from tests.builders import ASF, MCML, amc, one_kind, store
 from tests.motion.bodies.made import person
 from tests.xpath.motion_twin import Document, read_documents

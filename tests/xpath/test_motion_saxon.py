@@ -9,17 +9,17 @@ from typing import Any
 
 import pytest
 
-from schemas.queries import NodeItem, QueryRequest
-from service.errors import LimitError, QueryError
-from service.settings import Settings
-from service.storage.database import Database
-from service.xpath.answer.writing import STREAMS
-from service.xpath.language.motion_functions import MOTION_FUNCTIONS
-from service.xpath.language.parse import Query
-from service.xpath.limits import Limits
-from service.xpath.nodes.pairs import TooWideError
-from service.xpath.queries import Queries
-from service.xpath.xml.saxon import Items, Saxon
+from mcml.errors import LimitError, QueryError
+from mcml_schemas.queries import NodeItem, QueryRequest
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.xpath.answer.writing import STREAMS
+from mcml_service.xpath.language.motion_functions import MOTION_FUNCTIONS
+from mcml_service.xpath.language.parse import Query
+from mcml_service.xpath.limits import Limits
+from mcml_service.xpath.nodes.pairs import TooWideError
+from mcml_service.xpath.queries import Queries
+from mcml_service.xpath.xml.saxon import Items, Saxon
 from tests.builders import MCML, store
 from tests.edits import OTHER_SEEDS
 from tests.motion.bodies.made import person
@@ -287,7 +287,7 @@ def test_what_is_too_wide_in_xpath_1_is_refused(engine: Queries, monkeypatch: py
     def too_wide(*_: Any) -> Any:
         raise TooWideError(1)
 
-    monkeypatch.setattr("service.xpath.queries._Asking._on_columns", too_wide)
+    monkeypatch.setattr("mcml_service.xpath.queries._Asking._on_columns", too_wide)
     with pytest.raises(LimitError, match="reaches too much at once"):
         engine.answer(QueryRequest(q="//frame[mo:height('Head') > 1]"))
     assert values(engine, "//frame[mo:height('Head') gt 1.63]") == values(

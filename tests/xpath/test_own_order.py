@@ -7,11 +7,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from schemas.queries import NodeItem, QueryRequest, RunItem
-from service.settings import Settings
-from service.storage.database import Database
-from service.xpath.answer.writing import STREAMS
-from service.xpath.queries import Queries
+from mcml_schemas.queries import NodeItem, QueryRequest, RunItem
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.xpath.answer.writing import STREAMS
+from mcml_service.xpath.queries import Queries
 from tests.builders import bvh, one_kind, store
 
 SEQUENCES = [

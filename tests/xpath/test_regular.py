@@ -10,8 +10,8 @@ from elementpath.regex import translate_pattern
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.errors import LimitError, McmlError, QueryError
-from service.xpath.language import regular
+from mcml.errors import LimitError, McmlError, QueryError
+from mcml_service.xpath.language import regular
 
 ATOMS = [
     *("a", "b", "é", "1", " ", ".", r"\d", r"\s", r"\D", r"\S", r"\i", r"\c", r"\.", r"\-", "(a|b)", "(b)", "(?:ab)"),

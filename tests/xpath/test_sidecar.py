@@ -15,19 +15,19 @@ from random import Random
 
 import pytest
 
-from schemas.queries import QueryRequest
-from service.actions.editing.change_document import delete_document, restore_document
-from service.actions.editing.change_frames import delete_frames
-from service.actions.importing.import_motion import import_files
-from service.actions.keeping.keep_store import backup
-from service.actions.keeping.purge_documents import purge_documents
-from service.actions.reading.import_options import ImportOptions
-from service.formats.format import SourceFile
-from service.settings import Settings
-from service.storage.database import Database
-from service.xpath.library import groups
-from service.xpath.library.part_file import path_of, why_not
-from service.xpath.queries import Queries
+from mcml.files.import_options import ImportOptions
+from mcml.formats.format import SourceFile
+from mcml_schemas.queries import QueryRequest
+from mcml_service.actions.editing.change_document import delete_document, restore_document
+from mcml_service.actions.editing.change_frames import delete_frames
+from mcml_service.actions.importing.import_motion import import_files
+from mcml_service.actions.keeping.keep_store import backup
+from mcml_service.actions.keeping.purge_documents import purge_documents
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.xpath.library import groups
+from mcml_service.xpath.library.part_file import path_of, why_not
+from mcml_service.xpath.queries import Queries
 from tests import fuzz
 from tests.builders import bvh
 
@@ -116,7 +116,7 @@ def rows(path: Path) -> list[tuple[bytes, str]]:
 def no_reading(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     """From now on columns cannot be read from the store."""
     for name in ("headers", "zones", "shapes", "frame_runs", "spans", "documents"):
-        monkeypatch.setattr(f"service.storage.columns.Columns.{name}", None)
+        monkeypatch.setattr(f"mcml_service.storage.columns.Columns.{name}", None)
 
 
 def test_a_fresh_process_reads_no_columns_of_the_store(library: Database, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -236,7 +236,7 @@ def test_the_doctor_says_where_nothing_can_be_kept(library: Database, tmp_path: 
     cases = (("", "store.db-cache", 0), ("none", "memory alone", 0), (str(tmp_path / "file" / "x"), "LACK", 1))
     for folder, said, code in cases:
         environment = {**os.environ, "MCML_CACHE_DIR": folder, "COLUMNS": "400"}
-        words = [sys.executable, "-m", "service.cli", "doctor", "--database", library.url]
+        words = [sys.executable, "-m", "mcml_service.cli", "doctor", "--database", library.url]
         done = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)
         assert said in done.stdout
         assert done.returncode == code
@@ -252,7 +252,8 @@ def test_two_engines_at_once(library: Database) -> None:
 def test_a_killed_writer_leaves_nothing_wrong(library: Database, tmp_path: Path) -> None:
     wanted = expected(library)
     program = (
-        "import os, sys; from service.xpath.library import groups, writer; from tests.xpath import test_sidecar as t\n"
+        "import os, sys; from mcml_service.xpath.library import groups, writer\n"
+        "from tests.xpath import test_sidecar as t\n"
         "groups.DOCUMENTS, groups.MOST_DOCUMENTS, groups.LASTING = 12, 30, 1\n"
         "make_room = writer.Writer._make_room\n"
         "writer.Writer._make_room = lambda self, connection: os._exit(9)\n"

@@ -9,13 +9,13 @@ from random import Random
 
 import pytest
 
-from schemas.queries import QueryRequest
-from service.errors import McmlError, QueryError
-from service.settings import Settings
-from service.storage.database import Database
-from service.xpath.language.functions import SAFE_FUNCTIONS
-from service.xpath.language.parse import parse
-from service.xpath.queries import Queries
+from mcml.errors import McmlError, QueryError
+from mcml_schemas.queries import QueryRequest
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.xpath.language.functions import SAFE_FUNCTIONS
+from mcml_service.xpath.language.parse import parse
+from mcml_service.xpath.queries import Queries
 from tests.builders import bvh, one_kind, store
 
 ODD = [

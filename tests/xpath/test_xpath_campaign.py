@@ -8,9 +8,9 @@ from random import Random
 
 import pytest
 
-from service.storage.database import Database
-from service.xpath.engine import column_source, frame_bones, values
-from service.xpath.language.parse import parse
+from mcml_service.storage.database import Database
+from mcml_service.xpath.engine import column_source, frame_bones, values
+from mcml_service.xpath.language.parse import parse
 from tests.conftest import shared_folder
 from tests.xpath.grammar import Grammar
 from tests.xpath.library import Library, library

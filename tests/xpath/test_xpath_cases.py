@@ -11,15 +11,15 @@ from typing import Any
 
 import pytest
 
-from schemas.queries import NodeItem, QueryRequest
-from service.actions.importing.import_motion import import_files
-from service.actions.reading.import_options import ImportOptions
-from service.formats.format import SourceFile
-from service.settings import Settings
-from service.storage.database import Database
-from service.xpath.language.parse import parse
-from service.xpath.queries import Queries
-from service.xpath.xml.evaluate import Evaluator, Nodes
+from mcml.files.import_options import ImportOptions
+from mcml.formats.format import SourceFile
+from mcml_schemas.queries import NodeItem, QueryRequest
+from mcml_service.actions.importing.import_motion import import_files
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.xpath.language.parse import parse
+from mcml_service.xpath.queries import Queries
+from mcml_service.xpath.xml.evaluate import Evaluator, Nodes
 from tests.xpath.small import DOCUMENT, answer, tree
 
 

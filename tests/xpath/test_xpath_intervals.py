@@ -6,15 +6,15 @@ from random import Random
 
 import numpy as np
 
-from service.xpath.engine.columns import Columns
-from service.xpath.engine.condition import Condition
-from service.xpath.engine.kernel import fulfilled
-from service.xpath.language.conditions import Sample, condition
-from service.xpath.language.parse import parse
-from service.xpath.language.rules import normal
-from service.xpath.language.tree import Path
-from service.xpath.library.intervals import Interval
-from service.xpath.nodes.numbering import Bools, Floats
+from mcml_service.xpath.engine.columns import Columns
+from mcml_service.xpath.engine.condition import Condition
+from mcml_service.xpath.engine.kernel import fulfilled
+from mcml_service.xpath.language.conditions import Sample, condition
+from mcml_service.xpath.language.parse import parse
+from mcml_service.xpath.language.rules import normal
+from mcml_service.xpath.language.tree import Path
+from mcml_service.xpath.library.intervals import Interval
+from mcml_service.xpath.nodes.numbering import Bools, Floats
 from tests.xpath.test_xpath_scan import Maker
 
 TRACKS, FRAMES = 40, 6

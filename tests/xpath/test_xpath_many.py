@@ -14,23 +14,23 @@ from typing import Any
 import pytest
 from lxml import etree
 
-from schemas.queries import NodeItem, QueryRequest
-from service.actions.editing.change_document import add_labels, delete_document, restore_document
-from service.actions.editing.change_frames import delete_frames
-from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.actions.importing.import_motion import import_files
-from service.actions.reading.import_options import ImportOptions
-from service.errors import McmlError
-from service.formats.format import SourceFile
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.filtering import DocumentFilter
-from service.xpath.engine import frame_bones, group_scan, values
-from service.xpath.language.parse import parse
-from service.xpath.language.types import type_of
-from service.xpath.library import groups
-from service.xpath.library.caches import Caches
-from service.xpath.queries import Queries
+from mcml.errors import McmlError
+from mcml.files.import_options import ImportOptions
+from mcml.formats.format import SourceFile
+from mcml_schemas.queries import NodeItem, QueryRequest
+from mcml_service.actions.editing.change_document import add_labels, delete_document, restore_document
+from mcml_service.actions.editing.change_frames import delete_frames
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.actions.importing.import_motion import import_files
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.xpath.engine import frame_bones, group_scan, values
+from mcml_service.xpath.language.parse import parse
+from mcml_service.xpath.language.types import type_of
+from mcml_service.xpath.library import groups
+from mcml_service.xpath.library.caches import Caches
+from mcml_service.xpath.queries import Queries
 from tests.builders import bvh
 from tests.edits import change_element, delete_element
 from tests.xpath.grammar import Grammar

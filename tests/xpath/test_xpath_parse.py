@@ -10,15 +10,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lxml import etree
 
-from service.errors import LimitError, QueryError
-from service.xpath.engine.scan_plan import plan_scan
-from service.xpath.engine.starts import start_of
-from service.xpath.language.functions import FUNCTIONS
-from service.xpath.language.motion_functions import MOTION_FUNCTIONS
-from service.xpath.language.parse import parse
-from service.xpath.language.rules import normal
-from service.xpath.language.tree import Operation, Path, Step, Written, walk
-from service.xpath.language.types import type_of
+from mcml.errors import LimitError, QueryError
+from mcml_service.xpath.engine.scan_plan import plan_scan
+from mcml_service.xpath.engine.starts import start_of
+from mcml_service.xpath.language.functions import FUNCTIONS
+from mcml_service.xpath.language.motion_functions import MOTION_FUNCTIONS
+from mcml_service.xpath.language.parse import parse
+from mcml_service.xpath.language.rules import normal
+from mcml_service.xpath.language.tree import Operation, Path, Step, Written, walk
+from mcml_service.xpath.language.types import type_of
 
 
 def test_abbreviations_are_written_out() -> None:

@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 
-from service.processes.bounds import GRACE_SECONDS
-from service.processes.messages import write_message
-from service.processes.programs import end_program, start_program
-from service.xpath.xml.evaluate import Evaluator
-from service.xpath.xml.saxon import Saxon
+from mcml_service.processes.bounds import GRACE_SECONDS
+from mcml_service.processes.messages import write_message
+from mcml_service.processes.programs import end_program, start_program
+from mcml_service.xpath.xml.evaluate import Evaluator
+from mcml_service.xpath.xml.saxon import Saxon
 
 MANY = b"<mcml>" + b"<frame/>" * 3000 + b"</mcml>"
 ENDLESS = "count(//*[count(//*[count(//*[count(//*) = 1]) = 1]) = 1])"

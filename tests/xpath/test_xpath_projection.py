@@ -8,10 +8,10 @@ from random import Random
 
 import pytest
 
-from service.errors import LimitError, StoreError
-from service.xpath.language.parse import parse
-from service.xpath.language.reach import Projection, may_select_document, projection
-from service.xpath.xml.evaluate import Evaluator, Nodes, Scalar
+from mcml.errors import LimitError, StoreError
+from mcml_service.xpath.language.parse import parse
+from mcml_service.xpath.language.reach import Projection, may_select_document, projection
+from mcml_service.xpath.xml.evaluate import Evaluator, Nodes, Scalar
 from tests.xpath.grammar import Grammar
 from tests.xpath.small import DOCUMENT, answer, projected, tree
 

@@ -9,15 +9,15 @@ from collections.abc import Iterator
 import psutil
 import pytest
 
-from schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueItem
-from service.errors import LimitError, QueryError
-from service.settings import Settings
-from service.storage.database import Database
-from service.xpath.finding import addresses
-from service.xpath.limits import Limits
-from service.xpath.queries import Queries
-from service.xpath.xml import saxon
-from service.xpath.xml.saxon import Saxon
+from mcml.errors import LimitError, QueryError
+from mcml_schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueItem
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.xpath.finding import addresses
+from mcml_service.xpath.limits import Limits
+from mcml_service.xpath.queries import Queries
+from mcml_service.xpath.xml import saxon
+from mcml_service.xpath.xml.saxon import Saxon
 from tests.builders import MCML, bvh, store
 
 DOCUMENT = b"<mcml><motion><frame id='1'/><frame id='2'/></motion></mcml>"
@@ -266,7 +266,7 @@ def test_nodes_of_several_documents_stream(queries: Queries) -> None:
 def test_what_would_take_too_long_is_refused_before_it_begins(
     queries: Queries, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("service.xpath.xml.sequences.SAXON_SECONDS", 60)
+    monkeypatch.setattr("mcml_service.xpath.xml.sequences.SAXON_SECONDS", 60)
     monkeypatch.setattr(queries.saxon, "items", None)
     with pytest.raises(LimitError, match="about 120 s for 2") as caught:
         queries.answer(QueryRequest(q="count(//frame[. is .])"))

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from schemas.queries import QueryRequest
-from service.errors import QueryError
-from service.settings import Settings
-from service.storage.database import Database
-from service.xpath.queries import Queries
+from mcml.errors import QueryError
+from mcml_schemas.queries import QueryRequest
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.xpath.queries import Queries
 from tests.builders import bvh, store
 
 

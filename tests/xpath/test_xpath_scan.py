@@ -8,29 +8,29 @@ from random import Random
 
 import pytest
 
-from schemas.queries import NodeItem, QueryAnswer, QueryRequest
-from service.actions.editing.change_document import add_labels, delete_document, restore_document
-from service.actions.editing.change_frames import move_frames, reverse
-from service.actions.editing.edit_element import Change
-from service.actions.reading.import_options import Label
-from service.errors import McmlError
-from service.settings import Settings
-from service.storage.database import Database
-from service.storage.documents import StoredDocument
-from service.storage.filtering import DocumentFilter
-from service.storage.transaction import Transaction
-from service.xpath import queries as run
-from service.xpath.answer import streams
-from service.xpath.answer.sources import described
-from service.xpath.engine import frame_bones, group_scan, stacked, values
-from service.xpath.engine.scan_plan import plan_scan
-from service.xpath.language.parse import parse
-from service.xpath.language.rules import normal
-from service.xpath.language.tree import Expression
-from service.xpath.library import forest, groups, track_values
-from service.xpath.library.caches import SOME_CHANGES, Caches
-from service.xpath.nodes.node import Node
-from service.xpath.queries import Queries
+from mcml.errors import McmlError
+from mcml.files.import_options import Label
+from mcml_schemas.queries import NodeItem, QueryAnswer, QueryRequest
+from mcml_service.actions.editing.change_document import add_labels, delete_document, restore_document
+from mcml_service.actions.editing.change_frames import move_frames, reverse
+from mcml_service.actions.editing.edit_element import Change
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.transaction import Transaction
+from mcml_service.xpath import queries as run
+from mcml_service.xpath.answer import streams
+from mcml_service.xpath.answer.sources import described
+from mcml_service.xpath.engine import frame_bones, group_scan, stacked, values
+from mcml_service.xpath.engine.scan_plan import plan_scan
+from mcml_service.xpath.language.parse import parse
+from mcml_service.xpath.language.rules import normal
+from mcml_service.xpath.language.tree import Expression
+from mcml_service.xpath.library import forest, groups, track_values
+from mcml_service.xpath.library.caches import SOME_CHANGES, Caches
+from mcml_service.xpath.nodes.node import Node
+from mcml_service.xpath.queries import Queries
 from tests.builders import HTR, MCML, bvh, store
 from tests.edits import change_element, delete_element
 

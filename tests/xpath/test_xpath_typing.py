@@ -7,10 +7,10 @@ from contextlib import suppress
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.errors import LimitError, QueryError
-from service.xpath.language.complete import complete
-from service.xpath.language.hints import unknown_names
-from service.xpath.language.parse import parse
+from mcml.errors import LimitError, QueryError
+from mcml_service.xpath.language.complete import complete
+from mcml_service.xpath.language.hints import unknown_names
+from mcml_service.xpath.language.parse import parse
 
 
 def items(text: str, at: int | None = None) -> tuple[int, list[str]]:

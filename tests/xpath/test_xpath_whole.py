@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 from saxonche import PySaxonProcessor
 
-from schemas.queries import NodeItem, QueryRequest
-from service.errors import QueryError
-from service.settings import Settings
-from service.storage.database import Database
-from service.xpath.library import groups
-from service.xpath.queries import Queries
+from mcml.errors import QueryError
+from mcml_schemas.queries import NodeItem, QueryRequest
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.xpath.library import groups
+from mcml_service.xpath.queries import Queries
 from tests.xpath import whole
 from tests.xpath.oracle import pages, plain, same, same_value
 from tests.xpath.test_xpath_many import Many, opened

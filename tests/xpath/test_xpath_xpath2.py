@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 from saxonche import PySaxonApiError, PySaxonProcessor
 
-from schemas.queries import NodeItem, QueryRequest
-from service.errors import QueryError
-from service.storage.database import Database
-from service.xpath.engine import frame_bones, values
-from service.xpath.xml.saxon_worker import evaluate
+from mcml.errors import QueryError
+from mcml_schemas.queries import NodeItem, QueryRequest
+from mcml_service.storage.database import Database
+from mcml_service.xpath.engine import frame_bones, values
+from mcml_service.xpath.xml.saxon_worker import evaluate
 from tests import postgres
 from tests.conftest import shared_folder
 from tests.xpath import whole

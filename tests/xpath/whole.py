@@ -12,9 +12,9 @@ from typing import Any
 
 from lxml import etree
 
-from service.xpath.language.labels import without_index
-from service.xpath.language.parse import parse
-from service.xpath.language.tree import (
+from mcml_service.xpath.language.labels import without_index
+from mcml_service.xpath.language.parse import parse
+from mcml_service.xpath.language.tree import (
     Call,
     Each,
     Expression,
@@ -32,9 +32,9 @@ from service.xpath.language.tree import (
     walk,
     with_children,
 )
-from service.xpath.language.types import depends_on_position, type_of
-from service.xpath.language.unparse import unparse
-from service.xpath.xml.saxon_worker import Places, _item
+from mcml_service.xpath.language.types import depends_on_position, type_of
+from mcml_service.xpath.language.unparse import unparse
+from mcml_service.xpath.xml.saxon_worker import Places, _item
 from tests.xpath.oracle import plain
 
 OF_SEQUENCES = {

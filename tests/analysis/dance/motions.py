@@ -8,16 +8,16 @@ from typing import get_args
 
 import numpy as np
 
-from service.analysis.interface import Motion
-from service.demo.dance_clips import DanceClip, Style, Truth, dance_clip
-from service.formats import FORMATS, find_format
-from service.formats.format import ReadOptions, SourceFile
-from service.motion.clip import ClipStream
-from service.motion.conventions import convert
-from service.motion.hub import HubReader
-from service.motion.lexemes import triple
-from service.motion.rotations import from_euler, multiply, rotate, slerp
-from service.motion.skeleton import Array, Convention, EndSite, numbers
+from mcml.formats import FORMATS, find_format
+from mcml.formats.format import ReadOptions, SourceFile
+from mcml.motion.clip import ClipStream
+from mcml.motion.conventions import convert
+from mcml.motion.hub import HubReader
+from mcml.motion.lexemes import triple
+from mcml.motion.rotations import from_euler, multiply, rotate, slerp
+from mcml.motion.skeleton import Array, Convention, EndSite, numbers
+from mcml_service.analysis.interface import Motion
+from mcml_service.demo.dance_clips import DanceClip, Style, Truth, dance_clip
 
 STYLES: tuple[Style, ...] = get_args(Style)
 BEAT_STYLES: tuple[Style, ...] = ("groove", "hit", "step", "accent")

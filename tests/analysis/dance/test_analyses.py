@@ -12,13 +12,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from schemas.analyses.dance import BeatsParameters, DanceParameters, GraphParameters
-from service.analysis.dance.analyses import BEATS, DANCE, MOTION_GRAPH
-from service.analysis.dance.figure import laid_back, upright
-from service.analysis.interface import MadeClip, Motion, Parts, silent
-from service.motion.hub import walked
-from service.motion.rotations import from_euler, inverse, multiply, rotate
-from service.motion.skeleton import numbers
+from mcml.motion.hub import walked
+from mcml.motion.rotations import from_euler, inverse, multiply, rotate
+from mcml.motion.skeleton import numbers
+from mcml_schemas.analyses.dance import BeatsParameters, DanceParameters, GraphParameters
+from mcml_service.analysis.dance.analyses import BEATS, DANCE, MOTION_GRAPH
+from mcml_service.analysis.dance.figure import laid_back, upright
+from mcml_service.analysis.interface import MadeClip, Motion, Parts, silent
 from tests import fuzz
 from tests.analysis.dance.motions import enlarged, generated, moved
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from service.analysis.dance import bars
+from mcml_service.analysis.dance import bars
 
 strengths = arrays(np.float64, st.integers(1, 120), elements=st.sampled_from([0.0, 0.0, 0.0, 0.2, 0.7, 1.3]))
 

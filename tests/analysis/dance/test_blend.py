@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from service.analysis.dance import blend
-from service.motion.rotations import from_euler, rotate
+from mcml.motion.rotations import from_euler, rotate
+from mcml_service.analysis.dance import blend
 
 transforms = st.tuples(st.floats(-3, 3), st.floats(-5, 5), st.floats(-5, 5)).map(np.array)
 

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from schemas.analyses.dance import BeatsParameters, DanceParameters
-from service.analysis.dance.analyses import BEATS, DANCE
-from service.analysis.dance.metrics import nearest
-from service.analysis.dance.sources import channels_of
-from service.analysis.dance.tempo import tempo_of
-from service.analysis.interface import AnalysisError, silent
-from service.demo.dance_clips import Style
+from mcml_schemas.analyses.dance import BeatsParameters, DanceParameters
+from mcml_service.analysis.dance.analyses import BEATS, DANCE
+from mcml_service.analysis.dance.metrics import nearest
+from mcml_service.analysis.dance.sources import channels_of
+from mcml_service.analysis.dance.tempo import tempo_of
+from mcml_service.analysis.interface import AnalysisError, silent
+from mcml_service.demo.dance_clips import Style
 from tests.analysis.dance.motions import BEAT_STYLES, STYLES, generated
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from service.demo import dance_clips
-from service.demo.dance_clips import Style, dance_clip
+from mcml_service.demo import dance_clips
+from mcml_service.demo.dance_clips import Style, dance_clip
 from tests.analysis.dance.motions import BEAT_STYLES, STYLES, motion_of
 
 

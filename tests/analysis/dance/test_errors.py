@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from schemas.analyses.dance import BeatsParameters, DanceParameters, GraphParameters
-from service.analysis.dance import bar_graph
-from service.analysis.dance.analyses import BEATS, DANCE, MOTION_GRAPH
-from service.analysis.interface import AnalysisError, Motion, Parts, silent
-from service.motion.skeleton import Convention, Joint, Skeleton
+from mcml.motion.skeleton import Convention, Joint, Skeleton
+from mcml_schemas.analyses.dance import BeatsParameters, DanceParameters, GraphParameters
+from mcml_service.analysis.dance import bar_graph
+from mcml_service.analysis.dance.analyses import BEATS, DANCE, MOTION_GRAPH
+from mcml_service.analysis.interface import AnalysisError, Motion, Parts, silent
 from tests.analysis.dance.motions import generated
 
 PAIR = [

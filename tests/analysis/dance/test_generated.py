@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from schemas.analyses.dance import BeatsParameters, DanceParameters
-from service.analysis.dance.analyses import BEATS, DANCE
-from service.analysis.dance.metrics import nearest
-from service.analysis.dance.motion_beats import minima
-from service.analysis.interface import Motion, Part, Parts, silent
-from service.demo.dance_clips import Style, Truth
+from mcml_schemas.analyses.dance import BeatsParameters, DanceParameters
+from mcml_service.analysis.dance.analyses import BEATS, DANCE
+from mcml_service.analysis.dance.metrics import nearest
+from mcml_service.analysis.dance.motion_beats import minima
+from mcml_service.analysis.interface import Motion, Part, Parts, silent
+from mcml_service.demo.dance_clips import Style, Truth
 from tests.analysis.dance.motions import BEAT_STYLES, generated
 
 RATES, TEMPI = (30.0, 60.0, 120.0), (84.0, 112.0, 140.0)

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from service.analysis.dance import metrics
-from service.analysis.dance.assembly import Transition
-from service.motion.rotations import from_euler
+from mcml.motion.rotations import from_euler
+from mcml_service.analysis.dance import metrics
+from mcml_service.analysis.dance.assembly import Transition
 
 times = st.lists(st.floats(0, 20), min_size=1, max_size=12).map(sorted).map(np.array)
 

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from service.analysis.dance import motion_beats as beats
-from service.analysis.dance.figure import body_size, figure_of, finger_joints
-from service.motion.skeleton import Convention, EndSite, Joint, Skeleton
+from mcml.motion.skeleton import Convention, EndSite, Joint, Skeleton
+from mcml_service.analysis.dance import motion_beats as beats
+from mcml_service.analysis.dance.figure import body_size, figure_of, finger_joints
 from tests.analysis.dance.motions import generated
 
 levels = arrays(np.float64, st.integers(0, 60), elements=st.sampled_from([0.0, 1.0, 2.0, 3.0, 5.0]))

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.analysis.dance import motion_graph as graph
+from mcml_service.analysis.dance import motion_graph as graph
 from tests import fuzz
 
 

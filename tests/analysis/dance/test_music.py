@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.analysis.dance import music
-from service.analysis.dance.music_tempo import Heard, is_clear, meters_of, rivals_of
-from service.analysis.interface import AnalysisError
-from service.errors import UnsupportedError
+from mcml.errors import UnsupportedError
+from mcml_service.analysis.dance import music
+from mcml_service.analysis.dance.music_tempo import Heard, is_clear, meters_of, rivals_of
+from mcml_service.analysis.interface import AnalysisError
 
 
 @given(bpm=st.floats(60, 190), start=st.floats(0, 2), seed=st.integers(0, 999))

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.analysis.dance import path as paths
-from service.analysis.dance.motion_graph import Edges
+from mcml_service.analysis.dance import path as paths
+from mcml_service.analysis.dance.motion_graph import Edges
 
 COUNT = 6
 

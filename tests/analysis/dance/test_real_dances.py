@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from schemas.analyses.dance import BeatsParameters, DanceParameters
-from service.analysis.dance.analyses import BEATS, DANCE
-from service.analysis.dance.metrics import nearest
-from service.analysis.interface import Motion, silent
+from mcml_schemas.analyses.dance import BeatsParameters, DanceParameters
+from mcml_service.analysis.dance.analyses import BEATS, DANCE
+from mcml_service.analysis.dance.metrics import nearest
+from mcml_service.analysis.interface import Motion, silent
 from tests.analysis.dance.motions import read_file, resampled
 
 CLIPS = (

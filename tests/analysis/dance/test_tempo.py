@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from schemas.analyses.dance import BeatsParameters
-from service.analysis.dance import tempo as tempi
-from service.analysis.dance.analyses import BEATS
-from service.analysis.dance.figure import figure_of
-from service.analysis.dance.sources import Search, channels_of, read_clip
-from service.analysis.dance.tempo import RATE, TEMPI, Tempo, periodicity, tempo_of
-from service.analysis.interface import Motion, silent
-from service.motion.skeleton import Array
+from mcml.motion.skeleton import Array
+from mcml_schemas.analyses.dance import BeatsParameters
+from mcml_service.analysis.dance import tempo as tempi
+from mcml_service.analysis.dance.analyses import BEATS
+from mcml_service.analysis.dance.figure import figure_of
+from mcml_service.analysis.dance.sources import Search, channels_of, read_clip
+from mcml_service.analysis.dance.tempo import RATE, TEMPI, Tempo, periodicity, tempo_of
+from mcml_service.analysis.interface import Motion, silent
 from tests.analysis.dance.motions import generated, read_file, resampled
 
 

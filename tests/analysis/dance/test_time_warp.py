@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation, Slerp
 
-from service.analysis.dance import time_warp as warp
+from mcml_service.analysis.dance import time_warp as warp
 
 BARS = np.array([[10.0, 20, 30, 40], [50, 60, 70, 80], [200, 212, 224, 236]])
 ENTRIES, LEAVES = np.array([0.0, 40, 188]), np.array([50.0, 90, 248])

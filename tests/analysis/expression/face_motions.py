@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from service.analysis.expression_space.options import options_of
-from service.analysis.expression_space.space import Space, build
-from service.analysis.interface import Motion
-from service.demo.face_takes import FaceTake, face_takes
-from service.motion.markers import marker_skeleton
-from service.motion.skeleton import Array, Convention, Joint, Skeleton
+from mcml.motion.markers import marker_skeleton
+from mcml.motion.skeleton import Array, Convention, Joint, Skeleton
+from mcml_service.analysis.expression_space.options import options_of
+from mcml_service.analysis.expression_space.space import Space, build
+from mcml_service.analysis.interface import Motion
+from mcml_service.demo.face_takes import FaceTake, face_takes
 
 STILL = (0.0, 0.0, 0.0, 1.0)
 

@@ -13,8 +13,8 @@ import pytest
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
-from schemas.analyses import expression, expression_paths
-from schemas.analyses.expression import (
+from mcml_schemas.analyses import expression, expression_paths
+from mcml_schemas.analyses.expression import (
     ExpressionCandidateChoice,
     ExpressionLevel,
     ExpressionLevelChoice,
@@ -23,16 +23,16 @@ from schemas.analyses.expression import (
     ExpressionPoints,
     ExpressionStride,
 )
-from schemas.analyses.expression_paths import (
+from mcml_schemas.analyses.expression_paths import (
     ExpressionMotion,
     ExpressionPath,
     ExpressionPathWish,
     ExpressionPlayback,
     ExpressionRefinement,
 )
-from service.analysis.expression_space.analyses import EXPRESSION, options_from
-from service.analysis.expression_space.stored import Stored
-from service.analysis.interface import AnalysisError, Motion, Part, Parts, silent
+from mcml_service.analysis.expression_space.analyses import EXPRESSION, options_from
+from mcml_service.analysis.expression_space.stored import Stored
+from mcml_service.analysis.interface import AnalysisError, Motion, Part, Parts, silent
 from tests.analysis.expression.face_motions import motions
 
 

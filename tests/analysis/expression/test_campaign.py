@@ -11,19 +11,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.distance import cdist
 
-from schemas.analyses.expression import (
+from mcml_schemas.analyses.expression import (
     ExpressionParameters,
 )
-from schemas.analyses.expression_paths import (
+from mcml_schemas.analyses.expression_paths import (
     ExpressionPathWish,
     ExpressionPlayback,
 )
-from service.analysis.expression_space.analyses import EXPRESSION
-from service.analysis.expression_space.frame_graph import threshold_graph
-from service.analysis.expression_space.geodesics import all_pairs
-from service.analysis.expression_space.planar_map import classical_scaling
-from service.analysis.interface import AnalysisError, silent
-from service.demo.face_takes import face_takes
+from mcml_service.analysis.expression_space.analyses import EXPRESSION
+from mcml_service.analysis.expression_space.frame_graph import threshold_graph
+from mcml_service.analysis.expression_space.geodesics import all_pairs
+from mcml_service.analysis.expression_space.planar_map import classical_scaling
+from mcml_service.analysis.interface import AnalysisError, silent
+from mcml_service.demo.face_takes import face_takes
 from tests.analysis.expression.face_motions import motion_of
 from tests.analysis.expression.test_threshold import r_of, rows, searched
 

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from service.analysis.expression_space import space as spaces
-from service.analysis.expression_space.options import options_of
-from service.analysis.expression_space.space import build
-from service.analysis.interface import AnalysisError, Motion
-from service.errors import SizeError
-from service.motion.skeleton import Skeleton
+from mcml.errors import SizeError
+from mcml.motion.skeleton import Skeleton
+from mcml_service.analysis.expression_space import space as spaces
+from mcml_service.analysis.expression_space.options import options_of
+from mcml_service.analysis.expression_space.space import build
+from mcml_service.analysis.interface import AnalysisError, Motion
 from tests.analysis.expression.face_motions import body_motion, motion_from, motions, takes
 
 

@@ -9,15 +9,15 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components, dijkstra, floyd_warshall, minimum_spanning_tree
 
-from service.analysis.expression_space import geodesics
-from service.analysis.expression_space.frame_graph import (
+from mcml.motion.skeleton import Array
+from mcml_service.analysis.expression_space import geodesics
+from mcml_service.analysis.expression_space.frame_graph import (
     closest_bridges,
     hub_graph,
     spanning_tree,
     threshold_graph,
 )
-from service.analysis.expression_space.geodesics import all_pairs, floyd, from_sources
-from service.motion.skeleton import Array
+from mcml_service.analysis.expression_space.geodesics import all_pairs, floyd, from_sources
 from tests.analysis.expression.face_motions import space
 
 

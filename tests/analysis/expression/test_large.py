@@ -8,19 +8,19 @@ from functools import cache
 import numpy as np
 import pytest
 
-from schemas.analyses.expression import (
+from mcml_schemas.analyses.expression import (
     ExpressionLevelChoice,
     ExpressionParameters,
 )
-from schemas.analyses.expression_paths import (
+from mcml_schemas.analyses.expression_paths import (
     ExpressionPathWish,
 )
-from service.analysis.expression_space.analyses import EXPRESSION
-from service.analysis.expression_space.extension import extend
-from service.analysis.expression_space.geodesics import from_sources
-from service.analysis.expression_space.options import options_of
-from service.analysis.expression_space.space import Space, build
-from service.analysis.interface import AnalysisError, Part, Parts, silent
+from mcml_service.analysis.expression_space.analyses import EXPRESSION
+from mcml_service.analysis.expression_space.extension import extend
+from mcml_service.analysis.expression_space.geodesics import from_sources
+from mcml_service.analysis.expression_space.options import options_of
+from mcml_service.analysis.expression_space.space import Space, build
+from mcml_service.analysis.interface import AnalysisError, Part, Parts, silent
 from tests.analysis.expression.face_motions import motion_from, motions, takes
 
 
@@ -68,7 +68,7 @@ def test_levels_nest_and_links_connect_them() -> None:
 
 
 def test_the_scale_follows_the_number_of_frames(monkeypatch: pytest.MonkeyPatch) -> None:
-    from service.analysis.expression_space import space as spaces
+    from mcml_service.analysis.expression_space import space as spaces
 
     monkeypatch.setattr(spaces, "FULL_FRAMES", 50)
     assert build(motions()[:3], options_of()).reduced is not None

@@ -10,10 +10,10 @@ import skfuzzy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.analysis.expression_space.fuzzy_means import fuzzy_means, top_memberships
-from service.analysis.expression_space.levels import farthest_order, level_sizes, make_levels
-from service.analysis.expression_space.options import options_of
-from service.motion.skeleton import Array
+from mcml.motion.skeleton import Array
+from mcml_service.analysis.expression_space.fuzzy_means import fuzzy_means, top_memberships
+from mcml_service.analysis.expression_space.levels import farthest_order, level_sizes, make_levels
+from mcml_service.analysis.expression_space.options import options_of
 from tests.analysis.expression.face_motions import space
 
 

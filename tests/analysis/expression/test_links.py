@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.sparse.csgraph import dijkstra
 
-from service.analysis.expression_space.frame_graph import FrameGraph, threshold_graph
-from service.analysis.expression_space.links import (
+from mcml.motion.skeleton import Array
+from mcml_service.analysis.expression_space.frame_graph import FrameGraph, threshold_graph
+from mcml_service.analysis.expression_space.links import (
     Links,
     edge_links,
     half_nearest,
@@ -15,7 +16,6 @@ from service.analysis.expression_space.links import (
     paper_links,
     voronoi_links,
 )
-from service.motion.skeleton import Array
 from tests.analysis.expression.face_motions import space
 
 

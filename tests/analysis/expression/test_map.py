@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from sklearn.manifold import Isomap, trustworthiness
 
-from service.analysis.expression_space.planar_map import (
+from mcml.motion.skeleton import Array
+from mcml_service.analysis.expression_space.planar_map import (
     Scaling,
     agreement,
     agreement_between,
     classical_scaling,
     neighbourhoods,
 )
-from service.motion.skeleton import Array
 from tests.analysis.expression.face_motions import space
 
 

@@ -8,7 +8,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from service.analysis.expression_space.navigation import (
+from mcml.errors import SizeError
+from mcml_service.analysis.expression_space.navigation import (
     Ground,
     accepted,
     linked_keys,
@@ -18,9 +19,8 @@ from service.analysis.expression_space.navigation import (
     walk_over,
     with_picks,
 )
-from service.analysis.expression_space.playback import MOST_SAMPLES, markers_of, sample
-from service.analysis.interface import AnalysisError
-from service.errors import SizeError
+from mcml_service.analysis.expression_space.playback import MOST_SAMPLES, markers_of, sample
+from mcml_service.analysis.interface import AnalysisError
 from tests.analysis.expression.face_motions import space
 
 

@@ -7,21 +7,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from schemas.analyses.expression import ExpressionParameters
-from service.analysis.expression_space.analyses import EXPRESSION
-from service.analysis.expression_space.frame_graph import threshold_graph
-from service.analysis.expression_space.geodesics import all_pairs
-from service.analysis.expression_space.options import options_of
-from service.analysis.expression_space.planar_map import agreement, classical_scaling, neighbourhoods
-from service.analysis.expression_space.space import Space, build
-from service.analysis.expression_space.states import distances, state_vectors
-from service.analysis.expression_space.takes import frames_of
-from service.analysis.expression_space.threshold import STEPS, choose
-from service.analysis.expression_space.trials import Trials
-from service.analysis.interface import Motion, silent
-from service.formats import FORMATS
-from service.formats.format import ReadOptions, SourceFile
-from service.motion.units import metres_of
+from mcml.formats import FORMATS
+from mcml.formats.format import ReadOptions, SourceFile
+from mcml.motion.units import metres_of
+from mcml_schemas.analyses.expression import ExpressionParameters
+from mcml_service.analysis.expression_space.analyses import EXPRESSION
+from mcml_service.analysis.expression_space.frame_graph import threshold_graph
+from mcml_service.analysis.expression_space.geodesics import all_pairs
+from mcml_service.analysis.expression_space.options import options_of
+from mcml_service.analysis.expression_space.planar_map import agreement, classical_scaling, neighbourhoods
+from mcml_service.analysis.expression_space.space import Space, build
+from mcml_service.analysis.expression_space.states import distances, state_vectors
+from mcml_service.analysis.expression_space.takes import frames_of
+from mcml_service.analysis.expression_space.threshold import STEPS, choose
+from mcml_service.analysis.expression_space.trials import Trials
+from mcml_service.analysis.interface import Motion, silent
 from tests.analysis.expression.face_motions import motion_from
 
 

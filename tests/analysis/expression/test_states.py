@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from service.analysis.expression_space.landmark_scale import basis_of
-from service.analysis.expression_space.states import distances, state_vectors
-from service.motion.skeleton import Array
+from mcml.motion.skeleton import Array
+from mcml_service.analysis.expression_space.landmark_scale import basis_of
+from mcml_service.analysis.expression_space.states import distances, state_vectors
 from tests.analysis.expression.face_motions import takes
 
 

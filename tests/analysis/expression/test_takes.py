@@ -10,12 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from service.analysis.expression_space.options import options_of
-from service.analysis.expression_space.rigid_motion import align
-from service.analysis.expression_space.states import state_vectors
-from service.analysis.expression_space.takes import fill_gaps, frames_of, smooth
-from service.demo.face_takes import EXPRESSIONS, UNITS, face_markers, face_takes
-from service.motion.rotations import rotate
+from mcml.motion.rotations import rotate
+from mcml_service.analysis.expression_space.options import options_of
+from mcml_service.analysis.expression_space.rigid_motion import align
+from mcml_service.analysis.expression_space.states import state_vectors
+from mcml_service.analysis.expression_space.takes import fill_gaps, frames_of, smooth
+from mcml_service.demo.face_takes import EXPRESSIONS, UNITS, face_markers, face_takes
 from tests.analysis.expression.face_motions import motion_from, motion_of, motions, takes
 
 

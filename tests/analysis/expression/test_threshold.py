@@ -10,17 +10,17 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial.distance import cdist
 
-from service.analysis.expression_space import space as spaces
-from service.analysis.expression_space import trials as trials_of
-from service.analysis.expression_space.frame_graph import hub_graph, threshold_graph
-from service.analysis.expression_space.geodesics import all_pairs, from_sources
-from service.analysis.expression_space.levels import farthest_order
-from service.analysis.expression_space.options import options_of
-from service.analysis.expression_space.planar_map import agreement, classical_scaling
-from service.analysis.expression_space.space import build
-from service.analysis.expression_space.threshold import STEPS, Chosen, choose
-from service.analysis.expression_space.trials import Trials, Tried, sampled_geodesics
-from service.motion.skeleton import Array
+from mcml.motion.skeleton import Array
+from mcml_service.analysis.expression_space import space as spaces
+from mcml_service.analysis.expression_space import trials as trials_of
+from mcml_service.analysis.expression_space.frame_graph import hub_graph, threshold_graph
+from mcml_service.analysis.expression_space.geodesics import all_pairs, from_sources
+from mcml_service.analysis.expression_space.levels import farthest_order
+from mcml_service.analysis.expression_space.options import options_of
+from mcml_service.analysis.expression_space.planar_map import agreement, classical_scaling
+from mcml_service.analysis.expression_space.space import build
+from mcml_service.analysis.expression_space.threshold import STEPS, Chosen, choose
+from mcml_service.analysis.expression_space.trials import Trials, Tried, sampled_geodesics
 from tests.analysis.expression.face_motions import motions, space
 
 FRAMES = 500

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from service.analysis.interface import Motion
-from service.formats import FORMATS
-from service.formats.format import ReadOptions, SourceFile
-from service.motion.conventions import convert
-from service.motion.hub import HubReader
-from service.motion.skeleton import Convention
-from service.motion.units import UNITS, reading_of
+from mcml.formats import FORMATS
+from mcml.formats.format import ReadOptions, SourceFile
+from mcml.motion.conventions import convert
+from mcml.motion.hub import HubReader
+from mcml.motion.skeleton import Convention
+from mcml.motion.units import UNITS, reading_of
+from mcml_service.analysis.interface import Motion
 from tests.builders import assign
 
 TARGETS = {"depositFloorR": "0", "grabHighR": "1"}

@@ -8,11 +8,11 @@ from functools import cache
 
 import numpy as np
 
-from service.analysis.interface import Motion
-from service.analysis.reach_blending.fit import Fitted, fit
-from service.analysis.reach_blending.options import options_of
-from service.demo.reach_clips import OLD, YOUNG, ReachClip, reach_clips
-from service.motion.hub import HubReader
+from mcml.motion.hub import HubReader
+from mcml_service.analysis.interface import Motion
+from mcml_service.analysis.reach_blending.fit import Fitted, fit
+from mcml_service.analysis.reach_blending.options import options_of
+from mcml_service.demo.reach_clips import OLD, YOUNG, ReachClip, reach_clips
 from tests.builders import assign
 
 FEW = ((4,) * 5, (4,) * 5)

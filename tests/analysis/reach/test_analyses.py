@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from schemas.analyses.reach import ReachClipChoice, ReachMotion, ReachParameters, ReachPhases, ReachWish
-from service.analysis.interface import AnalysisError, Part, Parts, silent
-from service.analysis.reach_blending.analyses import REACH, options_from
-from service.analysis.reach_blending.evaluation import reconstruction
-from service.analysis.reach_blending.time_normalisation import PAPER_KNOTS
+from mcml_schemas.analyses.reach import ReachClipChoice, ReachMotion, ReachParameters, ReachPhases, ReachWish
+from mcml_service.analysis.interface import AnalysisError, Part, Parts, silent
+from mcml_service.analysis.reach_blending.analyses import REACH, options_from
+from mcml_service.analysis.reach_blending.evaluation import reconstruction
+from mcml_service.analysis.reach_blending.time_normalisation import PAPER_KNOTS
 from tests.analysis.reach.reach_motions import FEW, fitted, generated, labelled
 
 WISH = ReachWish(attributes={"age": 25, "height": 168, "hbp": 270})

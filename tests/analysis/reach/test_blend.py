@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import RBFInterpolator
 from scipy.optimize import linprog
 
-from service.analysis.reach_blending.blend import (
+from mcml_service.analysis.reach_blending.blend import (
     choose,
     fit_blend,
     groups_of,
@@ -21,8 +21,8 @@ from service.analysis.reach_blending.blend import (
     nearest_left_out,
     terms,
 )
-from service.analysis.reach_blending.model import cardinal_of
-from service.analysis.reach_blending.trust import TOUCHING, most_influential, nearest_in_hull
+from mcml_service.analysis.reach_blending.model import cardinal_of
+from mcml_service.analysis.reach_blending.trust import TOUCHING, most_influential, nearest_in_hull
 
 seeds = st.integers(0, 10_000)
 

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from service.analysis.interface import AnalysisError, Motion
-from service.analysis.reach_blending.blend import invert
-from service.analysis.reach_blending.fit import Fitted, fit
-from service.analysis.reach_blending.options import options_of
-from service.analysis.reach_blending.quaternion_tracks import exp
-from service.analysis.reach_blending.synthesis import Wish, synthesize
-from service.motion.rotations import multiply
-from service.motion.skeleton import Convention, Skeleton
+from mcml.motion.rotations import multiply
+from mcml.motion.skeleton import Convention, Skeleton
+from mcml_service.analysis.interface import AnalysisError, Motion
+from mcml_service.analysis.reach_blending.blend import invert
+from mcml_service.analysis.reach_blending.fit import Fitted, fit
+from mcml_service.analysis.reach_blending.options import options_of
+from mcml_service.analysis.reach_blending.quaternion_tracks import exp
+from mcml_service.analysis.reach_blending.synthesis import Wish, synthesize
 from tests.analysis.reach.reach_motions import fitted, generated, labelled, on_grid
 
 Change = Callable[[Motion], Motion]

@@ -10,22 +10,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.actions.importing.store_clip import clip_file
-from service.analysis.interface import Motion
-from service.analysis.reach_blending.accuracy import Ruler
-from service.analysis.reach_blending.blend import fit_blend, linear_left_out, nearest_left_out
-from service.analysis.reach_blending.evaluation import predictions, reconstruction
-from service.analysis.reach_blending.fit import fit
-from service.analysis.reach_blending.model import from_time_values, to_time_values
-from service.analysis.reach_blending.options import options_of
-from service.analysis.reach_blending.quaternion_tracks import angle_between, exp
-from service.analysis.reach_blending.stored import to_arrays
-from service.analysis.reach_blending.synthesis import Wish, synthesize
-from service.formats import FORMATS
-from service.formats.format import ReadOptions, SourceFile
-from service.motion.hub import HubReader
-from service.motion.rotations import to_euler
-from service.motion.skeleton import Skeleton
+from mcml.formats import FORMATS
+from mcml.formats.format import ReadOptions, SourceFile
+from mcml.motion.hub import HubReader
+from mcml.motion.rotations import to_euler
+from mcml.motion.skeleton import Skeleton
+from mcml_service.actions.importing.store_clip import clip_file
+from mcml_service.analysis.interface import Motion
+from mcml_service.analysis.reach_blending.accuracy import Ruler
+from mcml_service.analysis.reach_blending.blend import fit_blend, linear_left_out, nearest_left_out
+from mcml_service.analysis.reach_blending.evaluation import predictions, reconstruction
+from mcml_service.analysis.reach_blending.fit import fit
+from mcml_service.analysis.reach_blending.model import from_time_values, to_time_values
+from mcml_service.analysis.reach_blending.options import options_of
+from mcml_service.analysis.reach_blending.quaternion_tracks import angle_between, exp
+from mcml_service.analysis.reach_blending.stored import to_arrays
+from mcml_service.analysis.reach_blending.synthesis import Wish, synthesize
 from tests import fuzz
 from tests.analysis.reach.reach_motions import fitted, generated, on_grid
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.demo import reach_clips as source
-from service.demo.reach_clips import BELT, reach_clips
+from mcml_service.demo import reach_clips as source
+from mcml_service.demo.reach_clips import BELT, reach_clips
 from tests.analysis.reach.reach_motions import generated
 from tests.builders import assign
 
@@ -74,4 +74,4 @@ def test_a_seed_is_a_set_and_rates_only_sample_it() -> None:
 def test_the_generator_knows_nothing_of_the_analysis() -> None:
     tree = ast.parse(Path(source.__file__).read_text(encoding="utf-8"))
     imported = [node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
-    assert not [name for name in imported if name.startswith("service.analysis")]
+    assert not [name for name in imported if name.startswith("mcml_service.analysis")]

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from service.analysis.interface import AnalysisError
-from service.analysis.reach_blending.phases import angular_speed, find_phases, given_phases
-from service.analysis.reach_blending.quaternion_tracks import exp
+from mcml_service.analysis.interface import AnalysisError
+from mcml_service.analysis.reach_blending.phases import angular_speed, find_phases, given_phases
+from mcml_service.analysis.reach_blending.quaternion_tracks import exp
 from tests.analysis.reach.reach_motions import generated
 
 FPS = 30.0

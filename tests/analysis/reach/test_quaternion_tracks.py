@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from service.analysis.interface import AnalysisError
-from service.analysis.reach_blending.quaternion_tracks import (
+from mcml.motion.rotations import from_euler, slerp
+from mcml_service.analysis.interface import AnalysisError
+from mcml_service.analysis.reach_blending.quaternion_tracks import (
     aligned,
     angle_between,
     continuous,
@@ -21,7 +22,6 @@ from service.analysis.reach_blending.quaternion_tracks import (
     second_moments,
     unit,
 )
-from service.motion.rotations import from_euler, slerp
 
 seeds = st.integers(0, 10_000)
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.analysis.interface import AnalysisError, Motion
-from service.analysis.reach_blending.fit import Fitted, fit
-from service.analysis.reach_blending.options import options_of
-from service.analysis.reach_blending.synthesis import Wish, synthesize
+from mcml_service.analysis.interface import AnalysisError, Motion
+from mcml_service.analysis.reach_blending.fit import Fitted, fit
+from mcml_service.analysis.reach_blending.options import options_of
+from mcml_service.analysis.reach_blending.synthesis import Wish, synthesize
 from tests.analysis.reach.hdm05 import INCHES, read_reaches
 
 

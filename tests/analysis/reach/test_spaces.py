@@ -7,18 +7,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.analysis.reach_blending.attribute_space import attribute_space, duplicates, gaps, same_place
-from service.analysis.reach_blending.motion_spaces import EigenposeSpace, GlobalPoseSpace, TangentSpace, Track
-from service.analysis.reach_blending.principal_components import principal_components
-from service.analysis.reach_blending.quaternion_tracks import (
+from mcml.motion.rotations import from_euler
+from mcml_service.analysis.reach_blending.attribute_space import attribute_space, duplicates, gaps, same_place
+from mcml_service.analysis.reach_blending.motion_spaces import EigenposeSpace, GlobalPoseSpace, TangentSpace, Track
+from mcml_service.analysis.reach_blending.principal_components import principal_components
+from mcml_service.analysis.reach_blending.quaternion_tracks import (
     aligned,
     angle_between,
     continuous,
     mean_rotations,
     second_moments,
 )
-from service.analysis.reach_blending.time_normalisation import PAPER_KNOTS, instants, read_rotations, read_values
-from service.motion.rotations import from_euler
+from mcml_service.analysis.reach_blending.time_normalisation import PAPER_KNOTS, instants, read_rotations, read_values
 
 seeds = st.integers(0, 10_000)
 

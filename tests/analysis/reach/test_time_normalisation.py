@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.analysis.reach_blending.time_normalisation import (
+from mcml.motion.rotations import from_euler, slerp
+from mcml_service.analysis.reach_blending.time_normalisation import (
     PAPER_KNOTS,
     instants,
     mean_knots,
@@ -15,7 +16,6 @@ from service.analysis.reach_blending.time_normalisation import (
     read_rotations,
     read_values,
 )
-from service.motion.rotations import from_euler, slerp
 
 durations = st.tuples(*[st.floats(0.2, 40)] * 3).map(lambda d: tuple(np.cumsum(d)))
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from service.formats import FORMATS
-from service.motion.clip import ClipHead, ClipStream
-from service.motion.skeleton import Convention, Skeleton
+from mcml.formats import FORMATS
+from mcml.motion.clip import ClipHead, ClipStream
+from mcml.motion.skeleton import Convention, Skeleton
 from tests.builders import ASF, HTR, TRC, amc, bvh, c3d_file
 from tests.formats.contract import read
 from tests.formats.scenes.reading import stating

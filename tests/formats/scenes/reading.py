@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from service.motion.clip import ClipStream
-from service.motion.kinematics import Walker
-from service.motion.units import reading_of
+from mcml.motion.clip import ClipStream
+from mcml.motion.kinematics import Walker
+from mcml.motion.units import reading_of
 
 _KINDS = {5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16}

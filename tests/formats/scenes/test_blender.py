@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.formats import WRITERS
-from service.motion.clip import ClipStream
+from mcml.formats import WRITERS
+from mcml.motion.clip import ClipStream
 from tests.formats.scenes.clips import CLIPS, hostile, stated, told
 from tests.formats.scenes.reading import expected, height, read_glb
 from tests.formats.test_real_files import opened

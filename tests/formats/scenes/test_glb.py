@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.errors import ConversionError
-from service.formats import WRITERS
-from service.formats.scenes import glb
-from service.motion.clip import ClipStream
-from service.motion.conventions import scale
+from mcml.errors import ConversionError
+from mcml.formats import WRITERS
+from mcml.formats.scenes import glb
+from mcml.motion.clip import ClipStream
+from mcml.motion.conventions import scale
 from tests.formats.scenes.clips import (
     CLIPS,
     HOSTILE,

@@ -7,16 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from service.formats import FORMATS
-from service.motion.anatomical_axes import Stance
-from service.motion.bodies.calibration import Calibration, calibrate
-from service.motion.bodies.positions import clip_positions, filled, rounded
-from service.motion.bodies.reference import stance_of
-from service.motion.bodies.stretch import Stretch
-from service.motion.clip import ClipStream, Reference, ReferencePose
-from service.motion.conventions import convert
-from service.motion.skeleton import Array, Convention, Skeleton
-from service.motion.units import DEGREES, Reading, reading_of
+from mcml.formats import FORMATS
+from mcml.motion.anatomical_axes import Stance
+from mcml.motion.bodies.calibration import Calibration, calibrate
+from mcml.motion.bodies.positions import clip_positions, filled, rounded
+from mcml.motion.bodies.reference import stance_of
+from mcml.motion.bodies.stretch import Stretch
+from mcml.motion.clip import ClipStream, Reference, ReferencePose
+from mcml.motion.conventions import convert
+from mcml.motion.skeleton import Array, Convention, Skeleton
+from mcml.motion.units import DEGREES, Reading, reading_of
 from tests.builders import assign
 from tests.formats.contract import read, written
 

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from service.errors import RequestError, UnsupportedError, VocabularyError
-from service.formats import FORMATS
-from service.mcml.motion_names import MotionName, parse, parts
-from service.motion.bodies import local_fit
-from service.motion.bodies.limb_angles import ANGLES, NEEDS_ROTATIONS, angle_named
-from service.motion.bodies.poses import (
+from mcml.errors import RequestError, UnsupportedError, VocabularyError
+from mcml.formats import FORMATS
+from mcml.language.motion_names import MotionName, parse, parts
+from mcml.motion.bodies import local_fit
+from mcml.motion.bodies.limb_angles import ANGLES, NEEDS_ROTATIONS, angle_named
+from mcml.motion.bodies.poses import (
     JOINTS,
     NEEDS,
     at_rate,
@@ -22,13 +22,13 @@ from service.motion.bodies.poses import (
     pose_distances,
     pose_features,
 )
-from service.motion.bodies.positions import UNSEEN, clip_positions, filled, rounded, world_positions
-from service.motion.bodies.quantities import QUANTITIES, compute, halo_of, joints_of, quantity_of
-from service.motion.bodies.stretch import Stretch
-from service.motion.bodies.vectors import angle_between
-from service.motion.kinematics import Walker
-from service.motion.skeleton import CHANNEL_INDEX, Convention
-from service.motion.units import reading_of
+from mcml.motion.bodies.positions import UNSEEN, clip_positions, filled, rounded, world_positions
+from mcml.motion.bodies.quantities import QUANTITIES, compute, halo_of, joints_of, quantity_of
+from mcml.motion.bodies.stretch import Stretch
+from mcml.motion.bodies.vectors import angle_between
+from mcml.motion.kinematics import Walker
+from mcml.motion.skeleton import CHANNEL_INDEX, Convention
+from mcml.motion.units import reading_of
 from tests.builders import TRC
 from tests.formats.contract import read
 from tests.formats.test_real_files import opened
@@ -306,7 +306,7 @@ def test_positions_are_those_of_the_walker(convention: Convention, seed: int) ->
 def test_blocks_of_positions_follow_one_another(monkeypatch: pytest.MonkeyPatch) -> None:
     clip = clip_of(person(1, 30))
     whole = positions_of(clip)
-    monkeypatch.setattr("service.motion.bodies.positions.BLOCK", 7)
+    monkeypatch.setattr("mcml.motion.bodies.positions.BLOCK", 7)
     assert np.array_equal(positions_of(clip), whole)
 
 

@@ -9,15 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.errors import RequestError
-from service.motion.bodies.calibration import Calibration, calibrate, calibration_frames
-from service.motion.bodies.positions import rounded
-from service.motion.bodies.quantities import compute
-from service.motion.bodies.stretch import Stretch
-from service.motion.clip import ClipHead
-from service.motion.guesses import changed_up, likely_up
-from service.motion.markers import marker_skeleton
-from service.motion.skeleton import Convention, Joint, Skeleton
+from mcml.errors import RequestError
+from mcml.motion.bodies.calibration import Calibration, calibrate, calibration_frames
+from mcml.motion.bodies.positions import rounded
+from mcml.motion.bodies.quantities import compute
+from mcml.motion.bodies.stretch import Stretch
+from mcml.motion.clip import ClipHead
+from mcml.motion.guesses import changed_up, likely_up
+from mcml.motion.markers import marker_skeleton
+from mcml.motion.skeleton import Convention, Joint, Skeleton
 from tests.formats.test_real_files import opened
 from tests.motion.bodies.made import clip_of, named, person, positions_of, stretch_of
 

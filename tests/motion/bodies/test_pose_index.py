@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from service.motion.bodies.pose_index import COMPONENTS, WIDTH, Singles, balls_of, pose_index
-from service.motion.bodies.poses import FEWEST, JOINTS, motion_distances, pose_distances
-from service.motion.skeleton import Array
+from mcml.motion.bodies.pose_index import COMPONENTS, WIDTH, Singles, balls_of, pose_index
+from mcml.motion.bodies.poses import FEWEST, JOINTS, motion_distances, pose_distances
+from mcml.motion.skeleton import Array
 
 RATES = (1 / 30, 1 / 60, 1 / 120, None)
 ALMOST = 1e-6

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.motion.bodies import local_fit
-from service.motion.bodies.poses import pose_distances, pose_features
-from service.motion.bodies.quantities import compute
-from service.motion.bodies.stretch import Stretch
-from service.numerics.runs import find_true
+from mcml.motion.bodies import local_fit
+from mcml.motion.bodies.poses import pose_distances, pose_features
+from mcml.motion.bodies.quantities import compute
+from mcml.motion.bodies.stretch import Stretch
+from mcml.numerics.runs import find_true
 from tests.formats.test_real_files import NOT_MOTION, opened
 from tests.motion.bodies.made import named, part_of, stretch_of
 

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from service.errors import VocabularyError
-from service.motion.anatomical_axes import segments_of
-from service.motion.bodies.limb_angles import NEEDS_ROTATIONS, turn_named
-from service.motion.bodies.turned_angles import turned_angle
-from service.motion.hub import rest_of, walked
-from service.motion.kinematics import Walker
-from service.motion.skeleton import Array, Skeleton
-from service.motion.units import reading_of
+from mcml.errors import VocabularyError
+from mcml.motion.anatomical_axes import segments_of
+from mcml.motion.bodies.limb_angles import NEEDS_ROTATIONS, turn_named
+from mcml.motion.bodies.turned_angles import turned_angle
+from mcml.motion.hub import rest_of, walked
+from mcml.motion.kinematics import Walker
+from mcml.motion.skeleton import Array, Skeleton
+from mcml.motion.units import reading_of
 from tests.formats.test_real_files import opened
 from tests.motion.bodies.made import named, stretch_of
 from tests.motion.bodies.made import stance as stance_of_pose

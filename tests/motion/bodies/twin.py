@@ -12,10 +12,10 @@ from functools import cache
 
 import numpy as np
 
-from service.motion.bodies.calibration import Calibration
-from service.motion.clip import ClipStream
-from service.motion.skeleton import CHANNELS, Convention, Joint
-from service.motion.units import reading_of
+from mcml.motion.bodies.calibration import Calibration
+from mcml.motion.clip import ClipStream
+from mcml.motion.skeleton import CHANNELS, Convention, Joint
+from mcml.motion.units import reading_of
 
 Matrix = np.ndarray
 Place = tuple[int, int, int] | None

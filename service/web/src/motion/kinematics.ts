@@ -1,6 +1,6 @@
 /**
  * Forward kinematics of one frame, for what is edited and not stored yet. The same as the server's
- * (service/motion/hub.py): P = P_parent + Q_parent t, Q = Q_parent L, with t and L made of channels by convention.
+ * (mcml/motion/hub.py): P = P_parent + Q_parent t, Q = Q_parent L, with t and L made of channels by convention.
  */
 import { itemAt, numberAt } from "./lists";
 import { IDENTITY, fixed, inverse, multiply, rotate, turning, type Quaternion, type Vector } from "./quaternions";

@@ -1,4 +1,4 @@
-/** MT1: moving skeletons in a few KB (service/motion/thumbnails.py has the format). Reading, and drawing on a canvas. */
+/** MT1: moving skeletons in a few KB (mcml/motion/thumbnails.py has the format). Reading, and drawing on a canvas. */
 import { numberAt } from "./lists";
 
 export interface Thumbnail {

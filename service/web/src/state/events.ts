@@ -4,7 +4,7 @@
  */
 import { signal } from "@preact/signals";
 
-/** Data of events `document` and `label`; schemas/events.py. Streams have no types in the description. */
+/** Data of events `document` and `label`; schemas/mcml_schemas/events.py. Streams have no types in the description. */
 export interface News {
   document: string;
   revision: number;
@@ -15,7 +15,7 @@ export interface News {
   time: string;
 }
 
-/** What was done with a comment: the part of events `comment` that is looked at; schemas/activity.py. */
+/** What was done with a comment: the part of events `comment` that is looked at; schemas/mcml_schemas/activity.py. */
 export interface Commented {
   id: number;
   document: string | null;

@@ -3,7 +3,7 @@ import { kept } from "./settings";
 
 export const welcomed = kept("welcomed", false);
 
-/** service/actions/importing/load_demo.py names them. */
+/** service/mcml_service/actions/importing/load_demo.py names them. */
 const DEMO = new Set(["demo", "demo-reach", "demo-dance", "demo-face"]);
 
 export const isDemoAlone = (projects: readonly string[]): boolean =>

@@ -9,7 +9,7 @@ import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { number, w } from "../../words";
 
-/** schemas/retarget.py: RetargetedOne. Streams have no types in the description. */
+/** schemas/mcml_schemas/retarget.py: RetargetedOne. Streams have no types in the description. */
 interface Row {
   source: string;
   name: string;

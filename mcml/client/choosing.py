@@ -1,0 +1,68 @@
+"""Documents by what people call them: an id, its beginning, a name; or all that fulfil conditions."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from mcml.client.client import Client
+from mcml.errors import ConflictError, NotFoundError
+from mcml_schemas.documents import DocumentSummary
+
+_ID = re.compile(r"[0-9a-fA-F]{8}(?:-[0-9a-fA-F]{4}){3}-[0-9a-fA-F]{12}")
+MOST_NAMED = 5
+"""Documents that a message names where a text means several."""
+
+
+def find_document(client: Client, text: str, *, deleted: bool = False) -> DocumentSummary:
+    """The one document whose id begins so, or whose name this is.
+
+    Raises NotFoundError where there is none, ConflictError where there are several.
+    """
+    asked: dict[str, Any] = {"limit": MOST_NAMED + 1}
+    if deleted:
+        asked["deleted"] = True
+    found: list[DocumentSummary] = []
+    if len(text) <= 36 and set(text.lower()) <= set("0123456789abcdef-"):
+        found = client.call("list_documents", id=text, **asked).items
+    found = found or client.call("list_documents", name=text, **asked).items
+    if not found:
+        kind = "deleted document" if deleted else "document"
+        raise NotFoundError(
+            f"There is no {kind} {text}.", remedy="List the documents to see their ids and names: `mcml ls`."
+        )
+    if len(found) > 1:
+        named = ", ".join(f"{item.name} {item.id}" for item in found[:MOST_NAMED])
+        more = ", …" if len(found) > MOST_NAMED else ""
+        raise ConflictError(f"{text!r} is more than one document: {named}{more}.", remedy="Give more of the id.")
+    return found[0]
+
+
+def id_of(client: Client, text: str, *, deleted: bool = False) -> str:
+    """The id of the document that a text means; whole ids, and collections of documents, are taken as they are."""
+    return (
+        text
+        if _ID.fullmatch(text) or text.startswith("collection:")
+        else find_document(client, text, deleted=deleted).id
+    )
+
+
+def choose_documents(
+    client: Client,
+    texts: list[str] | None = None,
+    *,
+    project: str | None = None,
+    motion_name: str | None = None,
+    xpath: str | None = None,
+    **conditions: Any,
+) -> list[DocumentSummary]:
+    """Documents that are named, or all that fulfil every condition, by name.
+
+    xpath: in which it finds something, or is true. conditions: others of the operation list_documents.
+    """
+    if texts:
+        return [find_document(client, text) for text in texts]
+    found: list[DocumentSummary] = client.every(
+        "list_documents", project=project, motion_name=motion_name, xpath=xpath, **conditions
+    ).items
+    return found

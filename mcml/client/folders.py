@@ -1,0 +1,114 @@
+"""Files and folders sent to a repository, many in a call."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from mcml.answers import UploadError
+from mcml.client.client import Client
+from mcml.errors import UnsupportedError
+from mcml.files.on_disk import name_of, opened_files
+from mcml.formats import FORMATS
+from mcml_schemas.documents import UploadResult
+
+ARCHIVES = {".zip", ".gz", ".tgz", ".tar"}
+EXTENSIONS = {".mcml", ".xml", *ARCHIVES}.union(
+    extension for format_ in FORMATS.values() for part in format_.parts for extension in part.extensions
+)
+"""Of files that are looked for in folders."""
+
+PAIRED = (".asf", ".amc")
+
+MOST_FILES, MOST_BYTES = 512, 128 << 20
+"""Of one call: its files are open together, and what became of them is told when all are stored."""
+
+Told: TypeAlias = Callable[[int, int, str], None]
+"""How far an import is: files done, of how many, the name of the one that is read."""
+
+
+def import_paths(
+    client: Client, paths: list[Path], options: dict[str, Any], told: Told | None = None
+) -> Iterator[UploadResult]:
+    """What becomes of files, of folders with all that is in them, and of zips: a result for each call.
+
+    options: of the operation upload_documents; files that are stored already are skipped unless they say otherwise.
+    Raises UnsupportedError for a path that does not exist, and where there is nothing that can be read.
+    """
+    # A name is for the one document of a call.
+    groups = list(groups_of(paths, MOST_FILES if options.get("name") is None else 1))
+    if not groups:
+        known = " ".join(sorted(EXTENSIONS))
+        raise UnsupportedError("There is nothing here that can be read.", remedy=f"Files end in {known}.")
+    files = sum(map(len, groups))
+    done = 0
+    for group in groups:
+        teller = _Teller(told, done, files)
+        teller(name_of(group[0]))
+        yield _stored(client, group, {"on_duplicate": "skip", **options}, teller)
+        done += len(group)
+    if told is not None:
+        told(done, files, "")
+
+
+class _Teller:
+    """Makes of what is told of one call how far all of them are."""
+
+    def __init__(self, told: Told | None, done: int, of: int) -> None:
+        self._told, self._done, self._of = told, done, of
+        self._names: set[str] = set()
+
+    def __call__(self, name: str, _frames: int = 0, _most: int | None = None) -> None:
+        self._names.add(name)
+        if self._told is not None:
+            self._told(self._done + len(self._names) - 1, self._of, name)
+
+
+def _stored(client: Client, paths: list[Path], options: dict[str, Any], progress: Callable[..., None]) -> UploadResult:
+    """What became of some files in one call."""
+    with opened_files(paths) as files:
+        try:
+            result: UploadResult = client.call("upload_documents", file=files, progress=progress, **options)
+        except UploadError as error:
+            return UploadResult(documents=[], problems=error.problems)
+        return result
+
+
+def groups_of(paths: list[Path], most: int) -> Iterator[list[Path]]:
+    """Files for one call each: ASF with the AMC files of its folder, a zip alone, at most so many others together."""
+    others: list[Path] = []
+    for path in paths:
+        if not path.exists():
+            raise UnsupportedError(f"{path} does not exist.")
+        if not path.is_dir():
+            others += [] if path.suffix.lower() in PAIRED else [path]
+            continue
+        paired: dict[Path, list[Path]] = {}
+        for file in sorted(found for found in path.rglob("*") if found.suffix.lower() in EXTENSIONS):
+            if file.suffix.lower() in PAIRED:
+                paired.setdefault(file.parent, []).append(file)
+            else:
+                others.append(file)
+        yield from paired.values()
+    yield from _bounded(others, most)
+    loose = [path for path in paths if path.is_file() and path.suffix.lower() in PAIRED]
+    if loose:
+        yield loose
+
+
+def _bounded(files: list[Path], most: int) -> Iterator[list[Path]]:
+    group: list[Path] = []
+    size = 0
+    for file in files:
+        if file.suffix.lower() in ARCHIVES:
+            # Its ASF and AMC files are looked for among all of a call.
+            yield [file]
+            continue
+        size += file.stat().st_size
+        if group and (len(group) == most or size > MOST_BYTES):
+            yield group
+            group, size = [], file.stat().st_size
+        group.append(file)
+    if group:
+        yield group

@@ -1,0 +1,388 @@
+"""A repository and its documents, as Python sees them: the same operations as the API's and the command line's."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from importlib.metadata import entry_points
+from os import PathLike
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from mcml.answers import Content
+from mcml.client.choosing import choose_documents, find_document
+from mcml.client.client import Client
+from mcml.client.folders import Told, import_paths
+from mcml.client.operations import Operations
+from mcml.errors import QueryError, UnsupportedError
+from mcml.files.convert_files import files_to_write, format_of
+from mcml.files.on_disk import write_file
+from mcml.files.read_numbers import Space
+from mcml.frames import Frames
+from mcml_schemas.documents import DocumentDetail, DocumentSummary, FileProblem, Label
+from mcml_schemas.queries import NodeItem, QueryAnswer, RunItem, ScalarItem, ValueItem
+from mcml_schemas.skeletons import SkeletonView
+
+_IN_FRAME = re.compile(r"/mcml(?:\[1\])?/motion(?:\[1\])?/frame\[(\d+)\]")
+_URLS = ("http://", "https://")
+
+STORES = "mcml.stores"
+"""The group of entry points that name what opens a store of this machine: (address) to a Client."""
+
+
+def open(where: str | PathLike[str], token: str | None = None) -> Repository:
+    """A repository: the address of a server (http://…), a file of SQLite, or an SQLAlchemy URL of PostgreSQL.
+
+    token: where a server wants one. A file that is not there becomes an empty repository; ":memory:" is one that is
+    gone when it is closed. Whoever may open a file may do everything with it.
+    """
+    address = str(where)
+    if address.startswith(_URLS):
+        from mcml.client.remote import Remote
+
+        return Repository(Remote(address, token))
+    return Repository(_store(address))
+
+
+def _store(address: str) -> Client:
+    """A store of this machine, by the package that has one. UnsupportedError where none is installed."""
+    for entry in entry_points(group=STORES):
+        found: Client = entry.load()(address)
+        return found
+    raise UnsupportedError(
+        f"{address} is a store, and nothing here opens one.",
+        remedy="Install it: pip install 'mcml-repository[server]'.",
+    )
+
+
+@dataclass(frozen=True)
+class Run:
+    """A maximal range of frames that an expression finds: positions from 1, both ends included."""
+
+    document: str
+    name: str
+    first: int
+    last: int
+
+    @property
+    def frames(self) -> int:
+        return self.last - self.first + 1
+
+
+@dataclass
+class Imported:
+    """What became of files. documents: those that are stored now. problems: of files that are not."""
+
+    documents: list[Document]
+    problems: list[FileProblem]
+
+
+class Repository:
+    """Documents, and questions about them. As a context manager it is closed at the end.
+
+    operations: all that can be asked, by the names that the API's description has; answers are its models.
+    """
+
+    def __init__(self, client: Client) -> None:
+        self._client = client
+        self.operations = Operations(client)
+
+    def __enter__(self) -> Repository:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self._client.close()
+
+    def documents(self, text: str | None = None, **conditions: Any) -> list[Document]:
+        """Documents by name. text: part of the name.
+
+        conditions: project, motion_name, xpath (in which it finds something), format, property (["age:20..30"]),
+        skeleton, deleted.
+        """
+        return [Document(self, item) for item in choose_documents(self._client, q=text, **conditions)]
+
+    def document(self, text: str) -> Document:
+        """The one document of this id, beginning of an id, or name. Error where there is none, or several."""
+        return Document(self, find_document(self._client, text))
+
+    def projects(self) -> list[str]:
+        """Names of projects."""
+        return list(self._client.call("list_projects").items)
+
+    def xpath(
+        self,
+        expression: str,
+        *,
+        project: str | None = None,
+        documents: list[str] | None = None,
+        revision: int | None = None,
+        per: Literal["document"] | None = None,
+        guesses: Literal["yes", "no"] = "yes",
+        **variables: str,
+    ) -> Query:
+        """A question; it is asked when its answer is wanted: `runs()`, `nodes()`, `value()`, `count()`, `to_pandas()`.
+
+        documents: ids; default all. revision: of the one document, as it left it. per: "document" asks each by itself.
+        guesses: "no" leaves out documents whose unit, up axis or floor is guessed, where bodies are asked for.
+        variables: for $name in it.
+        """
+        asked: dict[str, Any] = {"project": project, "document": documents or [], "revision": revision, "per": per}
+        asked |= {"guesses": guesses, "variables": variables}
+        return Query(self._client, expression, asked)
+
+    def import_(self, *paths: str | PathLike[str], progress: Told | None = None, **options: Any) -> Imported:
+        """Store files, folders with all that is in them, or zips. Files that are stored already are skipped.
+
+        progress: told (files done, of how many, name of the file). options: project, name, description, label
+        (["walk:1-20"]), property (["age=23 year"]), unit, up, frame_time, encoding, movements, on_duplicate ("new").
+        """
+        documents: list[Document] = []
+        problems: list[FileProblem] = []
+        for result in import_paths(self._client, [Path(path) for path in paths], options, progress):
+            problems += result.problems
+            documents += [self.document(item.id) for item in result.documents]
+        return Imported(documents, problems)
+
+
+class Query:
+    """A question; each answer asks anew."""
+
+    def __init__(self, client: Client, expression: str, asked: dict[str, Any]) -> None:
+        self._client = client
+        self._expression = expression
+        self._asked = asked
+        self._times: dict[str, float | None] = {}
+
+    def __repr__(self) -> str:
+        return f"<Query {self._expression!r}>"
+
+    def runs(self) -> list[Run]:
+        """Maximal ranges of frames that it finds."""
+        found = (item for page in self._pages("runs") for item in page.items or () if isinstance(item, RunItem))
+        return [Run(item.document, item.name, item.first, item.last) for item in found]
+
+    def nodes(self) -> Iterator[NodeItem]:
+        """Nodes with their addresses, as they come."""
+        for page in self._pages("json"):
+            yield from (item for item in page.items or () if isinstance(item, NodeItem))
+
+    def value(self) -> Any:
+        """The number, text or truth that it is; for one that is asked of each document, those by the documents' ids.
+
+        Several values, such as those of distinct-values(), are a list.
+        """
+        pages = list(self._pages("json"))
+        first = pages[0]
+        if first.value is not None:
+            return first.value
+        if first.type in ("strings", "values"):
+            return [item.value for page in pages for item in page.items or () if isinstance(item, ValueItem)]
+        if first.type in ("number", "string", "boolean"):
+            items = [item for page in pages for item in page.items or ()]
+            return {item.document: item.value for item in items if isinstance(item, ScalarItem)}
+        raise QueryError(
+            "The answer is nodes, not a value.", remedy="Take nodes(), runs() or count(), or write string() around it."
+        )
+
+    def count(self) -> int:
+        """How many nodes it finds."""
+        found = Query(self._client, f"count({self._expression})", self._asked).value()
+        return int(sum(found.values()) if isinstance(found, dict) else found)
+
+    def to_pandas(self, **quantities: str) -> Any:
+        """A DataFrame of its frames, nodes or values: document, frame, time (seconds since frame 1, NaN where unknown),
+        and what was asked. Needs pandas.
+
+        Of values there is a column `value`; of nodes kind, address and value. quantities: columns more, each an
+        expression that is asked of every frame: repo.xpath("//frame").to_pandas(speed="mo:speed('right_hand')").
+        """
+        import pandas as pd
+
+        items = [item for page in self._pages("json") for item in page.items or () if not isinstance(item, RunItem)]
+        rows = [item.model_dump() | ({} if isinstance(item, ValueItem) else self._place(item)) for item in items]
+        first = ("document", "frame", "time")
+        names = dict.fromkeys((*first, *(name for row in rows for name in row)))
+        table = pd.DataFrame(rows, columns=list(names))
+        for name in ("frame", "time"):
+            table[name] = pd.to_numeric(table[name])
+        for name, expression in quantities.items():
+            asked = Query(self._client, f"({self._expression})/({expression})", self._asked)
+            found = [item for page in asked._pages("json") for item in page.items or () if isinstance(item, ValueItem)]
+            known = {(item.document, item.frame): item.value for item in found}
+            values = [known.get((row["document"], row.get("frame"))) for row in rows]
+            table[name] = pd.to_numeric(pd.Series(values, dtype=object), errors="coerce")
+        return table
+
+    def _place(self, item: NodeItem | ScalarItem) -> dict[str, Any]:
+        """The frame that a node is or lies in, and its time."""
+        found = _IN_FRAME.match(item.address) if isinstance(item, NodeItem) else None
+        if found is None:
+            return {}
+        frame = int(found[1])
+        if item.document not in self._times:
+            summary: DocumentSummary = self._client.call("get_document", id=item.document)
+            self._times[item.document] = summary.seconds_per_frame
+        seconds = self._times[item.document]
+        return {"frame": frame, "time": None if seconds is None else (frame - 1) * seconds}
+
+    def _pages(self, form: str) -> Iterator[QueryAnswer]:
+        cursor: str | None = None
+        while True:
+            asked = {"q": self._expression, "cursor": cursor, "limit": 1000, **self._asked, "as": form}
+            page: QueryAnswer = self._client.call("post_query", request=asked)
+            yield page
+            cursor = page.next_cursor
+            if cursor is None:
+                return
+
+
+class Document:
+    """A document as it was when it was found; `refresh` looks again. Changes are revisions, which `undo` takes back."""
+
+    def __init__(self, repository: Repository, summary: DocumentSummary) -> None:
+        self._repository = repository
+        self._summary = summary
+
+    def __repr__(self) -> str:
+        return f"<Document {self.name!r} {self.id}: {len(self)} frames, revision {self.revision}>"
+
+    def __len__(self) -> int:
+        """How many frames it has."""
+        return self._summary.frames
+
+    @property
+    def id(self) -> str:
+        return self._summary.id
+
+    @property
+    def name(self) -> str:
+        return self._summary.name
+
+    @property
+    def project(self) -> str:
+        return self._summary.project
+
+    @property
+    def format(self) -> str:
+        return self._summary.format
+
+    @property
+    def frame_time(self) -> float | None:
+        """Seconds a frame, None where nobody said."""
+        return self._summary.seconds_per_frame
+
+    @property
+    def revision(self) -> int:
+        return self._summary.revision
+
+    def refresh(self) -> Document:
+        """The document as it is now."""
+        self._summary = find_document(self._repository._client, self.id)
+        return self
+
+    def detail(self) -> DocumentDetail:
+        """Its header, bones, properties, labels, files and receipt."""
+        detail: DocumentDetail = self._call("get_document")
+        return detail
+
+    def skeleton(self) -> SkeletonView:
+        """Its bones with parents, sides, offsets and channels; unit, up axis and rate, stated or likely."""
+        found: SkeletonView = self._call("get_skeleton")
+        return found
+
+    def labels(self) -> list[Label]:
+        """Motion names of its frames."""
+        return list(self._repository._client.every("list_labels", id=self.id).items)
+
+    def frames(
+        self,
+        *bones: str,
+        space: Space = "channels",
+        quantity: str | Sequence[str] = (),
+        first: int = 1,
+        last: int | None = None,
+        step: int = 1,
+    ) -> Frames:
+        """Frames of frames first to last as an array: channels in the source's units, or positions or rotations.
+
+        bones: MCML's names; default all. space: "channels" (frames, columns), "positions" (frames, bones, 3) or
+        "rotations" (frames, bones, 4; x y z w), global, by forward kinematics. quantity: of the body, in metres,
+        seconds and degrees, such as "height:left_hand" or "speed:right_hand,Root", as columns after those of bones;
+        without bones alone. Their units are the `units` of the answer.
+        """
+        content = self._call(
+            "get_frames",
+            bone=list(bones) or None,
+            space=space,
+            quantity=([quantity] if isinstance(quantity, str) else list(quantity)) or None,
+            first=first,
+            last=last,
+            step=step,
+            format="npz",
+        )
+        return _numbers(content)
+
+    def export(
+        self, path: str | PathLike[str], *, format: str | None = None, force: bool = False, **options: Any
+    ) -> Path:
+        """Write it as a file; the path. format: where the name does not say. force: replace a file that is there.
+
+        options: first, last, names (of joints: mcml, bvh1, bvh2, asf, htr), unit, up, frame_time, revision, original.
+        A name that ends with .asf or .amc makes both files.
+        """
+        target = Path(path)
+        for part, form in files_to_write(target, format or format_of(target.name)):
+            content = self._call("export_document", format=form, **options)
+            write_file(part, content.blocks, force=force)
+        return target
+
+    def rename(self, name: str, message: str = "") -> Document:
+        """Give it another name."""
+        return self._change(name=name, message=message)
+
+    def move(self, project: str, message: str = "") -> Document:
+        """Move it to a project, which is made if it is new."""
+        return self._change(project=project, message=message)
+
+    def set(self, message: str = "", **facts: Any) -> Document:
+        """State what its file does not say: unit, up, description, frame_time (a number, or a text such as "1/120").
+
+        Nothing is converted.
+        """
+        return self._change(**facts, message=message)
+
+    def label(self, name: str, first: int = 1, last: int | None = None) -> Document:
+        """Name frames first to last."""
+        asked = {"name": name, "first": first, "last": len(self) if last is None else last}
+        self._call("add_labels", labels=[asked], if_match="*")
+        return self.refresh()
+
+    def undo(self) -> Document:
+        """Take back its last revision."""
+        self._call("undo_revision", if_match=f'"{self.refresh().revision}"')
+        return self.refresh()
+
+    def delete(self) -> None:
+        """Hide it; the operation restore_document brings it back."""
+        self._call("delete_document", if_match="*")
+
+    def _change(self, **change: Any) -> Document:
+        self._call("change_document", change=change, if_match="*")
+        return self.refresh()
+
+    def _call(self, name: str, **given: Any) -> Any:
+        return self._repository._client.call(name, id=self.id, **given)
+
+
+def _numbers(content: Content) -> Frames:
+    import io
+
+    found = np.load(io.BytesIO(b"".join(map(bytes, content.blocks))))
+    units = found["units"].tolist() if "units" in found else []
+    return Frames.of(found["values"], found["columns"].tolist(), found["times"], found["ids"].tolist(), units)

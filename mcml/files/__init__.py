@@ -1,0 +1,1 @@
+"""Files of any known format: gathered, read, converted, written."""

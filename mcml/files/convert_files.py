@@ -1,0 +1,129 @@
+"""Files of one format to files of another, without a store."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path, PurePath
+
+from mcml.errors import FormatError, Notice, UnsupportedError
+from mcml.files.check_names import check_frame_time
+from mcml.files.gather_files import gathered
+from mcml.files.import_options import ImportOptions
+from mcml.files.limits import FileLimits
+from mcml.files.open_clip import open_clip
+from mcml.files.targets import convert_clip, part_without_frames, targets
+from mcml.formats import WRITERS
+from mcml.formats.format import SourceFile
+from mcml.language.elements import from_head, refresh_counts, to_head
+from mcml.language.writer import write_document
+from mcml.motion.clip import ClipStream
+
+
+@dataclass
+class Converted:
+    """files: extension -> content, in the order of the format's parts. notices: complete once all was read."""
+
+    files: dict[str, Iterator[bytes]]
+    notices: Callable[[], list[Notice]]
+
+
+@contextmanager
+def convert_files(
+    files: list[SourceFile],
+    target: str,
+    limits: FileLimits,
+    *,
+    frame_time: str | float | None = None,
+    encoding: str | None = None,
+    names: str | None = None,
+    unit: str | None = None,
+    up: str | None = None,
+    stem: str = "motion",
+) -> Iterator[Converted]:
+    """The one clip among the files in another format. Raises what readers and writers raise.
+
+    frame_time, unit, up: what the files do not say of themselves; nothing is scaled or turned.
+    """
+    known = targets()
+    if target not in known or target == "csv":
+        raise UnsupportedError(
+            f"Unknown format {target!r}.", remedy=f"Use one of: {', '.join(sorted(set(known) - {'csv'}))}."
+        )
+    frame_time = None if frame_time is None else check_frame_time(frame_time)
+    options = ImportOptions(encoding=encoding, frame_time=frame_time, unit=unit, up=up)
+    with gathered(files, limits) as found:
+        for _, error in found.problems:
+            raise error
+        if len(found.clips) != 1:
+            raise FormatError(
+                f"The files hold {len(found.clips)} motions, not one.", remedy="Convert one motion at a time."
+            )
+        opened = open_clip(found.clips[0], options, limits)
+        stream = opened.stream
+        head = to_head(opened.document, frame_time or stream.head.frame_time)
+        clip = ClipStream(head, stream.blocks, stream.frames, stream.notices)
+        name, part = known[target]
+        part = part_without_frames(name) if clip.frames == 0 and part is None else part
+        if name == "mcml":
+            yield Converted({".mcml": _mcml(clip)}, lambda: clip.notices)
+            return
+        result = convert_clip(clip, name, names)
+        parts = [item for item in WRITERS[name].parts if part is None or item.name == part]
+        content = {item.extensions[0]: WRITERS[name].write(result, item.name) for item in parts}
+        yield Converted(content, lambda: result.notices)
+
+
+def format_of(file_name: str) -> str:
+    """The format that a file of this name has. UnsupportedError where the name does not say."""
+    extension = PurePath(file_name).suffix.lower()
+    if extension in (".mcml", ".xml"):
+        return "mcml"
+    if extension == ".csv":
+        return "csv"
+    for name, format_ in WRITERS.items():
+        if any(extension in part.extensions for part in format_.parts):
+            return name
+    raise UnsupportedError(
+        f"{file_name!r} does not say which format to write.",
+        remedy=f"Say the format (--to, in Python to=): one of: {', '.join(sorted(targets()))}.",
+    )
+
+
+def files_to_write(path: Path, target: str) -> list[tuple[Path, str]]:
+    """The files that an export to a path makes, each with what to export: ASF and AMC where the name is of one of them.
+
+    target: as `targets` names it. Raises UnsupportedError for a name that ends as files of another format do.
+    """
+    extension = path.suffix.lower()
+    name, part = targets().get(target, (target, None))
+    parts = [item for item in WRITERS[name].parts if part in (None, item.name)] if name in WRITERS else []
+    own = [ending for item in parts for ending in item.extensions] or [f".{target}"]
+    if len(parts) > 1 and extension in own:
+        return [(path.with_suffix(item.extensions[0]), item.name) for item in parts]
+    if len(parts) > 1:
+        own.append(".zip")
+    elif not extension or extension not in _endings():
+        return [(path, target)]
+    if extension not in (*own, ".xml" if target == "mcml" else own[0]):
+        endings = ", ".join(own)
+        raise UnsupportedError(
+            f"{path.name!r} is no name for {target}.", remedy=f"Give it the ending {endings}, or say another format."
+        )
+    return [(path, target)]
+
+
+def _endings() -> set[str]:
+    """All endings of files that are written."""
+    return {".mcml", ".xml", ".csv", ".zip"} | {
+        ending for writer in WRITERS.values() for part in writer.parts for ending in part.extensions
+    }
+
+
+def _mcml(clip: ClipStream) -> Iterator[bytes]:
+    """MCML states the number of frames before them, so a stream that does not know it is read twice."""
+    frames = clip.frames if clip.frames is not None else sum(len(block) for block in clip.blocks())
+    document = refresh_counts(from_head(replace(clip.head)), frames)
+    names = clip.head.skeleton.names
+    yield from write_document(document, frames, clip.head.frame_time, clip.blocks(), names)

@@ -1,0 +1,118 @@
+"""The receipt of an import: what was found in the file, what was guessed and why, what was mended."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mcml.errors import Notice
+from mcml.language.joint_names import NamingReport
+from mcml.motion.clip import ClipHead
+from mcml.motion.guesses import likely_units
+from mcml.motion.kinematics import rest_positions
+from mcml.motion.skeleton import Array, Convention, Skeleton
+
+
+def unit_facts(head: ClipHead, extent: Array) -> dict[str, Any]:
+    """{value, stated, why}: the length unit that the clip states, or None and what its size looks like.
+
+    extent: of the rest pose along X, Y, Z.
+    """
+    unit = head.fields.get("calibration_unit")
+    if unit:
+        return {"value": unit, "stated": True, "why": "the header says so"}
+    length = head.fields.get("units_length")
+    if length:
+        return {
+            "value": None,
+            "stated": False,
+            "why": f"the ASF states the factor `length {length}`, not a unit; values divided by it are local units "
+            "(inches in CMU and HDM05 files)",
+        }
+    height = float(extent[1] if extent[1] >= 0.5 * extent.max() else extent.max())
+    likely = likely_units(height)
+    looks = f", which would be a person in {' or '.join(likely)}" if likely else ""
+    return {"value": None, "stated": False, "why": f"the file names no unit; the rest pose is {height:.4g} tall{looks}"}
+
+
+def rate_facts(head: ClipHead) -> dict[str, Any]:
+    """{seconds, frames_per_second, stated, why}."""
+    seconds = head.seconds_per_frame()
+    if seconds is None:
+        return {
+            "seconds": None,
+            "frames_per_second": None,
+            "stated": False,
+            "why": "the file states no frame time; say it with frame_time (CMU and HDM05 record at 120 a second)",
+        }
+    why = "Frame time as the file writes it" if head.frame_time is not None else "the header's frame rate"
+    return {"seconds": seconds, "frames_per_second": 1.0 / seconds, "stated": True, "why": why}
+
+
+def up_facts(head: ClipHead, extent: Array) -> dict[str, Any]:
+    """{value, stated, why}: the axis that points up."""
+    axis = head.fields.get("global_axis_of_gravity")
+    if axis:
+        return {"value": axis.upper(), "stated": True, "why": "the header says so"}
+    axis = "XYZ"[int(np.argmax(extent))] if extent.any() else "Y"
+    return {"value": None, "stated": False, "why": f"the file names no up axis; the rest pose is longest along {axis}"}
+
+
+@dataclass(frozen=True)
+class SkeletonFacts:
+    """What a receipt says of a skeleton. extent: of its rest pose along X, Y, Z. orders: joints of each one."""
+
+    extent: Array
+    channels: int
+    orders: Mapping[str, int]
+    conventions: frozenset[Convention]
+    translations: tuple[str, ...]
+
+
+def skeleton_facts(skeleton: Skeleton) -> SkeletonFacts:
+    positions = rest_positions(skeleton)
+    turning = [joint for joint in skeleton.joints if any(channel.startswith("R") for channel in joint.channels)]
+    return SkeletonFacts(
+        extent=np.ptp(positions, axis=0) if len(positions) else np.zeros(3),
+        channels=len(skeleton.columns()),
+        orders=Counter(joint.rotation_order for joint in turning if joint.rotation_order),
+        conventions=frozenset(joint.convention for joint in skeleton.joints),
+        translations=tuple(sorted({joint.translation for joint in skeleton.joints if joint.translation})),
+    )
+
+
+def receipt(
+    head: ClipHead, facts: SkeletonFacts, frames: int, names: NamingReport | None, notices: list[Notice]
+) -> dict[str, Any]:
+    """The whole receipt as plain JSON values. facts: of the head's skeleton."""
+    return {
+        "format": head.format,
+        "frames": frames,
+        "joints": len(head.skeleton),
+        "channels": facts.channels,
+        "naming": None
+        if names is None
+        else {
+            "rig": names.convention,
+            "mapped": dict(names.mapped),
+            "unmapped": [{"source": source, "name": name, "why": why} for source, name, why in names.unmapped],
+        },
+        "unit": unit_facts(head, facts.extent),
+        "frame_rate": rate_facts(head),
+        "up_axis": up_facts(head, facts.extent),
+        "rotation_orders": dict(facts.orders),
+        "conventions": sorted(convention.value for convention in facts.conventions),
+        "translation": list(facts.translations),
+        "encoding": {part.part: part.encoding for part in head.sources},
+        "number_style": head.number_style,
+        "markers": Convention.MARKER in facts.conventions,
+        "notices": [
+            {"kind": notice.kind, "what": notice.what, "at": None if notice.at is None else str(notice.at)}
+            for notice in notices
+        ],
+        "twins": [],
+    }

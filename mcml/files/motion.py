@@ -1,0 +1,190 @@
+"""Motions in files, without a repository."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from fractions import Fraction
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mcml.errors import FormatError
+from mcml.files.check_names import check_frame_time
+from mcml.files.convert_files import Converted, convert_files, files_to_write, format_of
+from mcml.files.gather_files import gathered
+from mcml.files.import_options import ImportOptions
+from mcml.files.limits import FileLimits
+from mcml.files.on_disk import Files, check_free, opened_files, paths_of, write_file
+from mcml.files.open_clip import open_clip
+from mcml.files.read_numbers import Space, read_numbers
+from mcml.frames import Frames
+from mcml.language.elements import to_head
+from mcml.motion.bodies.calibration import Calibration
+from mcml.motion.bodies.clip_body import ClipBody, body_of, quantity_values
+from mcml.motion.bodies.quantities import asked_quantity
+from mcml.motion.clip import ClipStream
+from mcml.motion.skeleton import Array
+
+
+class Motion:
+    """A motion that was read from files, whole in memory.
+
+    Quantities of the body (`height`, `speed`, `angle`, …) are in metres, seconds and degrees: the numbers of the `mo:`
+    functions of XPath, NaN where unit, frame time, joint or sample are unknown. `calibration` says what was guessed.
+
+    name: of the file. format: such as "bvh". bones: MCML's names, in the order of the skeleton; source_names: those of
+    the file. parents: of each bone, -1 at the root. frame_time: seconds a frame, None where the files do not say.
+    notices: what was guessed or repaired.
+    """
+
+    def __init__(self, name: str, clip: ClipStream) -> None:
+        head = clip.head
+        self._clip = _kept(clip)
+        self.name = name
+        self.format = head.format
+        self.bones = list(head.skeleton.names)
+        self.source_names = [joint.source_name for joint in head.skeleton.joints]
+        self.parents = [joint.parent for joint in head.skeleton.joints]
+        self.frame_time = head.seconds_per_frame()
+        self.notices = [notice.what for notice in clip.notices]
+
+    def __repr__(self) -> str:
+        return f"<Motion {self.name!r}: {len(self)} frames of {len(self.bones)} bones>"
+
+    def __len__(self) -> int:
+        """How many frames it has."""
+        return self._clip.frames or 0
+
+    def frames(self, *bones: str, space: Space = "channels") -> Frames:
+        """Frames of all frames: the file's channels in its units, or global positions or rotations of bones.
+
+        bones: MCML's names; default all. Raises Error for a bone that is none.
+        """
+        found = read_numbers(self._clip, self.bones, list(bones) or None, space)
+        blocks = list(found.blocks())
+        values = np.concatenate([block for block, _ in blocks]) if blocks else np.empty((0, *found.shape))
+        ids = [str(one) for _, names in blocks for one in names]
+        seconds = np.nan if self.frame_time is None else self.frame_time
+        return Frames.of(values, found.columns, np.arange(len(values)) * seconds, ids)
+
+    @cached_property
+    def calibration(self) -> Calibration:
+        """What quantities of the body rest on: unit, up axis, floor, leg, reference pose, and where each is from."""
+        return self._body.calibration
+
+    def height(self, joint: str) -> Array:
+        """(frames,) metres of a joint above the floor.
+
+        >>> read("walk.bvh").height("Head").shape
+        (240,)
+        """
+        return self._quantity("height", joint)
+
+    def position(self, joint: str, axis: str, origin: str | None = None) -> Array:
+        """(frames,) metres along an axis: "x", "y", "z", "up", "front", "left". origin: a joint to measure from."""
+        return self._quantity("position", joint, axis, origin)
+
+    def distance(self, joint: str, other: str) -> Array:
+        """(frames,) metres between two joints."""
+        return self._quantity("distance", joint, other)
+
+    def angle(self, name: str, middle: str | None = None, end: str | None = None) -> Array:
+        """(frames,) degrees of an angle such as "left-knee-flexion", or between three joints, at the middle."""
+        return self._quantity("angle", name, middle, end)
+
+    def tilt(self, joint: str, other: str) -> Array:
+        """(frames,) degrees between the line from a joint to another and the vertical."""
+        return self._quantity("tilt", joint, other)
+
+    def speed(self, joint: str, relative: str | None = None) -> Array:
+        """(frames,) metres a second of a joint. relative: a joint that it moves from."""
+        return self._quantity("speed", joint, relative)
+
+    def acceleration(self, joint: str, relative: str | None = None) -> Array:
+        """(frames,) metres a second squared of a joint. relative: a joint that it moves from."""
+        return self._quantity("acceleration", joint, relative)
+
+    def heading(self) -> Array:
+        """(frames,) degrees to which the body faces, to the left about the up axis, without jumps at half a turn."""
+        return self._quantity("heading")
+
+    def contact(self, joint: str) -> Array:
+        """(frames,) 1 where a joint stands on the ground, 0 where it does not."""
+        return self._quantity("contact", joint)
+
+    @cached_property
+    def _body(self) -> ClipBody:
+        return body_of(self._clip.head, self._clip.blocks())
+
+    def _quantity(self, name: str, *arguments: str | None) -> Array:
+        """A quantity in every frame. NotFoundError for a joint that there is not."""
+        stated = [argument for argument in arguments if argument is not None]
+        asked = asked_quantity(f"{name}:{','.join(stated)}" if stated else name)
+        return quantity_values(self._clip, self._body, asked)
+
+
+def read(
+    files: Files,
+    *,
+    encoding: str | None = None,
+    frame_time: str | float | Fraction | None = None,
+    unit: str | None = None,
+    up: str | None = None,
+) -> Motion:
+    """The one motion in a file, or in several that belong together (ASF and AMC).
+
+    encoding: of their text, if it is not UTF-8. frame_time: seconds a frame, as a number or a text such as "1/120".
+    unit: of its lengths, such as "cm"; up: "X", "Y" or "Z". They state what files do not say; nothing is converted.
+    Raises Error: what is wrong, in which line, and how to mend it.
+
+    >>> read("walk.bvh").frames("Root", space="positions").shape
+    (240, 1, 3)
+    """
+    seconds = None if frame_time is None else check_frame_time(frame_time)
+    options = ImportOptions(encoding=encoding, frame_time=seconds, unit=unit, up=up)
+    limits = FileLimits()
+    with opened_files(files) as sources, gathered(sources, limits) as found:
+        for _, error in found.problems:
+            raise error
+        if len(found.clips) != 1:
+            raise FormatError(f"The files hold {len(found.clips)} motions, not one.", remedy="Read one at a time.")
+        opened = open_clip(found.clips[0], options, limits)
+        head = to_head(opened.document, seconds or opened.stream.head.frame_time)
+        return Motion(Path(found.clips[0].name).stem, opened.stream.with_head(head))
+
+
+def convert(
+    files: Files, target: str | PathLike[str], *, to: str | None = None, force: bool = False, **options: Any
+) -> list[Path]:
+    """Write a motion in another format; the files that were written (ASF/AMC are two).
+
+    to: the format, where the name of the target does not say. force: replace files that are there.
+    options: frame_time, encoding, unit, up, and names (of joints: mcml, bvh1, bvh2, asf or htr).
+    Raises Error: what cannot be read or written, or a file that is there.
+
+    >>> convert("walk.bvh", "walk.mcml")
+    [PosixPath('walk.mcml')]
+    """
+    result = Path(target)
+    with ExitStack() as stack:
+        sources = stack.enter_context(opened_files(files))
+        form = to or format_of(result.name)
+        if result.suffix:
+            files_to_write(result, form)
+        done: Converted = stack.enter_context(convert_files(sources, form, FileLimits(), stem=result.stem, **options))
+        paths = []
+        for extension, content in done.files.items():
+            path = result if len(done.files) == 1 else result.with_suffix(extension)
+            check_free(path, force=force, sources=paths_of(files))
+            write_file(path, content, force=force)
+            paths.append(path)
+        return paths
+
+
+def _kept(clip: ClipStream) -> ClipStream:
+    """The same clip with its frames in memory."""
+    blocks = list(clip.blocks())
+    return ClipStream(clip.head, lambda: iter(blocks), sum(map(len, blocks)), clip.notices)

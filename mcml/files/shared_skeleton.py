@@ -1,0 +1,62 @@
+"""What follows from a skeleton alone, worked out once for the clips that share it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+from mcml.files.describe_clip import SkeletonFacts, skeleton_facts
+from mcml.language import joint_names
+from mcml.language.bones import write_skeleton
+from mcml.language.dtd import validate_by_shapes
+from mcml.language.elements import Element, mcml_element
+from mcml.language.joint_names import NamingReport
+from mcml.motion.carriers import first_moving
+from mcml.motion.clip import ClipStream, Shape, full_shape
+from mcml.motion.skeleton import Skeleton
+
+
+@dataclass(frozen=True, eq=False)
+class SharedSkeleton:
+    """A source's skeleton as a document has it; to be read only.
+
+    skeleton, report: with MCML's names, and how they were found. elements: `root`, where there is one, and `skeleton`.
+    shape: of a frame that has every channel. facts: for receipts.
+    """
+
+    skeleton: Skeleton
+    report: NamingReport
+    elements: tuple[Element, ...]
+    shape: Shape
+    facts: SkeletonFacts
+
+
+MOST_JOINTS = 300
+"""Of a skeleton that is kept for clips to come: sixty-four such take some ten megabytes, of any size they might not."""
+
+
+def shared_skeleton(clip: ClipStream, aliases: tuple[tuple[str, str], ...] = ()) -> SharedSkeleton:
+    """Name the joints of a source and write them as elements. DocumentError where these would not be valid.
+
+    aliases: a project's own (name in the source, name to give). Frames are read only where the motion must tell which
+    of several joints is the root.
+    """
+    source, root = clip.head.skeleton, moving_root(clip)
+    return (kept_skeleton if len(source) <= MOST_JOINTS else _made)(source, aliases, root)
+
+
+def moving_root(clip: ClipStream) -> int | None:
+    """Which of several joints that could be the root moves the figure, None where the skeleton alone tells."""
+    candidates = joint_names.root_candidates(clip.head.skeleton)
+    return first_moving(clip, candidates) if len(candidates) > 1 else None
+
+
+def _made(source: Skeleton, aliases: tuple[tuple[str, str], ...], root: int | None) -> SharedSkeleton:
+    skeleton, report = joint_names.named(source, aliases, root)
+    elements = tuple(write_skeleton(skeleton))
+    shape = full_shape(skeleton.columns())
+    validate_by_shapes(mcml_element(Element("header"), elements), [(shape, 1)], skeleton.names)
+    return SharedSkeleton(skeleton, report, elements, shape, skeleton_facts(skeleton))
+
+
+kept_skeleton = lru_cache(maxsize=64)(_made)

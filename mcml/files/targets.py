@@ -1,0 +1,36 @@
+"""What files are written as: formats, parts of them, and what a clip must become for each."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from mcml.formats import WRITERS
+from mcml.language import joint_names
+from mcml.motion.clip import ClipStream
+from mcml.motion.conventions import convert
+
+
+def targets() -> dict[str, tuple[str, str | None]]:
+    """Formats that files are written in: name -> (catalogue name, part or None for all parts)."""
+    result: dict[str, tuple[str, str | None]] = {"mcml": ("mcml", None), "csv": ("csv", None)}
+    for name, format_ in WRITERS.items():
+        result[name] = (name, format_.parts[0].name if len(format_.parts) == 1 else None)
+        if len(format_.parts) > 1:
+            result.update({part.name: (name, part.name) for part in format_.parts})
+    return result
+
+
+def part_without_frames(name: str) -> str | None:
+    """The part of a format that holds a skeleton alone: a motion file without frames is none. None for one part."""
+    parts = WRITERS[name].parts if name in WRITERS else ()
+    return parts[0].name if len(parts) > 1 else None
+
+
+def convert_clip(clip: ClipStream, name: str, names: str | None = None) -> ClipStream:
+    """The clip as a format of the catalogue can write it; `names`: with joint names of that table."""
+    convention = WRITERS[name].convention
+    clip = clip if convention is None else convert(clip, convention)
+    if names:
+        skeleton = joint_names.translate(clip.head.skeleton, names)
+        clip = clip.with_head(replace(clip.head, skeleton=skeleton))
+    return clip

@@ -1,0 +1,195 @@
+"""What every file format offers, and what readers are given."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import BinaryIO, Protocol
+
+from mcml.errors import ConversionError, FormatError, LimitError, McmlError, Notice, Place
+from mcml.motion.clip import ClipHead, ClipStream
+from mcml.motion.skeleton import Convention, Skeleton
+
+_CONTROL = re.compile("[\x00-\x1f\x7f]")
+
+
+@dataclass(frozen=True, slots=True)
+class FileKind:
+    """One kind of file that a format consists of.
+
+    name: "bvh", "asf" … extensions: with the dot, the usual one first. title: for people.
+    """
+
+    name: str
+    extensions: tuple[str, ...]
+    title: str
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What a reader accepts before it gives up; checked before memory is taken.
+
+    joints: of a skeleton. depth: joints below each other. name: bytes of one name. frames, values: of a clip.
+    text: characters of comments and unknown sections.
+    """
+
+    joints: int = 10_000
+    depth: int = 256
+    name: int = 1024
+    frames: int = 50_000_000
+    values: int = 4_000_000_000
+    text: int = 4 << 20
+
+    def check_name(self, name: str, at: Place | None = None) -> None:
+        """Raises LimitError for a name that is too long, FormatError for one with control characters."""
+        if len(name.encode(errors="replace")) > self.name:
+            raise LimitError(f"a name is longer than {self.name} bytes", at=at, remedy="Give the joint a shorter name.")
+        control = _CONTROL.search(name)
+        if control is not None:
+            raise FormatError(
+                f"the name {name!r} holds the control character U+{ord(control[0]):04X}",
+                at=at,
+                remedy="Write joint names in letters, digits and punctuation.",
+            )
+
+    def check_points(self, names: Sequence[str]) -> None:
+        """Raises as `check_name` for the label of a point, and LimitError for too many points."""
+        if len(names) > self.joints or self.depth < 1:
+            raise LimitError(
+                f"the file has {len(names)} points, the limit is {self.joints}", remedy="Keep those that matter."
+            )
+        for name in names:
+            self.check_name(name)
+
+    def check_size(self, frames: int, channels: int, at: Place | None = None) -> None:
+        """Raises LimitError where a motion of that size is more than allowed."""
+        if frames > self.frames:
+            raise LimitError(
+                f"the file says it has {frames} frames, the limit is {self.frames}", at=at, remedy="Cut it into parts."
+            )
+        if frames * channels > self.values:
+            raise LimitError(
+                f"the motion would need {frames * channels} values ({frames} frames of {channels}), "
+                f"the limit is {self.values}",
+                at=at,
+                remedy="Cut it into parts.",
+            )
+
+    def check_text(self, characters: int, at: Place | None = None) -> None:
+        """Raises LimitError where a file has more comments and unknown sections than anybody wrote by hand."""
+        if characters > self.text:
+            raise LimitError(
+                f"comments and unknown sections are longer than {self.text} characters", at=at, remedy="Remove them."
+            )
+
+
+MOST_NOTICES = 200
+"""A receipt with more lines than this tells nobody anything."""
+
+
+def note(notices: list[Notice], kind: str, what: str, at: Place | None = None) -> None:
+    """Append a notice, unless there are a great many or the same one is there already."""
+    notice = Notice(kind, what, at)
+    if len(notices) < MOST_NOTICES and notice not in notices:
+        notices.append(notice)
+
+
+@dataclass(frozen=True, slots=True)
+class ReadOptions:
+    """What the user says about a file.
+
+    encoding: Python codec for text that is not UTF-8. translation: of BVH position channels: "auto", "absolute" (they
+    replace the OFFSET) or "relative" (they add to it).
+    """
+
+    encoding: str | None = None
+    translation: str = "auto"
+    limits: Limits = field(default_factory=Limits)
+
+
+@dataclass(frozen=True, slots=True)
+class SourceFile:
+    """A file to read. stream: seekable, read from its beginning; the caller closes it after the last block.
+
+    notices: what was guessed of the file itself, such as how its name is meant.
+    """
+
+    name: str
+    stream: BinaryIO
+    notices: tuple[Notice, ...] = ()
+
+    @contextmanager
+    def blamed(self) -> Iterator[None]:
+        """Errors of ours that come out of the block name this file."""
+        try:
+            yield
+        except McmlError as error:
+            raise error.in_file(self.name) from None
+
+
+class Writer(Protocol):
+    """A file format that clips leave in.
+
+    name: as in the catalogue. convention: the only one that `write` takes, None where it takes any. media_type: of its
+    files.
+    """
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def parts(self) -> tuple[FileKind, ...]: ...
+    @property
+    def convention(self) -> Convention | None: ...
+    @property
+    def media_type(self) -> str: ...
+
+    def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:
+        """One part of the clip as bytes. Raises ConversionError where the clip is in another convention.
+
+        What could not be written as it was is appended to `clip.notices`.
+        """
+        ...
+
+
+class Format(Writer, Protocol):
+    """A file format: bytes to clips and back."""
+
+    @property
+    def convention(self) -> Convention: ...
+
+    def sniff(self, name: str, first_bytes: bytes) -> str | None:
+        """The part that a file is, by its first bytes (at least 4 kB or all) and its name; None if it is none."""
+        ...
+
+    def read(self, files: Mapping[str, SourceFile], options: ReadOptions) -> ClipStream:
+        """The clip that the files, by part, hold. The frames are read when `blocks()` is iterated.
+
+        Raises FormatError (also while frames are read), UnsupportedError, LimitError; each with file, line, column.
+        """
+        ...
+
+
+def need_seconds(head: ClipHead, title: str) -> float:
+    """Seconds a frame. Raises ConversionError where nothing says how fast the frames follow: no writer guesses it."""
+    seconds = head.seconds_per_frame()
+    if seconds is None:
+        raise ConversionError(
+            f"{title} says how fast frames follow, and the document does not",
+            remedy="Export it with `frame_time`, the seconds of a frame, or state that once: mcml set ID --frame-time.",
+        )
+    return seconds
+
+
+def need_convention(skeleton: Skeleton, convention: Convention, title: str) -> None:
+    """Raises ConversionError where a joint is in another convention than the format's."""
+    for joint in skeleton.joints:
+        if joint.convention is not convention:
+            raise ConversionError(
+                f"joint {joint.name!r} is in the convention {joint.convention.value!r}, {title} writes "
+                f"{convention.value!r}",
+                remedy="Convert the clip first.",
+            )

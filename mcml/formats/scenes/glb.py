@@ -1,0 +1,280 @@
+"""glTF 2.0 binary: one node a joint with the source's numbers, an animation, and a body on a skin that shows it.
+
+Unit and up axis are in the node above all joints, so that what is stated once is written once, and the joints keep the
+numbers of the document. A track lies in one piece and the frames come one after the other: long clips are read several
+times, so that no more than `_AT_ONCE` bytes of tracks are held.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcml.errors import ConversionError, UnsupportedError
+from mcml.formats.format import FileKind
+from mcml.formats.scenes.body import Body, body_of
+from mcml.formats.scenes.stage import Stage, look_through, turn_to_y
+from mcml.motion.clip import ClipStream
+from mcml.motion.rotations import to_matrix
+
+if TYPE_CHECKING:
+    from pygltflib import GLTF2
+
+_AT_ONCE = 64 << 20
+_LONGEST = (1 << 32) - 1
+"""Bytes of a file: its header says so in 32 bits."""
+_FLOAT, _SHORT, _INT = 5126, 5123, 5125
+_VERTICES, _INDICES = 34962, 34963
+_COLOUR = [0.36, 0.55, 0.78, 1.0]
+_WIDTH = {"rotation": 4, "translation": 3}
+
+
+class Glb:
+    """The format `glb`; see `mcml.formats.format.Writer`."""
+
+    name = "glb"
+    title = "glTF 2.0 binary"
+    parts = (FileKind("glb", (".glb",), "Skeleton, motion and a simple body"),)
+    convention = None
+    media_type = "model/gltf-binary"
+
+    def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:
+        try:
+            import pygltflib  # noqa: F401
+        except ImportError:
+            raise UnsupportedError(
+                "glTF needs a library that is not installed.",
+                remedy="Install the extra: pip install 'mcml-repository[gltf]'.",
+            ) from None
+        stage = look_through(clip, "glTF", "glTF takes them as metres")
+        return _write(stage)
+
+
+@dataclass(frozen=True)
+class _Track:
+    """What one joint does: its rotation or its translation in every frame."""
+
+    joint: int
+    path: str
+
+
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    """Frames `first` to `end` of a track, (end - first, 4 or 3) of them."""
+
+    track: _Track
+    first: int
+    end: int
+    values: NDArray[np.float32]
+
+
+def _write(stage: Stage) -> Iterator[bytes]:
+    tracks = [_Track(joint, "rotation") for joint in np.flatnonzero(stage.turning).tolist()]
+    tracks += [_Track(joint, "translation") for joint in np.flatnonzero(stage.moving).tolist()]
+    if not stage.frames:
+        tracks = []
+    content = _Content()
+    model = _model(stage, tracks, content)
+    length = content.length
+    text = model.to_json(separators=(",", ":")).encode("utf-8", "replace")
+    text += b" " * (-len(text) % 4)
+    total = 12 + 8 + len(text) + (8 + length if length else 0)
+    if total > _LONGEST:
+        raise ConversionError(
+            f"a glTF file of {stage.frames} frames would have {total} bytes, and no more than {_LONGEST} can be said",
+            remedy="Export a part: `first` and `last`.",
+        )
+    yield struct.pack("<4sIIII", b"glTF", 2, total, len(text), 0x4E4F534A) + text
+    if length:
+        yield struct.pack("<II", length, 0x004E4942) + b"".join(content.arrays)
+    if tracks:
+        yield from _times(stage)
+        yield from _tracks(stage, tracks)
+
+
+class _Content:
+    """The binary part: small arrays that are at hand, then what follows from the frames."""
+
+    def __init__(self) -> None:
+        self.arrays: list[bytes] = []
+        self.length = 0
+
+    def add(self, values: NDArray[Any]) -> tuple[int, int]:
+        """(offset, length) of an array that is written as it is."""
+        data = values.tobytes()
+        self.arrays.append(data + b"\0" * (-len(data) % 4))
+        return self.reserve(len(data))
+
+    def reserve(self, length: int) -> tuple[int, int]:
+        offset = self.length
+        self.length += length + -length % 4
+        return offset, length
+
+
+def _model(stage: Stage, tracks: list[_Track], content: _Content) -> GLTF2:
+    """The JSON part; fills in what the binary part holds."""
+    import pygltflib as gltf
+
+    skeleton = stage.skeleton
+    root = len(skeleton)
+    nodes = [
+        gltf.Node(
+            name=_text(joint.source_name),
+            translation=stage.rest[index].tolist(),
+            children=list(skeleton.children(index)) or None,
+        )
+        for index, joint in enumerate(skeleton.joints)
+    ]
+    nodes.append(gltf.Node(name=_text(stage.title), children=list(skeleton.roots) or None))
+    if stage.metres is not None and stage.metres != 1.0:
+        nodes[root].scale = [stage.metres] * 3
+    if stage.up not in (None, "Y"):
+        nodes[root].rotation = turn_to_y(stage.up).tolist()
+    model = gltf.GLTF2(
+        asset=gltf.Asset(generator="MCML Repository", version="2.0"),
+        scene=0,
+        scenes=[gltf.Scene(name=_text(stage.title), nodes=[root])],
+        nodes=nodes,
+    )
+    if len(skeleton):
+        _add_body(model, stage, body_of(stage), content)
+    if tracks:
+        _add_animation(model, stage, tracks, content)
+    if content.length:
+        model.buffers = [gltf.Buffer(byteLength=content.length)]
+    return model
+
+
+def _add_body(model: GLTF2, stage: Stage, body: Body, content: _Content) -> None:
+    """The mesh in metres, Y up, as the joints carry it at rest, and the matrices that take it to each."""
+    import pygltflib as gltf
+
+    skeleton = stage.skeleton
+    # From the source's unit and axes to the scene's; at rest the axes of all joints are the source's.
+    to_scene = to_matrix(turn_to_y(stage.up)) * (stage.metres or 1.0)
+    joints = np.zeros((len(body.joints), 4))
+    joints[:, 0] = body.joints
+    weights = np.zeros((len(body.joints), 4))
+    weights[:, 0] = 1.0
+    back = np.tile(np.eye(4), (len(skeleton), 1, 1))
+    back[:, :3, :3] = np.linalg.inv(to_scene)
+    back[:, :3, 3] = -stage.rest_places()
+    points = (body.points @ to_scene.T).astype(np.float32)
+    indices = _add_array(model, content, body.faces.reshape(-1), _INT, "SCALAR", _INDICES)
+    places = _add_array(model, content, points, _FLOAT, "VEC3", _VERTICES)
+    accessor = model.accessors[places]
+    accessor.min, accessor.max = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+    attributes = gltf.Attributes(
+        POSITION=places,
+        JOINTS_0=_add_array(model, content, joints, _SHORT, "VEC4", _VERTICES),
+        WEIGHTS_0=_add_array(model, content, weights, _FLOAT, "VEC4", _VERTICES),
+    )
+    # Columns one after the other.
+    matrices = _add_array(model, content, back.transpose(0, 2, 1).reshape(-1, 16), _FLOAT, "MAT4", None)
+    shine = gltf.PbrMetallicRoughness(baseColorFactor=_COLOUR, metallicFactor=0.0, roughnessFactor=0.7)
+    model.materials = [gltf.Material(name="body", pbrMetallicRoughness=shine)]
+    model.meshes = [
+        gltf.Mesh(name="body", primitives=[gltf.Primitive(attributes=attributes, indices=indices, material=0)])
+    ]
+    root = len(skeleton)
+    model.skins = [gltf.Skin(inverseBindMatrices=matrices, skeleton=root, joints=list(range(root)))]
+    model.nodes.append(gltf.Node(name="body", mesh=0, skin=0))
+    model.scenes[0].nodes.append(root + 1)
+
+
+def _add_array(model: GLTF2, content: _Content, values: NDArray[Any], kind: int, type: str, target: int | None) -> int:
+    """The accessor of an array that is written as it is."""
+    import pygltflib as gltf
+
+    dtype = {_FLOAT: "<f4", _SHORT: "<u2", _INT: "<u4"}[kind]
+    offset, length = content.add(values.astype(dtype))
+    model.bufferViews.append(gltf.BufferView(buffer=0, byteOffset=offset, byteLength=length, target=target))
+    view = len(model.bufferViews) - 1
+    model.accessors.append(gltf.Accessor(bufferView=view, componentType=kind, count=len(values), type=type))
+    return len(model.accessors) - 1
+
+
+def _add_animation(model: GLTF2, stage: Stage, tracks: list[_Track], content: _Content) -> None:
+    """Times and tracks in one view, in the order in which they are written."""
+    import pygltflib as gltf
+
+    last = float(np.float32((stage.frames - 1) * stage.seconds))
+    if stage.frames > 1 and not np.float32((stage.frames - 2) * stage.seconds) < last:
+        raise ConversionError(
+            f"single precision cannot tell the times of {stage.frames} frames apart, at {stage.seconds:g} seconds each",
+            remedy="Export a part: `first` and `last`.",
+        )
+    view, start = len(model.bufferViews), content.length
+    animation = gltf.Animation(name=_text(stage.title), channels=[], samplers=[])
+    times = len(model.accessors)
+    for width, type in [(1, "SCALAR"), *((_WIDTH[track.path], f"VEC{_WIDTH[track.path]}") for track in tracks)]:
+        offset, _ = content.reserve(4 * width * stage.frames)
+        model.accessors.append(
+            gltf.Accessor(
+                bufferView=view, byteOffset=offset - start, componentType=_FLOAT, count=stage.frames, type=type
+            )
+        )
+    model.accessors[times].min, model.accessors[times].max = [0.0], [last]
+    for number, track in enumerate(tracks):
+        animation.samplers.append(gltf.AnimationSampler(input=times, output=times + 1 + number, interpolation="LINEAR"))
+        target = gltf.AnimationChannelTarget(node=track.joint, path=track.path)
+        animation.channels.append(gltf.AnimationChannel(sampler=number, target=target))
+    model.bufferViews.append(gltf.BufferView(buffer=0, byteOffset=start, byteLength=content.length - start))
+    model.animations = [animation]
+
+
+def _text(name: str) -> str:
+    """A name as JSON can say it: there is no half of a character in UTF-8."""
+    return name.encode("utf-8", "replace").decode()
+
+
+def _times(stage: Stage) -> Iterator[bytes]:
+    for first in range(0, stage.frames, 1 << 16):
+        numbers = np.arange(first, min(first + (1 << 16), stage.frames), dtype=np.float64)
+        yield (numbers * stage.seconds).astype("<f4").tobytes()
+
+
+def _tracks(stage: Stage, tracks: list[_Track]) -> Iterator[bytes]:
+    """All tracks one after the other, each time as many of them as may be held."""
+    for pieces in _groups(tracks, stage.frames):
+        at = 0
+        last = max(piece.end for piece in pieces)
+        for translations, rotations in stage.blocks():
+            end = at + len(translations)
+            for piece in pieces:
+                first, behind = max(piece.first, at), min(piece.end, end)
+                if first < behind:
+                    source = rotations if piece.track.path == "rotation" else translations
+                    rows = source[first - at : behind - at, piece.track.joint]
+                    piece.values[first - piece.first : behind - piece.first] = rows
+            at = end
+            if at >= last:
+                break
+        for piece in pieces:
+            yield piece.values.tobytes()
+
+
+def _groups(tracks: list[_Track], frames: int) -> Iterator[list[_Piece]]:
+    """Pieces in the order in which they are written, as many at a time as may be held."""
+    group: list[_Piece] = []
+    room = _AT_ONCE
+    for track in tracks:
+        width = _WIDTH[track.path]
+        first = 0
+        while first < frames:
+            count = min(frames - first, room // (4 * width))
+            if count:
+                values = np.empty((count, width), dtype="<f4")
+                group.append(_Piece(track, first, first + count, values))
+                room -= values.nbytes
+                first += count
+            if first < frames:
+                yield group
+                group, room = [], _AT_ONCE
+    if group:
+        yield group

@@ -1,0 +1,194 @@
+"""What a scene of a clip is made of: unit and up axis as far as they are stated, when frames are, and what moves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcml.errors import ConversionError, Notice
+from mcml.formats.format import need_seconds, note
+from mcml.motion.clip import ClipHead, ClipStream
+from mcml.motion.conventions import with_scale_factor
+from mcml.motion.guesses import likely_unit
+from mcml.motion.hub import HubReader, Rest, walked
+from mcml.motion.rotations import multiply
+from mcml.motion.skeleton import Array, Convention, Skeleton
+from mcml.motion.survey import STILL
+from mcml.motion.units import UNITS, reading_of
+
+LARGEST = float(np.finfo(np.float32).max)
+_RATE_OF_A_POSE = 120
+"""Frames a second of a scene with a single frame, or none, whose rate means nothing."""
+
+_AXES = {"Y": (0.0, 0.0, 0.0), "Z": (-0.5, 0.0, 0.0), "X": (0.0, 0.0, 0.5)}
+"""Half turns about X, Y and Z that make an axis point where Y does."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """clip: what is written. rest: (J, 3) where each joint is in its parent before it moves; all axes are the world's.
+
+    metres: of a unit of length, up: "Y", "-Z" …; None where nobody stated them. likely: metres of the unit in which a
+    body of this size is a person, None where there is none. seconds: of a frame. moving, turning:
+    (J,) joints that leave their rest. size: the largest extent of the first frame, or of the rest pose.
+    """
+
+    clip: ClipStream
+    rest: Array
+    tips: tuple[tuple[int, Array], ...]
+    frames: int
+    seconds: float
+    metres: float | None
+    up: str | None
+    moving: NDArray[np.bool_]
+    turning: NDArray[np.bool_]
+    size: float
+    likely: float | None = None
+
+    @property
+    def skeleton(self) -> Skeleton:
+        return self.clip.head.skeleton
+
+    @property
+    def title(self) -> str:
+        """The name of the clip, as far as its file says one."""
+        said = self.clip.head.fields.get("filename", "") or self.clip.head.fields.get("skeleton_name", "")
+        return said.rsplit("/", 1)[-1].rpartition(".")[0] or said or "motion"
+
+    def rest_places(self) -> Array:
+        """(J, 3) joints in the rest pose, in the source's unit and axes."""
+        places = self.rest.copy()
+        for index, joint in enumerate(self.skeleton.joints):
+            if joint.parent >= 0:
+                places[index] += places[joint.parent]
+        return places
+
+    def blocks(self) -> Iterator[tuple[Array, Array]]:
+        """Translations (n, J, 3) and rotations (n, J, 4) of the joints in their parents, frame after frame.
+
+        Rotations go on from frame to frame: of the two quaternions of each, the one nearer to that before.
+        """
+        hub = HubReader(self.skeleton, reading_of(self.clip.head))
+        last: Array | None = None
+        for block in self.clip.blocks():
+            if not len(block):
+                continue
+            found = hub.read(block)
+            rotations = found.rotations
+            before = np.concatenate([rotations[:1] if last is None else last[None], rotations[:-1]])
+            apart = np.einsum("njk,njk->nj", before, rotations) < 0
+            signs = np.where(np.cumsum(apart, axis=0) % 2 == 1, -1.0, 1.0)
+            rotations = rotations * signs[:, :, None]
+            last = rotations[-1]
+            yield found.translations, rotations
+
+
+def look_through(clip: ClipStream, title: str, taken_for: str) -> Stage:
+    """One pass over the frames. title: of the format. taken_for: what its readers take numbers without unit for.
+
+    Raises ConversionError where numbers are beyond single precision. Appends what is not stated to the notices.
+    """
+    clip = with_scale_factor(clip)
+    head, notices = clip.head, clip.notices
+    metres, up = _unit(head, notices, taken_for), _up(head, notices, title)
+    skeleton = head.skeleton
+    hub = HubReader(skeleton, reading_of(head))
+    first: tuple[Array, Array] | None = None
+    frames, turning = 0, np.zeros(len(skeleton), dtype=bool)
+    low, high = hub.rest.offsets.copy(), hub.rest.offsets.copy()
+    for block in clip.blocks():
+        if not len(block):
+            continue
+        found = hub.read(block)
+        if first is None:
+            first = found.translations[0], found.rotations[0]
+        low = np.minimum(low, found.translations.min(axis=0))
+        high = np.maximum(high, found.translations.max(axis=0))
+        turning |= (np.abs(found.rotations[:, :, :3]) > STILL).any(axis=(0, 2))
+        frames += len(block)
+    _check_numbers(skeleton, hub.rest, low, high)
+    if hub.missing:
+        note(notices, "warning", f"{hub.missing} samples are missing; the last value is written")
+    rest, reach = _rest(skeleton, hub.rest, low, high, first)
+    moving = np.maximum(np.abs(high - rest), np.abs(low - rest)).max(axis=1, initial=0.0) > STILL * (reach or 1.0)
+    stage = Stage(
+        clip, rest, hub.rest.tips, frames, _seconds(head, frames, title), metres, up, moving, turning, 1.0
+    )  # fmt: skip
+    places = stage.rest_places() if first is None else walked(skeleton, first[0][None], first[1][None])[0][0]
+    size = float(np.ptp(places, axis=0).max()) if len(places) else 0.0
+    likely = likely_unit(head, places)[1] if metres is None else metres
+    return replace(stage, size=size if 0 < size < LARGEST else 1.0, likely=likely)
+
+
+def _rest(
+    skeleton: Skeleton, stated: Rest, low: Array, high: Array, first: tuple[Array, Array] | None
+) -> tuple[Array, float]:
+    """Where joints rest in their parents, and the longest way between two. Those that come with the motion alone
+    (markers, rigs without offsets) rest where the first frame has them."""
+    rest = stated.offsets.copy()
+    if first is not None:
+        marker = np.array([joint.convention is Convention.MARKER for joint in skeleton.joints], dtype=bool)
+        loose = marker | ((skeleton.parents >= 0) & ~rest.any(axis=1) & (low != high).any(axis=1))
+        rest[loose] = first[0][loose]
+    bones = np.abs(stated.bones).max(initial=0.0)
+    return rest, float(max(np.abs(rest).max(initial=0.0), bones))
+
+
+def _check_numbers(skeleton: Skeleton, rest: Rest, low: Array, high: Array) -> None:
+    largest = np.maximum(np.abs(low), np.abs(high)).max(axis=1, initial=0.0)
+    for joint, vector in rest.tips:
+        largest[joint] = max(largest[joint], float(np.abs(vector).max()))
+    # As many additions as there are joints stay within single precision.
+    beyond = ~(largest < LARGEST / (len(skeleton) + 1))
+    if beyond.any():
+        raise ConversionError(
+            f"joint {skeleton.joints[int(np.argmax(beyond))].name!r} is {largest.max():.3g} away from its parent, "
+            "which is more than single precision holds",
+            remedy="Check the numbers it is made from, or scale them with `unit`.",
+        )
+
+
+def _seconds(head: ClipHead, frames: int, title: str) -> float:
+    seconds = need_seconds(head, title) if frames > 1 else head.seconds_per_frame() or 1 / _RATE_OF_A_POSE
+    if not math.isfinite(seconds * frames) or seconds * frames > LARGEST:
+        raise ConversionError(
+            f"the times of the frames are beyond the largest number, at {seconds:g} seconds each",
+            remedy="State another frame time first.",
+        )
+    return seconds
+
+
+def _unit(head: ClipHead, notices: list[Notice], taken_for: str) -> float | None:
+    said = head.fields.get("calibration_unit", "").strip()
+    metres = UNITS.get(said.lower())
+    if metres is None:
+        what = (
+            f"the document's unit of length, {said!r}, is not known"
+            if said
+            else "the document states no unit of length"
+        )
+        note(notices, "note", f"{what}: its numbers were written as they are, and {taken_for}")
+    return metres
+
+
+def _up(head: ClipHead, notices: list[Notice], title: str) -> str | None:
+    said = head.fields.get("global_axis_of_gravity", "").strip().upper().removeprefix("+")
+    if said.removeprefix("-") in _AXES:
+        return said
+    note(notices, "note", f"the document states no up axis: nothing was turned, and {title} takes Y as up")
+    return None
+
+
+def turn_to_y(up: str | None) -> Array:
+    """(4,) the rotation that makes an axis point where Y does."""
+    if up is None:
+        return np.array([0.0, 0.0, 0.0, 1.0])
+    halves = np.array(_AXES[up[-1]]) * math.pi / 2
+    turn = np.array([*np.sin(halves), np.cos(halves).prod()])
+    if up.startswith("-"):
+        turn = multiply(np.array([1.0, 0.0, 0.0, 0.0]), turn)
+    return turn

@@ -1,0 +1,335 @@
+"""What must be known of a clip before its numbers mean metres and heights: unit, up axis, floor, leg, reference pose.
+
+Few files say any of it, so most is guessed from the body, and every value tells where it came from. People may set
+each of them. Guesses serve questions, and are never written to a file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+import orjson
+
+from mcml.errors import RequestError
+from mcml.motion.anatomical_axes import uprightness
+from mcml.motion.bodies.beginnings import LOOKED_AT, frames_before_motion
+from mcml.motion.bodies.origins import Origin
+from mcml.motion.bodies.reference import could_stand
+from mcml.motion.bodies.vectors import length
+from mcml.motion.clip import ClipHead, Reference, ReferencePose
+from mcml.motion.figures import axis_of
+from mcml.motion.frames import Rows
+from mcml.motion.guesses import changed_up, likely_up, stated_up
+from mcml.motion.kinematics import rest_positions
+from mcml.motion.skeleton import Array, Skeleton, once_a_skeleton
+from mcml.motion.units import UNITS, Reading, metres_of, reading_of
+from mcml.numerics.ranks import median, percentile
+
+LEGS: Final = 0.6, 1.1
+"""Metres from hip to knee to ankle of the people whose motion is captured."""
+
+CANDIDATES: Final[Mapping[str, float]] = {
+    **{name: UNITS[name] for name in ("m", "ft", "inch", "cm", "mm")},
+    "inch/0.45": 0.0254 / 0.45,
+}
+"""Units that files are written in without saying so, and their metres; the last one is that of Vicon's ASF files (CMU,
+HDM05) and of their conversions. No leg of a person fits two of them."""
+
+FINEST = 1e-4
+"""Metres of a step of positions."""
+STEPS_OF_A_LEG = 10_000
+"""The same where the unit is not known."""
+
+OVERRIDES = "calibration "
+"""Properties of a header that begin so are values that people set: "calibration floor" and so on. The unit and the up
+axis are set by the header's own elements."""
+
+_UNSET: Final = object()
+
+PoseAt: TypeAlias = Callable[[int], ReferencePose]
+Shared: TypeAlias = Callable[[str | None], Reference | None]
+
+_FLOOR = 5.0
+"""Percent of the heights of the toes that are below the floor."""
+_SAMPLE = 5_000
+"""Frames at most, and those at the start."""
+
+_VALUES = ("metres", "up", "floor", "leg", "reference", "leaps", "pose")
+_KEPT = ("metres", "up", "floor", "leg", "skipped")
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """metres: in a source unit, None where unknown. up: the axis that points up, such as "Y" or "-Z". floor: its height
+    along that, in source units. leg: from hip to knee to ankle, in source units. step: of the rounded positions, in
+    source units. start: the reference pose, that angles from rotations start from. skipped: how many frames at the
+    start show a pose before the motion (a T-pose), and are left out. origins: of each of these but the step, by the
+    names that people set them by (reference, leaps).
+    """
+
+    metres: float | None
+    up: str
+    floor: float | None
+    leg: float | None
+    step: float
+    start: Reference
+    skipped: int
+    origins: Mapping[str, Origin]
+
+    @property
+    def metres_per_step(self) -> float:
+        """NaN where the unit is unknown."""
+        return float("nan") if self.metres is None else self.metres * self.step
+
+    @property
+    def leaps(self) -> bool:
+        """Whether the clip begins with a pose before the motion."""
+        return self.skipped > 0
+
+    @property
+    def reference(self) -> int | None:
+        """The frame, from 0, of the clip that the reference pose was found in, None for the rest pose or none."""
+        return None if self.origins["reference"].kind == "unknown" else self.start.frame
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        values = {name: getattr(self, name) for name in (*_KEPT, "step")} | {"start": self.start.to_json()}
+        return values | {"origins": {name: [one.kind, one.reason] for name, one in self.origins.items()}}
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, Any]) -> Calibration:
+        """What `to_json` made."""
+        origins = {name: Origin(*one) for name, one in values["origins"].items()}
+        known = {name: values[name] for name in (*_KEPT, "step")}
+        return cls(**known, start=Reference.from_json(values["start"]), origins=origins)
+
+
+def calibration_frames(count: int) -> Rows:
+    """Places, from 0, of the frames of a clip of so many that a calibration is made from: all, or of long clips the
+    first and evenly spaced ones, so that whoever calibrates it finds the same."""
+    if count <= _SAMPLE:
+        return np.arange(count)
+    spaced = np.linspace(0, count - 1, _SAMPLE).astype(np.intp)
+    return np.union1d(np.arange(LOOKED_AT), spaced)
+
+
+def calibrate(
+    head: ClipHead,
+    positions: Array,
+    overrides: Mapping[str, Any] | None = None,
+    frames: Rows | None = None,
+    *,
+    pose_at: PoseAt | None = None,
+    shared: Shared | None = None,
+) -> Calibration:
+    """What a clip says, and what its body shows.
+
+    head: its joints have MCML's names. positions: (n, J, 3) of the whole clip, or of a sample of it, in source units,
+    NaN where unknown; without any the rest pose counts. frames: (n,) places of a sample in the clip, from 0. overrides:
+    values that people set: metres, up, floor, leg, leaps, reference (a frame from 0, None: the rest pose) and pose
+    (what a frame showed when it was chosen: the clip may have been cut since); by default those that the head's
+    properties set. What follows from a value that is set follows from that.
+    pose_at: the pose of a frame of the clip; without it angles from rotations have no start but the rest pose. shared:
+    the reference that the clips of the skeleton share, by the up axis that is stated; by default the head's.
+    Raises RequestError for a value that cannot be.
+    """
+    skeleton = head.skeleton
+    reading = reading_of(head)
+    rest = _rest(skeleton, reading)
+    places: Rows = np.arange(len(positions)) if frames is None else frames
+    overrides = dict(overrides_of(head) if overrides is None else _checked(overrides))
+    reference, pose = overrides.pop("reference", _UNSET), overrides.pop("pose", None)
+    # A frame that the clip no longer has is no pose, unless what it showed is kept.
+    kept = None if pose is None or not pose.fits(skeleton) else pose
+    if kept is None and isinstance(reference, int) and reference > max(places, default=0):
+        reference = _UNSET
+    values: dict[str, Any] = dict(overrides)
+    origins = dict.fromkeys(overrides, Origin("set"))
+
+    def settle(name: str, found: tuple[Any, Origin]) -> None:
+        if name not in overrides:
+            values[name], origins[name] = found
+
+    settle("leg", _leg(skeleton, positions if len(positions) else rest))
+    skipped, origin = frames_before_motion(skeleton, positions, places, values["leg"], head.seconds_per_frame())
+    settle("leaps", (skipped > 0, origin))
+    # Who says that there is such a pose where none is seen means the first frame.
+    values["skipped"] = max(skipped, 1) if values.pop("leaps") else 0
+    if len(places) > 1 and places[0] == 0:
+        rows = places >= values["skipped"]
+        positions, places = (positions[rows], places[rows]) if rows.any() else (positions, places)
+    poses = positions if len(positions) else rest
+    settle("metres", _metres(head, values["leg"]))
+    settle("up", _up(head, poses))
+    up = axis_of(values["up"])
+    settle("floor", _floor(skeleton, poses, up))
+    origins["reference"] = Origin("set")
+    if reference is None or isinstance(reference, int):
+        if kept is None and reference is not None and pose_at is not None:
+            kept = pose_at(reference)
+        values["start"] = Reference(values["up"], None if reference is None else kept, reference)
+    else:
+        stated = values["up"] if origins["up"].kind in ("stated", "set") else None
+        values["start"], origins["reference"] = _start(
+            head, reading, positions, places, Up(values["up"], stated), pose_at, shared
+        )
+    return Calibration(step=_step(values["metres"], values["leg"], poses), origins=origins, **values)
+
+
+def overrides_of(head: ClipHead) -> dict[str, Any]:
+    """The values of a calibration that properties of a header set; what cannot be one is none."""
+    found: dict[str, Any] = {}
+    for name, value, _ in head.properties:
+        if name.startswith(OVERRIDES):
+            with suppress(ValueError, RequestError):
+                told = orjson.loads(value)
+                key = name.removeprefix(OVERRIDES)
+                found |= _checked({key: _pose_from(told) if key == "pose" else told})
+    return found
+
+
+def _pose_from(told: Any) -> ReferencePose:
+    """ValueError for what is no pose."""
+    numbers = np.array(told if isinstance(told, list) else (), dtype=np.float64)
+    if numbers.ndim != 2 or numbers.shape[1] != 7 or not np.isfinite(numbers).all():
+        raise ValueError("a pose has seven numbers a joint")
+    return ReferencePose.from_json(numbers.tolist())
+
+
+def _checked(overrides: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The values that people set, in the order of the fields. RequestError for one that cannot be."""
+    for name, value in overrides.items():
+        number = isinstance(value, int | float) and not isinstance(value, bool) and bool(np.isfinite(value))
+        fits = {
+            "metres": number and value > 0,
+            "leg": number and value > 0,
+            "floor": number,
+            "up": isinstance(value, str) and value.removeprefix("-") in ("X", "Y", "Z"),
+            "reference": value is None or (number and isinstance(value, int) and value >= 0),
+            "pose": isinstance(value, ReferencePose),
+            "leaps": isinstance(value, bool),
+        }
+        if not fits.get(name, False):
+            raise RequestError(
+                f"{name} cannot be {value!r} in a calibration",
+                remedy="Set metres, leg (positive), floor (a number), up (such as Y or -Z), reference (a frame from 0, "
+                "or nothing for the rest pose) or leaps (true or false).",
+            )
+    return {name: overrides[name] for name in _VALUES if name in overrides}
+
+
+def _leg(skeleton: Skeleton, positions: Array) -> tuple[float | None, Origin]:
+    """The mean of both sides; of rigs whose offsets come with the motion, the median over the frames."""
+    at = {joint.name: index for index, joint in enumerate(skeleton.joints)}
+    found = []
+    for side in ("left", "right"):
+        parts = [at.get(f"{side}_{part}") for part in ("up_leg", "low_leg", "foot")]
+        if None not in parts:
+            hip, knee, ankle = (positions[:, part] for part in parts)
+            lengths = length(knee - hip) + length(ankle - knee)
+            seen = lengths[np.isfinite(lengths)]
+            found += [median(seen)] if len(seen) else []
+    leg = sum(found) / len(found) if found else 0.0
+    if not 0 < leg < np.inf:
+        return None, Origin("unknown", "no leg is known from hip to knee to ankle")
+    return leg, Origin("measured", "from hip to knee to ankle")
+
+
+def _metres(head: ClipHead, leg: float | None) -> tuple[float | None, Origin]:
+    stated = metres_of(head)
+    if stated is not None:
+        return stated, Origin("stated", head.fields["calibration_unit"])
+    if leg is None:
+        return None, Origin("unknown", "the file states none, and no leg tells")
+    candidates = dict(CANDIDATES)
+    with suppress(ValueError):
+        factor = float(head.fields.get("units_length", 0))
+        if factor > 0 and np.isfinite(factor):
+            candidates[f"inch/{factor:g}"] = 0.0254 / factor
+    low, high = LEGS
+    fitting = {metres: name for name, metres in candidates.items() if low <= leg * metres <= high}
+    if len(fitting) != 1:
+        fits = "several units" if fitting else "no unit"
+        return None, Origin("unknown", f"the file states none, and a leg of {leg:.4g} fits {fits}")
+    metres, name = next(iter(fitting.items()))
+    return metres, Origin("guessed", f"a leg of {leg:.4g} is {leg * metres:.2f} m in {name}")
+
+
+def _up(head: ClipHead, positions: Array) -> tuple[str, Origin]:
+    stated = stated_up(head)
+    if stated is not None:
+        return stated, Origin("stated")
+    found = likely_up(head.skeleton, positions)
+    changed = changed_up(head, positions)
+    before = "" if changed is None else f"; by extents alone it was {changed[0]}"
+    return found.axis, Origin("guessed", f"{found.axis}: {found.why}{before}")
+
+
+def _floor(skeleton: Skeleton, positions: Array, up: Array) -> tuple[float | None, Origin]:
+    at = {joint.name: index for index, joint in enumerate(skeleton.joints)}
+    for part in ("toes", "foot"):
+        joints = [at[name] for side in ("left", "right") if (name := f"{side}_{part}") in at]
+        heights = (positions[:, joints] @ up).ravel()
+        heights = heights[np.isfinite(heights)]
+        if len(heights):
+            word = "toes" if part == "toes" else "feet (no toes are known)"
+            return percentile(heights, _FLOOR), Origin("guessed", f"the {word} are above it nearly always")
+    return None, Origin("unknown", "no foot is known")
+
+
+@once_a_skeleton
+def _rest(skeleton: Skeleton, reading: Reading) -> Array:
+    """(1, J, 3) of the rest pose."""
+    return rest_positions(skeleton, reading)[None, : len(skeleton)]
+
+
+@dataclass(frozen=True)
+class Up:
+    """likely: the axis that points up. stated: the same where it is no guess."""
+
+    likely: str
+    stated: str | None
+
+
+def _start(
+    head: ClipHead,
+    reading: Reading,
+    positions: Array,
+    frames: Rows,
+    up: Up,
+    pose_at: PoseAt | None,
+    shared: Shared | None,
+) -> tuple[Reference, Origin]:
+    """The reference pose, where people set none."""
+    skeleton = head.skeleton
+    if could_stand(skeleton, reading, up.likely):
+        return Reference(up.likely, stated=up.stated), Origin("measured", "a body could stand in the rest pose")
+    known = head.reference if shared is None else shared(up.stated)
+    if known is not None and known.stated == up.stated and (known.pose is None or known.pose.fits(skeleton)):
+        if known.pose is None and known.frame is None:
+            return known, Origin("measured", "a body could stand in the rest pose")
+        where = f"frame {(known.frame or 0) + 1} of {known.of!r}, the first clip of this skeleton" if known.of else ""
+        return known, Origin("measured", f"no body could stand in the rest pose; upright in {where or 'a frame'}")
+    upright = uprightness(skeleton, positions, axis_of(up.likely))
+    if not np.isfinite(upright).any():
+        nothing = Reference(up.likely, frame=0, stated=up.stated)
+        return nothing, Origin("unknown", "no frame shows the body, and it could not stand in the rest pose")
+    frame = int(frames[int(np.nanargmax(upright))])
+    pose = None if pose_at is None else pose_at(frame)
+    why = "no body could stand in the rest pose; in this frame it is upright"
+    return Reference(up.likely, pose, frame, stated=up.stated), Origin("measured", why)
+
+
+def _step(metres: float | None, leg: float | None, positions: Array) -> float:
+    if metres is not None:
+        return FINEST / metres
+    if leg is not None:
+        return leg / STEPS_OF_A_LEG
+    seen = positions[np.isfinite(positions).all(axis=2)]
+    extent = float(np.ptp(seen, axis=0).max()) if len(seen) else 0.0
+    # Of something without legs: the largest extent of all its places, as a body's height is two legs.
+    return extent / (2 * STEPS_OF_A_LEG) if extent > 0 else FINEST

@@ -1,0 +1,89 @@
+"""The body of a clip in space: where its joints are in every frame, and what is known of the clip."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from mcml.errors import ConversionError
+from mcml.motion.bodies.calibration import Calibration, Shared, calibrate, calibration_frames
+from mcml.motion.bodies.positions import Steps, clip_positions, filled, rounded
+from mcml.motion.bodies.quantities import AskedQuantity, compute
+from mcml.motion.bodies.reference import pose_in, stance_of
+from mcml.motion.bodies.stretch import Stretch
+from mcml.motion.bodies.turned_angles import turned_angle
+from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, ReferencePose
+from mcml.motion.hub import rest_of
+from mcml.motion.kinematics import Walker
+from mcml.motion.skeleton import Array
+from mcml.motion.units import reading_of
+
+
+@dataclass(frozen=True, eq=False)
+class ClipBody:
+    """names: of the joints, MCML's where they are known. steps: (frames, joints, 3) positions as whole steps of the
+    calibration. frame_time: seconds, None where unknown."""
+
+    names: tuple[str, ...]
+    steps: Steps
+    calibration: Calibration
+    frame_time: float | None
+
+    def stretch(self, joints: Collection[str]) -> Stretch:
+        """All frames, with the joints of these names that it has."""
+        places = {name: self.steps[:, place] for place, name in enumerate(self.names) if name in joints}
+        return Stretch(places, len(self.steps), self.frame_time, self.calibration)
+
+
+def body_of(head: ClipHead, blocks: Iterable[FrameBlock]) -> ClipBody:
+    """The body of a clip. blocks: from the first frame on."""
+    skeleton = head.skeleton
+    frames = filled(skeleton, blocks)
+    (positions,) = clip_positions(skeleton, [frames], reading_of(head))
+    return body_at(head, positions, frames.values)
+
+
+def body_at(head: ClipHead, positions: Array, values: Array | None = None, shared: Shared | None = None) -> ClipBody:
+    """The body of a clip whose joints are at positions (n, J, 3), in source units, NaN where unknown.
+
+    values: (n, D) of the skeleton's columns, as far as the clip has more than positions. shared: as `calibrate` takes
+    it.
+    """
+    frames = calibration_frames(len(positions))
+    sample = positions if len(frames) == len(positions) else positions[frames]
+    pose_at = None if values is None else partial(pose_of_frame, head, values)
+    calibration = calibrate(head, sample, frames=frames, pose_at=pose_at, shared=shared)
+    return ClipBody(head.skeleton.names, rounded(positions, calibration.step), calibration, head.seconds_per_frame())
+
+
+def pose_of_frame(head: ClipHead, values: Array, frame: int) -> ReferencePose:
+    """The pose of one frame, as a reference for angles. values: (n, D) of the skeleton's columns."""
+    return pose_in(head.skeleton, reading_of(head), values[frame])
+
+
+def turned_degrees(clip: ClipStream, name: str, calibration: Calibration) -> Array:
+    """(n,) degrees of an angle that takes rotations (`limb_angles.turn_named`), NaN where unknown."""
+    skeleton, reading = clip.head.skeleton, reading_of(clip.head)
+    frames = filled(skeleton, clip.blocks())
+    degrees = np.full(len(frames.values), np.nan)
+    # Where nothing tells left from right there are no such angles.
+    with suppress(ConversionError):
+        stance = stance_of(calibration.start, skeleton, reading)
+        if stance is not None and len(degrees):
+            _, rotations = Walker(skeleton, reading).poses_at(frames.values)
+            rest = rest_of(skeleton, reading)
+            degrees = turned_angle(name, skeleton, rest, stance, rotations, frames.unseen)
+    degrees[: calibration.skipped] = np.nan
+    return degrees
+
+
+def quantity_values(clip: ClipStream, body: ClipBody, asked: AskedQuantity) -> Array:
+    """(n,) values of a quantity in every frame, NaN where unknown. NotFoundError for a joint that the body has not."""
+    asked.check_joints(body.names)
+    if asked.needs_rotations:
+        return turned_degrees(clip, asked.arguments[0], body.calibration)
+    return compute(asked.name, asked.arguments, body.stretch(asked.joints(body.names)))

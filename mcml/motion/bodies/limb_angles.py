@@ -1,0 +1,243 @@
+"""Angles of the body by the names of its movements, from positions of joints: no rig's axes, no rest pose.
+
+Hinges are angles between two bones, and never negative: a knee bent backwards shows as flexion. Limbs swing against the
+trunk (a goniometer's angles, not those of ISB's pelvis or thorax): flexion about the line from right to left, abduction
+about the one from back to front, each by the bone's shadow on the plane across; a bone that lies too near to that line
+has no such angle. Both go from -90 to 270 degrees, so that a raised arm does not leap from 180 to -180.
+
+The opposite movement has the opposite sign. Names are `[side-]part-movement`, without synonyms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Final, TypeAlias
+
+import numpy as np
+
+from mcml.errors import UnsupportedError, VocabularyError
+from mcml.motion.bodies.stretch import HIPS, NECK, SHOULDERS, Stretch
+from mcml.motion.bodies.vectors import angle_between, cross, dot, length, unit
+from mcml.motion.skeleton import Array
+
+AWAY = 0.35
+"""Sine of the angle to its axis below which a bone tells no angle about that axis."""
+RAISED = 0.7
+"""The same for horizontal movements: the limb is lifted by 45 degrees."""
+
+FOREARM_END = "{side}_wrist|{side}_hand"
+
+Measured: TypeAlias = Callable[[Stretch, str], Array]
+"""(n,) degrees of a side ("left", "right" or "")."""
+
+
+@dataclass(frozen=True)
+class Angle:
+    """needs: joints, `{side}` for the side, alternatives with `|`. sign: -1 for the opposite of what is measured."""
+
+    needs: tuple[str, ...]
+    measured: Measured
+    sign: float = 1.0
+
+    def joints(self, side: str) -> tuple[str, ...]:
+        """The joints that it is measured from."""
+        return tuple(one.format(side=side) for one in self.needs)
+
+    def compute(self, stretch: Stretch, side: str) -> Array:
+        """(n,) degrees, NaN where unknown."""
+        degrees: Array = self.sign * self.measured(stretch, side)
+        return degrees
+
+
+def _knee(stretch: Stretch, side: str) -> Array:
+    knee = f"{side}_low_leg"
+    return angle_between(stretch.between(f"{side}_up_leg", knee), stretch.between(knee, f"{side}_foot"))
+
+
+def _elbow(stretch: Stretch, side: str) -> Array:
+    elbow = f"{side}_low_arm"
+    end = FOREARM_END.format(side=side)
+    return angle_between(stretch.between(f"{side}_up_arm", elbow), stretch.between(elbow, end))
+
+
+def _ankle(stretch: Stretch, side: str) -> Array:
+    """How much less than square the shank and the line from ankle to toes are: a foot that stands flat is below 0, by
+    what the ankle is above the toes (0 to 40 degrees, as rigs place them)."""
+    ankle = f"{side}_foot"
+    shank, foot = stretch.between(ankle, f"{side}_low_leg"), stretch.between(ankle, f"{side}_toes")
+    return 90.0 - angle_between(shank, foot)
+
+
+def about(bone: Array, start: Array, towards: Array, away: float = AWAY) -> Array:
+    """(n,) degrees from -90 to 270 by which a bone has swung from one direction to another, about what is across both.
+
+    bone: (n, 3). start, towards: (n, 3) unit vectors. NaN where the bone lies nearer to the axis than `away` (a sine).
+    """
+    one, two = dot(bone, start), dot(bone, towards)
+    degrees = np.degrees(np.arctan2(two, one))
+    degrees = np.where(degrees < -90.0, degrees + 360.0, degrees)
+    return np.where(np.hypot(one, two) > away * length(bone), degrees, np.nan)
+
+
+def _outwards(left: Array, side: str) -> Array:
+    return -left if side == "right" else left
+
+
+@dataclass(frozen=True)
+class _Limb:
+    """start, end: of its bone, `{side}` for the side. sides: whose line says where left is."""
+
+    start: str
+    end: str
+    sides: tuple[str, str]
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys((self.start, self.end, *self.sides, *HIPS, NECK)))
+
+    def bone(self, stretch: Stretch, side: str) -> Array:
+        return stretch.between(self.start.format(side=side), self.end.format(side=side))
+
+    def flexion(self, stretch: Stretch, side: str) -> Array:
+        _, up, on = stretch.trunk_axes(self.sides)
+        return about(self.bone(stretch, side), -up, on)
+
+    def abduction(self, stretch: Stretch, side: str) -> Array:
+        left, up, _ = stretch.trunk_axes(self.sides)
+        return about(self.bone(stretch, side), -up, _outwards(left, side))
+
+    def horizontal_abduction(self, stretch: Stretch, side: str) -> Array:
+        """0 where it points on, 90 where it points outwards."""
+        left, _, on = stretch.trunk_axes(self.sides)
+        return about(self.bone(stretch, side), on, _outwards(left, side), RAISED)
+
+
+_ARM = _Limb("{side}_up_arm", "{side}_low_arm", SHOULDERS)
+_LEG = _Limb("{side}_up_leg", "{side}_low_leg", HIPS)
+_TRUNK = (*HIPS, NECK)
+
+
+def _trunk_flexion(stretch: Stretch, side: str) -> Array:
+    """Of the line from between the hips to the neck, from upright, to where the body faces."""
+    up = np.broadcast_to(stretch.up, (stretch.frames, 3))
+    return about(stretch.at(NECK) - stretch.middle(HIPS), up, cross(stretch.level_left(), up))
+
+
+def _trunk_to_the_right(stretch: Stretch, side: str) -> Array:
+    up = np.broadcast_to(stretch.up, (stretch.frames, 3))
+    return about(stretch.at(NECK) - stretch.middle(HIPS), up, -stretch.level_left())
+
+
+def _trunk_to_the_left_about_itself(stretch: Stretch, side: str) -> Array:
+    """Of the line through the shoulders from the one through the hips, about the trunk."""
+    left, _, on = stretch.trunk_axes(HIPS)
+    shoulders, _, _ = stretch.trunk_axes(SHOULDERS)
+    return _within_half_a_turn(about(shoulders, left, -on))
+
+
+def _within_half_a_turn(degrees: Array) -> Array:
+    return np.where(degrees > 180.0, degrees - 360.0, degrees)
+
+
+def _pelvis_to_the_right(stretch: Stretch, side: str) -> Array:
+    """How far the line through the hips rises to the left."""
+    sine = unit(stretch.between(HIPS[1], HIPS[0])) @ stretch.up
+    degrees: Array = np.degrees(np.arcsin(np.clip(sine, -1.0, 1.0)))
+    return degrees
+
+
+def _both_ways(
+    part: str, movement: str, opposite: str, needs: tuple[str, ...], measured: Measured
+) -> dict[tuple[str, str], Angle]:
+    return {(part, movement): Angle(needs, measured), (part, opposite): Angle(needs, measured, -1.0)}
+
+
+ANGLES: Final[Mapping[tuple[str, str], Angle]] = {
+    **_both_ways("knee", "flexion", "extension", ("{side}_up_leg", "{side}_low_leg", "{side}_foot"), _knee),
+    **_both_ways("elbow", "flexion", "extension", ("{side}_up_arm", "{side}_low_arm", FOREARM_END), _elbow),
+    **_both_ways("foot", "dorsiflexion", "plantarflexion", ("{side}_low_leg", "{side}_foot", "{side}_toes"), _ankle),
+    **_both_ways("arm", "flexion", "extension", _ARM.needs, _ARM.flexion),
+    **_both_ways("arm", "abduction", "adduction", _ARM.needs, _ARM.abduction),
+    **_both_ways("arm", "horizontal-abduction", "horizontal-adduction", _ARM.needs, _ARM.horizontal_abduction),
+    **_both_ways("leg", "flexion", "extension", _LEG.needs, _LEG.flexion),
+    **_both_ways("leg", "abduction", "adduction", _LEG.needs, _LEG.abduction),
+    **_both_ways("leg", "horizontal-abduction", "horizontal-adduction", _LEG.needs, _LEG.horizontal_abduction),
+    **_both_ways("trunk", "flexion", "extension", _TRUNK, _trunk_flexion),
+    **_both_ways("trunk", "right-lateral-flexion", "left-lateral-flexion", _TRUNK, _trunk_to_the_right),
+    **_both_ways(
+        "trunk", "left-rotation", "right-rotation", (*_TRUNK, *SHOULDERS), _trunk_to_the_left_about_itself
+    ),
+    **_both_ways("pelvis", "right-lateral-flexion", "left-lateral-flexion", HIPS, _pelvis_to_the_right),
+}  # fmt: skip
+"""(part, movement): angles that positions of joints tell."""
+
+_BENDING = ("flexion", "extension")
+_FINGERS = ("thumb", "finger-two", "finger-four", "finger-five")
+_TOES = ("toes", "toe-one", "toe-two", "toe-three", "toe-four", "toe-five")
+_UPRIGHT = (*_BENDING, "left-rotation", "right-rotation", "left-lateral-flexion", "right-lateral-flexion")
+
+NEEDS_ROTATIONS: Final[Mapping[str, tuple[str, ...]]] = {
+    "head": _UPRIGHT,
+    "neck": _UPRIGHT,
+    "pelvis": ("anterior-tilt", "posterior-tilt", "left-rotation", "right-rotation"),
+    "shoulder": ("elevation", "depression", "protraction", "retraction"),
+    "arm": ("medial-rotation", "lateral-rotation"),
+    "forearm": ("pronation", "supination"),
+    "wrist": (*_BENDING, "abduction", "adduction"),
+    **dict.fromkeys(_FINGERS, (*_BENDING, "abduction", "adduction")),
+    **dict.fromkeys(("fingers", "finger-three"), _BENDING),
+    "leg": ("medial-rotation", "lateral-rotation"),
+    "knee": ("medial-rotation", "lateral-rotation"),
+    "foot": ("inversion", "eversion"),
+    **dict.fromkeys(_TOES, _BENDING),
+}
+"""By part, movements whose angles positions do not tell: turns of a bone about itself, and parts whose place at rest
+differs between rigs. They take rotations from the reference pose: `turned_angles`."""
+
+_MIDDLE = ("trunk", "pelvis", "head", "neck")
+
+
+def _named(part: str, movement: str) -> list[tuple[str, str]]:
+    """(name, side) of a movement."""
+    sides = ("",) if part in _MIDDLE else ("left", "right")
+    return [("-".join(word for word in (side, part, movement) if word), side) for side in sides]
+
+
+_BY_NAME = {name: (angle, side) for key, angle in ANGLES.items() for name, side in _named(*key)}
+_TURNED = {
+    name: (part, side, movement)
+    for part, movements in NEEDS_ROTATIONS.items()
+    for movement in movements
+    for name, side in _named(part, movement)
+}
+
+
+def angle_names() -> list[str]:
+    """All names of angles."""
+    return [*_BY_NAME, *_TURNED]
+
+
+def turn_named(name: str) -> tuple[str, str, str] | None:
+    """(part, side, movement) of the name of an angle that needs rotations, None for others."""
+    return _TURNED.get(name)
+
+
+def angle_named(name: str) -> tuple[Angle, str]:
+    """The angle and the side of a name such as `left-knee-flexion`.
+
+    Raises UnsupportedError for one that positions do not tell, VocabularyError for one that is none.
+    """
+    if name in _TURNED:
+        raise UnsupportedError(
+            f"{name} cannot be measured from positions alone: it takes rotations",
+            remedy="Ask for an angle between joints, or for the channels of the joint.",
+        )
+    if name not in _BY_NAME:
+        near = get_close_matches(name, angle_names(), 3)
+        raise VocabularyError(
+            f"{name!r} is not the name of an angle",
+            remedy=f"Did you mean {' or '.join(near)}?" if near else "Name one such as left-knee-flexion.",
+        )
+    return _BY_NAME[name]

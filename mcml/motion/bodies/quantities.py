@@ -1,0 +1,276 @@
+"""What can be asked of a body in a frame: each quantity with its arguments, unit, joints, and how far around it looks.
+
+Values are in metres, seconds and degrees, NaN where the unit, the frame time, a joint or a sample is unknown. They are
+made from rounded positions alone, so that every way to find them gives the same bits; a stretch that reaches so many
+frames further as `halo` says gives the same values as the whole document.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, TypeAlias
+
+import numpy as np
+
+from mcml.errors import NotFoundError, RequestError
+from mcml.motion.anatomical_axes import joints_of_part
+from mcml.motion.bodies.limb_angles import angle_named, turn_named
+from mcml.motion.bodies.local_fit import bends, reach, slopes
+from mcml.motion.bodies.stretch import HIPS, Stretch, known
+from mcml.motion.bodies.vectors import angle_between, cross, length
+from mcml.motion.foot_contacts import standing
+from mcml.motion.skeleton import Array
+
+AXES: Final = ("x", "y", "z", "up", "front", "left")
+
+_GROUND = "_toes"
+"""What a body stands on: the ankle (`*_foot`) stays above the ground."""
+_THICKEST = 0.15
+"""Leg lengths that the surface of a body is away from other joints, at most, when it lies on the ground."""
+
+Arguments: TypeAlias = Sequence[str]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """parameters: names of its arguments, the optional ones with `?`. unit: "m", "m/s", "m/s2", "s", "deg" or "".
+
+    joints: the joints that given arguments need (alternatives with `|`). windowed: whether it looks at neighbours, as
+    far as `local_fit.reach`. whole: whether it needs the whole document instead. compute: (n,) values of a stretch.
+    """
+
+    parameters: tuple[str, ...]
+    unit: str
+    joints: Callable[[Arguments], tuple[str, ...]]
+    compute: Callable[[Stretch, Arguments], Array]
+    windowed: bool = False
+    whole: bool = False
+
+
+def _height(stretch: Stretch, arguments: Arguments) -> Array:
+    calibration = stretch.calibration
+    if calibration.floor is None or calibration.metres is None:
+        return np.full(stretch.frames, np.nan)
+    steps = stretch.at(arguments[0]) @ stretch.up
+    height: Array = (steps * calibration.step - calibration.floor) * calibration.metres
+    return height
+
+
+def _position(stretch: Stretch, arguments: Arguments) -> Array:
+    _joints_of_position(arguments)
+    joint, axis, *origin = arguments
+    places = stretch.between(origin[0], joint) if origin else stretch.at(joint)
+    if axis in ("x", "y", "z"):
+        direction = np.eye(3)["xyz".index(axis)]
+    elif axis == "up":
+        direction = stretch.up
+    else:
+        left = stretch.level_left()
+        direction = left if axis == "left" else cross(left, stretch.up[None])
+    position: Array = (places * direction).sum(axis=1) * stretch.calibration.metres_per_step
+    return position
+
+
+def _distance(stretch: Stretch, arguments: Arguments) -> Array:
+    lengths: Array = length(stretch.between(*arguments))
+    return lengths * stretch.calibration.metres_per_step
+
+
+def _angle(stretch: Stretch, arguments: Arguments) -> Array:
+    if len(arguments) == 1:
+        angle, side = angle_named(arguments[0])
+        return angle.compute(stretch, side)
+    one, corner, other = arguments
+    return angle_between(stretch.between(corner, one), stretch.between(corner, other))
+
+
+def _joints_of_angle(arguments: Arguments) -> tuple[str, ...]:
+    if len(arguments) == 2:
+        raise RequestError("angle takes the name of an angle, or three joints", remedy="Name one, or three.")
+    if len(arguments) == 1:
+        if (turn := turn_named(arguments[0])) is not None:
+            return (joints_of_part(*turn[:2]),)
+        angle, side = angle_named(arguments[0])
+        return angle.joints(side)
+    return tuple(arguments)
+
+
+def _tilt(stretch: Stretch, arguments: Arguments) -> Array:
+    line = stretch.between(*arguments)
+    return angle_between(line, np.broadcast_to(stretch.up, line.shape))
+
+
+def _moving(stretch: Stretch, arguments: Arguments) -> Array:
+    """(n, 3) steps of a joint, or of it from another one."""
+    return stretch.at(arguments[0]) if len(arguments) == 1 else stretch.between(arguments[1], arguments[0])
+
+
+def _speed(stretch: Stretch, arguments: Arguments) -> Array:
+    if stretch.frame_time is None:
+        return np.full(stretch.frames, np.nan)
+    speeds: Array = length(slopes(_moving(stretch, arguments), stretch.frame_time))
+    return speeds * stretch.calibration.metres_per_step
+
+
+def _acceleration(stretch: Stretch, arguments: Arguments) -> Array:
+    if stretch.frame_time is None:
+        return np.full(stretch.frames, np.nan)
+    accelerations: Array = length(bends(_moving(stretch, arguments), stretch.frame_time))
+    return accelerations * stretch.calibration.metres_per_step
+
+
+def _heading(stretch: Stretch, arguments: Arguments) -> Array:
+    """From the axis that follows the upward one (Z where Y is up), to the left about it."""
+    left = stretch.level_left()
+    ahead: Array = np.roll(np.abs(stretch.up), 1)
+    beside: Array = np.cross(stretch.up, ahead)
+    turned: Array = np.degrees(np.arctan2(-(left @ ahead), left @ beside))
+    seen = np.isfinite(turned)
+    # By hand, as np.unwrap adds up steps that were rounded before: whole turns between neighbours.
+    turns = np.cumsum(np.round(np.diff(turned[seen], prepend=turned[seen][:1]) / 360.0))
+    turned[seen] -= 360.0 * turns
+    return turned
+
+
+def _contact(stretch: Stretch, arguments: Arguments) -> Array:
+    """1 where a joint stands, else 0."""
+    calibration, joint = stretch.calibration, arguments[0]
+    places = stretch.at(joint)
+    heights = places @ stretch.up
+    seen = np.isfinite(heights)
+    if calibration.floor is None or calibration.leg is None or stretch.frame_time is None or not seen.any():
+        return np.full(stretch.frames, np.nan)
+    leg = calibration.leg / calibration.step
+    ground = calibration.floor / calibration.step
+    if not joint.endswith(_GROUND):
+        ground = float(np.clip(np.percentile(heights[seen], 5.0), ground, ground + _THICKEST * leg))
+    speeds = length(slopes(places, stretch.frame_time)) / leg
+    found = np.where(seen, 0.0, np.nan)
+    for first, end in standing((heights - ground) / leg, speeds, stretch.frame_time):
+        found[first:end] = 1.0
+    return found
+
+
+def _time(stretch: Stretch, arguments: Arguments) -> Array:
+    places: Array = np.arange(stretch.first, stretch.first + stretch.frames, dtype=np.float64)
+    return places * (float("nan") if stretch.frame_time is None else stretch.frame_time)
+
+
+def _leg(stretch: Stretch, arguments: Arguments) -> Array:
+    leg, metres = stretch.calibration.leg, stretch.calibration.metres
+    return np.full(stretch.frames, np.nan if leg is None or metres is None else leg * metres)
+
+
+def _unit(stretch: Stretch, arguments: Arguments) -> Array:
+    metres = stretch.calibration.metres
+    return np.full(stretch.frames, np.nan if metres is None else metres)
+
+
+def _named(arguments: Arguments) -> tuple[str, ...]:
+    return tuple(arguments)
+
+
+def _none(arguments: Arguments) -> tuple[str, ...]:
+    return ()
+
+
+def _hips(arguments: Arguments) -> tuple[str, ...]:
+    return HIPS
+
+
+def _joints_of_position(arguments: Arguments) -> tuple[str, ...]:
+    joint, axis, *origin = arguments
+    if axis not in AXES:
+        raise RequestError(f"{axis!r} is no axis of a position", remedy=f"Take one of: {', '.join(AXES)}.")
+    return (joint, *origin, *(HIPS if axis in ("front", "left") else ()))
+
+
+QUANTITIES: Final[Mapping[str, Quantity]] = {
+    "time": Quantity((), "s", _none, _time),
+    "unit": Quantity((), "m", _none, _unit),
+    "leg": Quantity((), "m", _none, _leg),
+    "height": Quantity(("joint",), "m", _named, _height),
+    "position": Quantity(("joint", "axis", "origin?"), "m", _joints_of_position, _position),
+    "distance": Quantity(("joint", "joint"), "m", _named, _distance),
+    "angle": Quantity(("name or joint", "joint?", "joint?"), "deg", _joints_of_angle, _angle),
+    "tilt": Quantity(("joint", "joint"), "deg", _named, _tilt),
+    "speed": Quantity(("joint", "relative?"), "m/s", _named, _speed, windowed=True),
+    "acceleration": Quantity(("joint", "relative?"), "m/s2", _named, _acceleration, windowed=True),
+    "heading": Quantity((), "deg", _hips, _heading, whole=True),
+    "contact": Quantity(("joint",), "", _named, _contact, whole=True),
+}
+"""By name. `rate` is of any numbers (`local_fit.rate`); poses and stretches are compared in `poses`."""
+
+
+def quantity_of(name: str, arguments: Arguments) -> Quantity:
+    """The quantity of a name; RequestError for one that there is not, or that does not take so many arguments."""
+    quantity = QUANTITIES.get(name)
+    if quantity is None:
+        raise RequestError(f"there is no quantity {name!r}", remedy=f"Take one of: {', '.join(QUANTITIES)}.")
+    fewest = sum(not parameter.endswith("?") for parameter in quantity.parameters)
+    if not fewest <= len(arguments) <= len(quantity.parameters):
+        takes = ", ".join(quantity.parameters) or "nothing"
+        raise RequestError(f"{name} does not take {len(arguments)} arguments", remedy=f"It takes: {takes}.")
+    return quantity
+
+
+def joints_of(name: str, arguments: Arguments, joints: Collection[str]) -> tuple[str, ...]:
+    """The joints that a quantity is made from, of those that a skeleton has."""
+    asked = quantity_of(name, arguments).joints(arguments)
+    return tuple(dict.fromkeys(found for one in asked if (found := known(one, joints)) is not None))
+
+
+def halo_of(name: str, arguments: Arguments, frame_time: float | None) -> int | None:
+    """Frames before and after a stretch that it needs for the values of the whole document; None: all there are."""
+    quantity = quantity_of(name, arguments)
+    if quantity.whole:
+        return None
+    return reach(frame_time) if quantity.windowed else 0
+
+
+def compute(name: str, arguments: Arguments, stretch: Stretch) -> Array:
+    """(n,) values of a quantity in a stretch, float64; NaN where unknown.
+
+    stretch: has the joints of `joints_of`, and begins and ends with the document, or `halo_of` frames before and after
+    what is wanted: values in the halo are not those of the document.
+    """
+    return quantity_of(name, arguments).compute(stretch, arguments)
+
+
+@dataclass(frozen=True)
+class AskedQuantity:
+    """text: as it was asked, NAME:ARGUMENT,ARGUMENT. unit: "m", "m/s", "m/s2", "s", "deg" or ""."""
+
+    text: str
+    name: str
+    arguments: tuple[str, ...]
+    unit: str
+
+    @property
+    def needs_rotations(self) -> bool:
+        """Whether positions of joints do not tell it."""
+        return self.name == "angle" and len(self.arguments) == 1 and turn_named(self.arguments[0]) is not None
+
+    def joints(self, names: Collection[str]) -> tuple[str, ...]:
+        """The joints that it is made from, of those that a skeleton has."""
+        return joints_of(self.name, self.arguments, names)
+
+    def check_joints(self, names: Sequence[str]) -> None:
+        """NotFoundError where a skeleton with these joints lacks one that it needs."""
+        needs = quantity_of(self.name, self.arguments).joints(self.arguments)
+        lacking = [one for one in needs if known(one, names) is None]
+        if lacking:
+            raise NotFoundError(
+                f"There is no bone {lacking[0]!r}, which {self.text} is made from.",
+                remedy=f"There are: {', '.join(names[:60])}.",
+            )
+
+
+def asked_quantity(text: str) -> AskedQuantity:
+    """What `speed:right_hand,Root` asks for. RequestError or VocabularyError, with what there is, for what is none."""
+    name, _, rest = text.partition(":")
+    arguments = tuple(part.strip() for part in rest.split(",")) if rest else ()
+    quantity = quantity_of(name.strip(), arguments)
+    quantity.joints(arguments)
+    return AskedQuantity(text, name.strip(), arguments, quantity.unit)

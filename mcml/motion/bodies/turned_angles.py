@@ -1,0 +1,68 @@
+"""Angles of the body that positions of joints do not tell: bones turned about themselves, heads, hands, fingers, toes.
+
+They are turns from the reference pose of the skeleton (`reference`), so that they are small where a body stands; what a
+wrist or a head is turned by in that pose they do not know.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcml.errors import VocabularyError
+from mcml.motion.anatomical_angles import turned_angles
+from mcml.motion.anatomical_axes import Segment, Stance, relative_turns, segments_of
+from mcml.motion.bodies.limb_angles import turn_named
+from mcml.motion.hub import Rest
+from mcml.motion.rotations import IDENTITY, inverse, multiply
+from mcml.motion.skeleton import Array, Skeleton
+
+
+def turned_angle(
+    name: str,
+    skeleton: Skeleton,
+    rest: Rest,
+    stance: Stance,
+    rotations: Array,
+    unseen: NDArray[np.bool_] | None = None,
+) -> Array:
+    """(n,) degrees within half a turn, NaN where unknown: where the skeleton has no such part, or it never turns it, as
+    rigs of positions alone, or a sample is missing.
+
+    name: one of `NEEDS_ROTATIONS`, such as `left-wrist-flexion`. rotations: (n, J, 4) of the joints in the world, from
+    rest (`Walker`). unseen: (n, J) where a sample that a joint hangs on is missing. The pelvis turns first about the
+    vertical, then tilts. Raises VocabularyError for another name.
+    """
+    asked = turn_named(name)
+    if asked is None:
+        raise VocabularyError(f"{name} is not the name of an angle that needs rotations")
+    part, side, movement = asked
+    for segment in segments_of(skeleton, rest, stance):
+        if (segment.part.name, segment.side) == (part, side) and _is_turned(skeleton, segment):
+            turns = relative_turns(skeleton, rotations, stance, segment)
+            if part == "pelvis" and not movement.endswith("-rotation"):
+                turns = multiply(inverse(_about(turns, stance.up)), turns)
+            for found, opposite, radians in turned_angles(segment, stance, turns):
+                if movement in (found, opposite):
+                    degrees: Array = np.degrees(radians if movement == found else -radians)
+                    return degrees if unseen is None else np.where(unseen[:, segment.joint], np.nan, degrees)
+    return np.full(len(rotations), np.nan)
+
+
+def _is_turned(skeleton: Skeleton, segment: Segment) -> bool:
+    """Whether a joint from a part to what it hangs on has rotations: else nothing is known of how it is turned."""
+    joint = segment.joint
+    while joint >= 0 and joint != segment.above:
+        if any(channel[0] == "R" for channel in skeleton.joints[joint].channels):
+            return True
+        joint = skeleton.joints[joint].parent
+    return False
+
+
+def _about(turns: Array, axis: Array) -> Array:
+    """(n, 4) that part of rotations (n, 4) that is about an axis (3,): the other part, before it, is across."""
+    along = np.concatenate([(turns[:, :3] @ axis)[:, None] * axis, turns[:, 3:]], axis=1)
+    lengths = np.linalg.norm(along, axis=1, keepdims=True)
+    # Upside down there is no such part: none is as good as any.
+    found: Array = np.where(lengths > 0, along / np.where(lengths > 0, lengths, 1.0), IDENTITY)
+    return found

@@ -1,0 +1,108 @@
+"""Which joint of one skeleton is which of another: suggested with a reason and how sure it is, for people to change."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from mcml.errors import ConversionError
+from mcml.motion.skeleton import Joint, Skeleton
+
+_STAND_INS = (
+    ("*_wrist", "*_hand"),
+    ("neck1", "neck2"),
+    ("torso7", "waist"),
+    ("torso7", "torso2"),
+    ("torso2", "waist"),
+    ("*_hip", "*_up_leg"),
+    ("*_finger_three", "*_fingers"),
+)
+"""MCML names of joints that stand for each other where a skeleton has only one of them; `*` for the side."""
+
+
+@dataclass(frozen=True, slots=True)
+class Match:
+    """A joint of the source and one of the target, by index. confidence: 0 to 1. reason: for people."""
+
+    source: int
+    target: int
+    confidence: float
+    reason: str
+
+
+def suggest_matches(source: Skeleton, target: Skeleton) -> tuple[Match, ...]:
+    """Matches in the order of the target, each joint in one at most.
+
+    By MCML's names, then by names of the source files, then by joints that may stand for each other. A match whose
+    joints hang below others than their matched parents do is less sure.
+    """
+    found: dict[int, Match] = {}
+    taken: set[int] = set()
+
+    def add(one: int, other: int, confidence: float, reason: str) -> None:
+        if one not in taken and other not in found:
+            taken.add(one)
+            found[other] = Match(one, other, confidence, reason)
+
+    names = {joint.name: index for index, joint in enumerate(source.joints) if joint.mapped}
+    for index, joint in enumerate(target.joints):
+        if joint.mapped and joint.name in names:
+            add(names[joint.name], index, 1.0, "both are called so in MCML")
+    by_key: dict[str, int] = {}
+    for index, joint in enumerate(source.joints):
+        by_key.setdefault(_key(joint), index)
+    same = tuple(map(_shape, source.joints)) == tuple(map(_shape, target.joints))
+    for index, joint in enumerate(target.joints):
+        if same:
+            add(index, index, 1.0, "the two skeletons have the same joints")
+        elif _key(joint) in by_key:
+            add(by_key[_key(joint)], index, 0.9, "their files call them so")
+    places = {joint.name: index for index, joint in enumerate(target.joints) if joint.mapped}
+    for pair in _STAND_INS:
+        for one, other in (pair, pair[::-1]):
+            for side in ("left", "right") if "*" in one else ("",):
+                here, there = names.get(one.replace("*", side)), places.get(other.replace("*", side))
+                if here is not None and there is not None and _fits(source, target, here, there, found):
+                    add(here, there, 0.6, "the nearest of the same limb")
+    return tuple(_weighed(source, target, found[index], found) for index in sorted(found))
+
+
+def check_matches(source: Skeleton, target: Skeleton, matches: Sequence[Match]) -> None:
+    """Raises ConversionError for joints that do not exist and for a target that is named twice."""
+    seen: set[int] = set()
+    for match in matches:
+        if not (0 <= match.source < len(source) and 0 <= match.target < len(target)):
+            raise ConversionError("the mapping names a joint that is not there", remedy="Take names of both skeletons.")
+        if match.target in seen:
+            name = target.joints[match.target].name
+            raise ConversionError(f"the mapping names {name!r} twice", remedy="Give each joint one source.")
+        seen.add(match.target)
+
+
+def _key(joint: Joint) -> str:
+    return re.sub(r"[\W_]+", "", joint.source_name.rpartition(":")[2].lower())
+
+
+def _shape(joint: Joint) -> tuple[str, int]:
+    return joint.source_name, joint.parent
+
+
+def _above(skeleton: Skeleton, index: int, chosen: set[int]) -> int:
+    """The nearest joint above that is one of `chosen`, -1 for none."""
+    parent = skeleton.joints[index].parent
+    while parent >= 0 and parent not in chosen:
+        parent = skeleton.joints[parent].parent
+    return parent
+
+
+def _fits(source: Skeleton, target: Skeleton, one: int, other: int, found: dict[int, Match]) -> bool:
+    """Whether matched joints above both are a match of each other."""
+    above = _above(target, other, set(found))
+    return above < 0 or found[above].source == _above(source, one, {match.source for match in found.values()})
+
+
+def _weighed(source: Skeleton, target: Skeleton, match: Match, found: dict[int, Match]) -> Match:
+    if _fits(source, target, match.source, match.target, found):
+        return match
+    return Match(match.source, match.target, match.confidence / 2, f"{match.reason}, but they hang elsewhere")

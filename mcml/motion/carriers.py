@@ -1,0 +1,63 @@
+"""Which joints carry a body through the world: the root, or the hips below a root that only stands there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mcml.motion.clip import ClipStream
+from mcml.motion.skeleton import TRANSLATIONS, Array, Skeleton
+
+_STILL = 1e-6
+"""Of the largest distance from the origin: translations that differ by less do not move."""
+
+
+def chain(skeleton: Skeleton, root: int) -> list[int]:
+    """The root, and below it only children that have all three positions, down to the first joint that branches."""
+    found = [root]
+    while True:
+        children = skeleton.children(found[-1])
+        if len(children) != 1 or not set(TRANSLATIONS) <= set(skeleton.joints[children[0]].channels):
+            return found
+        found.append(children[0])
+
+
+def carriers(skeleton: Skeleton, *translations: Array) -> tuple[int, ...]:
+    """Of every root the joint that moves its body: the first of its chain that moves in any clip, else the root.
+
+    translations: (n, J, 3) of each clip, in the hub form.
+    """
+    moves = np.zeros(len(skeleton), dtype=bool)
+    for clip in translations:
+        if clip.size:
+            spread = np.ptp(clip, axis=0).max(axis=1)
+            moves |= spread > _STILL * max(float(np.abs(clip).max()), 1e-30)
+    return tuple(next((joint for joint in chain(skeleton, root) if moves[joint]), root) for root in skeleton.roots)
+
+
+def first_moving(clip: ClipStream, joints: Sequence[int]) -> int | None:
+    """The first of some joints whose position channels change over a clip, None where none of them does.
+
+    Frames are read only as far as that takes: to the end where the first one stands still.
+    """
+    low = np.full((len(joints), len(TRANSLATIONS)), np.inf)
+    high = -low
+    places = {joint: place for place, joint in enumerate(joints)}
+
+    def moves(place: int) -> bool:
+        known = np.isfinite(low[place])
+        spread = (high[place] - low[place])[known].max(initial=0.0)
+        size = np.abs(np.stack([low[place], high[place]]))[:, known].max(initial=0.0)
+        return bool(spread > _STILL * max(float(size), 1e-30))
+
+    for block in clip.blocks():
+        for index, (joint, channel) in enumerate(block.columns):
+            values = block.values[:, index]
+            if joint in places and channel < len(TRANSLATIONS) and np.isfinite(values).any():
+                place = places[joint]
+                low[place, channel] = min(low[place, channel], float(np.nanmin(values)))
+                high[place, channel] = max(high[place, channel], float(np.nanmax(values)))
+        if moves(0):
+            break
+    return next((joint for joint, place in places.items() if moves(place)), None)

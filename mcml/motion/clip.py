@@ -1,0 +1,177 @@
+"""Clips: a head, and blocks of frames that stream.
+
+The source's own numbers and units are kept; nothing is scaled or turned here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcml.errors import Notice
+from mcml.motion.skeleton import Array, Skeleton
+
+Shape: TypeAlias = tuple[tuple[int, int], ...]
+"""Which frame_bones a frame has, in order: (joint index, bits of the channels it has). Bit i stands for
+`CHANNELS[i]`; no bits: the source listed the joint but has no sample (a missing marker)."""
+
+
+@dataclass(frozen=True)
+class SourcePart:
+    """One file of the source (BVH: one; ASF/AMC: two), for what its format writes beside motion.
+
+    part: the format's part name ("bvh", "asf", "amc", "htr"). name: file name without folders.
+    encoding: Python codec name. keywords: header keywords in the file's order and spelling ("FileType" …).
+    flags: AMC's `:FULLY-SPECIFIED`, `:DEGREES` lines, verbatim, in order.
+    comments: comment lines verbatim, without line end. sections: (keyword line, verbatim text) of sections that the
+    model has no place for, such as ASF's `:documentation` and `:skin`.
+    missing: how the source writes a missing sample (HTR: "9999999"), "" if it has none.
+    """
+
+    part: str
+    name: str = ""
+    encoding: str = "utf-8"
+    keywords: tuple[str, ...] = ()
+    flags: tuple[str, ...] = ()
+    comments: tuple[str, ...] = ()
+    sections: tuple[tuple[str, str], ...] = ()
+    missing: str = ""
+
+
+@dataclass(frozen=True)
+class ReferencePose:
+    """A pose to measure others from. positions: (J, 3), rotations: (J, 4) from rest, of each joint in the world."""
+
+    positions: tuple[tuple[float, ...], ...]
+    rotations: tuple[tuple[float, ...], ...]
+
+    def fits(self, skeleton: Skeleton) -> bool:
+        """Whether it has a place and a rotation for each joint."""
+        return len(self.positions) == len(self.rotations) == len(skeleton)
+
+    def to_json(self) -> list[list[float]]:
+        """Of each joint its position and its rotation, x y z and x y z w."""
+        return [[*place, *turn] for place, turn in zip(self.positions, self.rotations, strict=True)]
+
+    @classmethod
+    def from_json(cls, values: Sequence[Sequence[float]]) -> ReferencePose:
+        """What `to_json` made."""
+        return cls(tuple(tuple(one[:3]) for one in values), tuple(tuple(one[3:]) for one in values))
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Where angles from rotations start. up: the axis that points up in it. pose: None for the rest pose.
+
+    frame, of: which frame (from 0) of which clip a pose was found in, None and "" for the clip itself. stated: the up
+    axis that was stated where it was looked for, None where it was guessed.
+    """
+
+    up: str
+    pose: ReferencePose | None = None
+    frame: int | None = None
+    of: str = ""
+    stated: str | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        pose = None if self.pose is None else self.pose.to_json()
+        return {"up": self.up, "pose": pose, "frame": self.frame, "of": self.of, "stated": self.stated}
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, Any]) -> Reference:
+        """What `to_json` made."""
+        pose = None if values["pose"] is None else ReferencePose.from_json(values["pose"])
+        return cls(**{**values, "pose": pose})
+
+
+@dataclass(frozen=True)
+class ClipHead:
+    """All of a clip but its frames.
+
+    fields: header values as lexemes, by MCML's header element names: filetype datatype filename version skeleton_name
+        num_segments num_frames dataframe_rate euler_rotation_order calibration_unit global_axis_of_gravity
+        bone_length_axis scale_factor; and units_mass units_length units_angle (the attributes of `units`).
+        Only what the source states.
+    format: the catalogue name of the source format ("bvh", "asf-amc", "htr", …).
+    frame_time: seconds a frame as the file writes it, None where the source has none (AMC, and HTR with its rate).
+    number_style: "shortest", "fixed:N" or "general:N": how the source writes motion numbers; only for writing the
+        source format again, and only where it gives the same double.
+    description, properties: set by people; properties are (name, value, unit or "").
+    reference: what is known of the skeleton's reference pose from elsewhere, such as its other clips.
+    """
+
+    format: str
+    skeleton: Skeleton
+    fields: dict[str, str] = field(default_factory=dict)
+    frame_time: str | None = None
+    number_style: str = "shortest"
+    sources: tuple[SourcePart, ...] = ()
+    description: str = ""
+    properties: tuple[tuple[str, str, str], ...] = ()
+    reference: Reference | None = None
+
+    def seconds_per_frame(self) -> float | None:
+        """Frame time as a number, from `frame_time` or else 1 / dataframe_rate; None where neither is usable.
+
+        It is usable where it is positive, and so is the rate that it makes.
+        """
+        text = self.frame_time if self.frame_time is not None else self.fields.get("dataframe_rate")
+        value = 0.0 if text is None else float(text)
+        if not (value > 0 and math.isfinite(value) and math.isfinite(1.0 / value)):
+            return None
+        return value if self.frame_time is not None else 1.0 / value
+
+
+@dataclass(frozen=True)
+class FrameBlock:
+    """Consecutive frames.
+
+    values: (n, D) float64, NaN where a frame's shape has no such channel, finite everywhere else.
+    columns: (joint, channel) of each of the D columns.
+    shapes, shape_of: frame i has the shape `shapes[shape_of[i]]`; shape_of None: all have `shapes[0]`.
+    ids: frame ids as written: (n,) int64 where each is a plain decimal integer, else a list of texts.
+    motion_names: for each frame its motion names in order, or None where no frame of the block has any.
+    """
+
+    values: Array
+    columns: tuple[tuple[int, int], ...]
+    shapes: tuple[Shape, ...]
+    ids: NDArray[np.int64] | list[str]
+    shape_of: NDArray[np.intp] | None = None
+    motion_names: Sequence[tuple[str, ...]] | None = None
+
+    def __len__(self) -> int:
+        return int(self.values.shape[0])
+
+
+@dataclass
+class ClipStream:
+    """A clip whose frames are read in blocks, each time `blocks()` is called, from the first frame on.
+
+    frames: the number of frames if it is known before reading, else None.
+    notices: what the reader guessed or repaired; complete once the blocks were read to the end.
+    """
+
+    head: ClipHead
+    blocks: Callable[[], Iterator[FrameBlock]]
+    frames: int | None = None
+    notices: list[Notice] = field(default_factory=list)
+
+    def with_head(self, head: ClipHead) -> ClipStream:
+        return ClipStream(head, self.blocks, self.frames, self.notices)
+
+
+@lru_cache(maxsize=64)
+def full_shape(columns: tuple[tuple[int, int], ...]) -> Shape:
+    """The shape of a frame that has every column, frame_bones in the order in which the columns name them."""
+    bits: dict[int, int] = {}
+    for joint, channel in columns:
+        bits[joint] = bits.get(joint, 0) | 1 << channel
+    return tuple(bits.items())

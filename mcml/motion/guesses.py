@@ -1,0 +1,216 @@
+"""What a clip that does not say its unit or its up axis is likely to mean. Guesses are told, and never written."""
+
+from __future__ import annotations
+
+import re
+from contextlib import suppress
+from dataclasses import dataclass
+
+import numpy as np
+
+from mcml.motion.carriers import chain
+from mcml.motion.clip import ClipHead
+from mcml.motion.skeleton import Array, Skeleton, once_a_skeleton
+from mcml.motion.units import metres_of, metres_per_unit
+
+HEIGHTS = (("m", 0.8, 3.0), ("ft", 3.5, 8.0), ("inch", 40.0, 95.0), ("cm", 95.0, 260.0), ("mm", 800.0, 2600.0))
+"""Units, and between what heights a person is in them."""
+
+
+def likely_units(height: float) -> list[str]:
+    """Units in which a body of this height would be a person; several where they overlap."""
+    return [name for name, low, high in HEIGHTS if low <= height <= high]
+
+
+def likely_unit(head: ClipHead, pose: Array) -> tuple[str | None, float | None]:
+    """The stated unit, else one in which a body of this size would be a person, and its metres; None for unknown.
+
+    pose: (J, 3) positions, NaN where unknown. ASF states a factor: its values over it are inches in Vicon's files.
+    """
+    if stated := head.fields.get("calibration_unit"):
+        return stated, metres_of(head)
+    # A root that only stands in the world, away from the body, is no part of its height.
+    aside = [joint for root in head.skeleton.roots for joint in chain(head.skeleton, root)[:-1]]
+    pose = np.delete(pose, aside, axis=0)
+    seen = pose[np.isfinite(pose).all(axis=1)]
+    extent = float(np.ptp(seen, axis=0).max()) if len(seen) > 1 else 0.0
+    factor = 0.0
+    with suppress(ValueError):
+        factor = float(head.fields.get("units_length", 0))
+    if factor > 0:
+        return (f"inch/{factor:g}", 0.0254 / factor) if "inch" in likely_units(extent / factor) else (None, None)
+    units = likely_units(extent)
+    return (units[0], metres_per_unit(units[0])) if units else (None, None)
+
+
+_HEIGHTS = (
+    (4.0, re.compile(r"head|[fb]hd\b|vertex|nose|eye|ear\b|chin|ariel|skull")),
+    (3.5, re.compile(r"neck|\bc ?7\b")),
+    (3.0, re.compile(r"shoulder|shldr|acrom|\b[lr]?sho\b|clav|collar|sternum|strn|scapula")),
+    (2.0, re.compile(r"asis?\b|psis?\b|pelvis|hips?\b|sacr|up ?leg|waist|root|crest")),
+    (1.0, re.compile(r"knee|\b[lr]?kne\b|low ?leg|shin|tibia")),
+    (0.0, re.compile(r"heel|\b[lr]?hee\b|cal(?:c|can)|toe|ankle|\b[lr]?ank\b|mall?eol|foot|\b[lr]?mt\d|metatars")),
+)
+"""How high parts stand in a body that stands, in no unit, and words that their names have."""
+_NO_HEAD = re.compile(r"(?:met|mt|fib|rad|hum|uln|fem)\w* ?\d*\w* ?head|head ?(?:of|met|mt|fib|rad|hum|uln|fem)")
+_LOW, _HIGH = 1.0, 2.0
+"""What names must speak of to tell the way up: knees or feet, and hips or what is above."""
+_WALKED = 0.5
+"""Of the largest extent of all points in a frame: who travels farther along an axis walks along it."""
+_LEVEL = 4.0
+"""How many times as far as along the axis of least travel."""
+_CLEAR = 1.5
+"""How many times as long a body is along the axis up as across it, at least."""
+
+
+@dataclass(frozen=True)
+class LikelyUp:
+    """axis: "X", "Y", "Z", or with a minus. why: what tells it, for people. sure: whether that is more than a shape."""
+
+    axis: str
+    why: str
+    sure: bool = True
+
+
+def likely_up(skeleton: Skeleton, positions: Array) -> LikelyUp:
+    """The axis that points up.
+
+    positions: (n, J, 3) of some frames, or (J, 3) of one, NaN where a point was not seen. Names tell it where there are
+    high parts and low ones (heads above feet). Else no axis along which points travel far is up: a walkway is longer
+    than a person. Of the others it is the one along which points are longest in a frame, or travel least; it is said
+    where nothing but an extent tells it. "Y" where nothing extends.
+    """
+    frames = positions if positions.ndim == 3 else positions[None]
+    towards = _from_low_to_high(skeleton, frames)
+    if towards is not None:
+        return LikelyUp(_axis_along(towards), "heads and hips are above feet along it")
+    extents = _extents(frames)
+    if not extents.any():
+        return LikelyUp("Y", "nothing tells it", sure=False)
+    travel = _travel(frames)
+    walked = (travel > _WALKED * extents.max()) & (travel > _LEVEL * travel.min())
+    across = np.flatnonzero(~walked)
+    lengths = np.where(walked, 0.0, extents)
+    axis = int(lengths.argmax())
+    if walked.any() and len(across) > 1 and lengths[axis] < _CLEAR * np.sort(lengths)[-2]:
+        return LikelyUp("XYZ"[across[travel[across].argmin()]], "points travel least along it")
+    if walked.any():
+        return LikelyUp("XYZ"[axis], "points travel along another axis, and are longest along this one")
+    return LikelyUp("XYZ"[axis], "neither names nor travel tell it; points are longest along it", sure=False)
+
+
+def stated_up(head: ClipHead) -> str | None:
+    """The axis up that a file states, None where it states none."""
+    stated = head.fields.get("global_axis_of_gravity", "").strip().upper()
+    return stated.removeprefix("+") if stated.removeprefix("-").removeprefix("+") in ("X", "Y", "Z") else None
+
+
+def changed_up(head: ClipHead, positions: Array) -> tuple[str, str] | None:
+    """The axis up as it was guessed before and as it is guessed now, where these differ and nothing states it.
+
+    positions: (n, J, 3) of the clip, or of a sample of it, NaN where unknown; without frames of the rest pose.
+    """
+    if stated_up(head) is not None or not positions.size:
+        return None
+    before, now = longest_up(head.skeleton, positions), likely_up(head.skeleton, positions).axis
+    return None if before == now else (before, now)
+
+
+def longest_up(skeleton: Skeleton, positions: Array) -> str:
+    """The axis up as it was guessed before names and travel counted: of files whose answers rested on that.
+
+    positions: as `likely_up` takes them. From the root, or the feet, to the head, else the longest extent.
+    """
+    places = _mean_pose(positions if positions.ndim == 3 else positions[None])
+    joints = {joint.name: index for index, joint in enumerate(skeleton.joints)}
+    feet = [joints[name] for name in ("left_foot", "right_foot") if name in joints] or [joints.get("Root", 0)]
+    if "Head" in joints and len(skeleton) > 1:
+        towards = places[joints["Head"]] - places[feet].mean(axis=0)
+        if np.isfinite(towards).all() and np.abs(towards).max() > 0:
+            return _axis_along(towards)
+    seen = places[np.isfinite(places).all(axis=1)]
+    if len(seen) < 2 or not np.ptp(seen, axis=0).any():
+        return "Y"
+    return "XYZ"[int(np.ptp(seen, axis=0).argmax())]
+
+
+@once_a_skeleton
+def _heights(skeleton: Skeleton) -> tuple[float | None, ...]:
+    """How high each joint stands in a body, as far as its name tells."""
+    return tuple(_height_of(joint.name) for joint in skeleton.joints)
+
+
+def _height_of(name: str) -> float | None:
+    bare = name.rpartition(":")[2]
+    words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", bare)
+    words = re.sub(r"[\W_]+", " ", words).lower().strip()
+    if _NO_HEAD.search(words):
+        return None
+    # Of "left_foot_head" or "ankle-knee" nobody knows.
+    found = [height for height, pattern in _HEIGHTS if pattern.search(words)]
+    return found[0] if len(found) == 1 else None
+
+
+def _from_low_to_high(skeleton: Skeleton, frames: Array) -> Array | None:
+    """(3,) from the lowest parts to the highest in frames (n, J, 3) that show both, None where there are none, or names
+    tell nothing. Frame by frame: on a walkway points may be seen one after the other."""
+    heights = np.array([np.nan if height is None else height for height in _heights(skeleton)])
+    known = heights[np.isfinite(heights) & np.isfinite(frames).all(axis=2).any(axis=0)]
+    if not len(known) or known.max() < _HIGH or known.min() > _LOW:
+        return None
+    # The outermost parts, else all high and all low ones.
+    for high, low in ((heights == known.max(), heights == known.min()), (heights >= _HIGH, heights <= _LOW)):
+        towards: Array = _mean_pose((_middle(frames[:, high]) - _middle(frames[:, low]))[:, None])[0]
+        if np.isfinite(towards).all() and np.abs(towards).max() > 0:
+            return towards
+    return None
+
+
+def _middle(points: Array) -> Array:
+    """(n, 3) the middle of those of points (n, P, 3) that are seen, NaN where none is."""
+    return _mean_pose(points.transpose(1, 0, 2))
+
+
+def _axis_along(towards: Array) -> str:
+    axis = int(np.abs(towards).argmax())
+    return ("-" if towards[axis] < 0 else "") + "XYZ"[axis]
+
+
+def _travel(frames: Array) -> Array:
+    """(3,) between what places the middle of all points is most of the time, along each axis; zero of a single frame.
+
+    A point counts from where it is on the whole, so that none that comes or goes moves the middle.
+    """
+    seen = np.asarray(np.isfinite(frames).all(axis=2))
+    counts = np.maximum(seen.sum(axis=1), 1)[:, None]
+    away = np.where(seen[:, :, None], frames - _mean_pose(frames), 0.0).sum(axis=1) / counts
+    there = np.asarray(seen.any(axis=1))
+    if there.sum() < 2:
+        return np.zeros(3)
+    low, high = np.percentile(away[there], [5.0, 95.0], axis=0)
+    travel: Array = high - low
+    return travel
+
+
+def _extents(frames: Array) -> Array:
+    """(3,) how long all points together are along each axis, the median over frames."""
+    seen = np.asarray(np.isfinite(frames).all(axis=2))
+    frames, seen = frames[seen.sum(axis=1) > 1], seen[seen.sum(axis=1) > 1]
+    if not len(frames):
+        return np.zeros(3)
+    high = np.where(seen[:, :, None], frames, -np.inf).max(axis=1)
+    low = np.where(seen[:, :, None], frames, np.inf).min(axis=1)
+    extents: Array = np.median(high - low, axis=0)
+    return extents
+
+
+def _mean_pose(positions: Array) -> Array:
+    """(J, 3) where joints are on the mean over frames (n, J, 3), NaN where one is never seen: however a body bends and
+    turns, its head is above its feet on the whole."""
+    if np.isfinite(positions.sum()) and len(positions):
+        mean: Array = positions.sum(axis=0) / len(positions)
+        return mean
+    seen = np.isfinite(positions)
+    counts = seen.sum(axis=0)
+    total = np.where(seen, positions, 0.0).sum(axis=0)
+    return np.where(counts > 0, total / np.maximum(counts, 1), np.nan)

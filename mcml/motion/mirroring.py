@@ -1,0 +1,205 @@
+"""Left and right exchanged: a motion seen in a mirror.
+
+With S the reflection at the plane between the sides and m(j) the joint of the other side, joints stand at
+P'_j = S P_m(j) and turn by Q'_j = S Q_m(j) X_j. X_j is a reflection too: it takes the bones that hang at j at rest to
+those at m(j). In a rest pose that is symmetric all X are one reflection, X = I - 2 n n^T, and L'_j = X L_m(j) X. Rigs
+whose left and right axes differ (a right arm that points along -x, say) have an X for each joint. X_m(j) is the inverse
+of X_j, so that mirroring twice is no change.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from mcml.motion.carriers import chain
+from mcml.motion.clip import FrameBlock
+from mcml.motion.frames import Edited, Rows, in_columns, present, remade
+from mcml.motion.hub import HubReader, Rest, rest_of, walked
+from mcml.motion.hub_writer import HubWriter
+from mcml.motion.rotations import from_matrix, to_matrix
+from mcml.motion.sides import Sagittal, is_left, partners, sagittal
+from mcml.motion.skeleton import Array, Convention, Skeleton
+from mcml.motion.units import DEGREES, Reading
+
+_ALIKE = np.cos(np.radians(15.0))
+"""Two sides are never built quite alike: bones that miss their mirror image by less than this count as mirrored."""
+_LYING = 0.1
+"""The sides of a body that lies on one of them are not told apart upright."""
+_PRIOR = 1e-7
+"""How much a guess counts beside bones: where they leave a turn open, it decides."""
+
+
+def mirrored(
+    skeleton: Skeleton, block: FrameBlock, plane: Sagittal | None = None, up: str = "Y", reading: Reading = DEGREES
+) -> Edited:
+    """Frames of a clip with left and right exchanged, markers too; samples that were missing are missing there.
+
+    plane: of the mirror; else the one between the sides of the first frame, upright. up: "X", "Y" or "Z". Raises
+    ConversionError where the plane is not given and nothing tells left from right.
+    """
+    columns = skeleton.columns()
+    raw = in_columns(block, columns)
+    hub = HubReader(skeleton, reading).read(block)
+    if plane is None:
+        plane = own_plane(
+            skeleton, hub.translations[:1], hub.rotations[:1], np.eye(3)["XYZ".index(up.upper())], reading
+        )
+    other = partners(skeleton)
+    writer = HubWriter(skeleton, reading)
+    moved, turned = mirrored_poses(skeleton, writer.rest, hub.translations, hub.rotations, plane)
+    values = writer.write(moved, turned, hub.scales[:, other])
+    gone = ~present(raw, columns, len(skeleton))[:, other]
+    for index, (joint, _) in enumerate(columns):
+        values[gone[:, joint], index] = np.nan
+    _carry_residuals(columns, other, raw, values)
+    rows = np.arange(len(block), dtype=np.intp)
+    return Edited(remade(block, columns, values, rows, block.ids, other), writer.shortfall)
+
+
+def _carry_residuals(columns: tuple[tuple[int, int], ...], other: Rows, raw: Array, values: Array) -> None:
+    place = {column: index for index, column in enumerate(columns)}
+    for index, (joint, channel) in enumerate(columns):
+        source = place.get((int(other[joint]), channel))
+        if channel == 7 and source is not None:
+            values[:, index] = raw[:, source]
+
+
+def own_plane(
+    skeleton: Skeleton, translations: Array, rotations: Array, up: Array, reading: Reading = DEGREES
+) -> Sagittal:
+    """The upright plane through the joint that the body hangs on, as that joint is turned in the first frame.
+
+    translations: (n, J, 3), rotations: (n, J, 4) of the hub form. up: (3,). A mirrored clip has the same plane again,
+    however unlike its sides are. Points that hang on nothing: the plane between their sides. Raises ConversionError
+    where nothing tells left from right.
+    """
+    positions, turned = walked(skeleton, translations[:1], rotations[:1])
+    found = sagittal(skeleton, positions[0], up)
+    if all(joint.convention is Convention.MARKER for joint in skeleton.joints):
+        return found
+    rest = rest_of(skeleton, reading)
+    joint = chain(skeleton, skeleton.roots[0])[-1]
+    frame = side_frames(skeleton, rest, partners(skeleton), _reflection(found.normal))[joint]
+    normal = to_matrix(turned[0, joint]) @ np.linalg.eigh(frame)[1][:, 0]
+    normal = normal - (normal @ up) * up
+    length = float(np.linalg.norm(normal))
+    if length < _LYING:
+        return found
+    return Sagittal(normal / length, positions[0, joint])
+
+
+def mirrored_poses(
+    skeleton: Skeleton, rest: Rest, translations: Array, rotations: Array, plane: Sagittal
+) -> tuple[Array, Array]:
+    """Translations (n, J, 3) and rotations (n, J, 4) of the hub form, mirrored. Bones keep their own lengths."""
+    other = partners(skeleton)
+    mirror = _reflection(plane.normal)
+    sides = side_frames(skeleton, rest, other, mirror)
+    shift = plane.point - mirror @ plane.point
+    carried = {joint for root in skeleton.roots for joint in chain(skeleton, root)[1:]}
+    moved, turned = np.empty_like(translations), np.empty_like(rotations)
+    for index, joint in enumerate(skeleton.joints):
+        partner = int(other[index])
+        if joint.parent < 0:
+            moved[:, index] = translations[:, partner] @ mirror.T + shift
+            above = mirror
+        else:
+            above = sides[joint.parent].T
+            if index in carried:
+                moved[:, index] = translations[:, partner] @ above.T
+            else:
+                moved[:, index] = rest.offsets[index] + (translations[:, partner] - rest.offsets[partner]) @ above.T
+        turned[:, index] = from_matrix(above @ to_matrix(rotations[:, partner]) @ sides[index])
+    return moved, turned
+
+
+def side_frames(skeleton: Skeleton, rest: Rest, other: Rows, mirror: Array) -> Array:
+    """X (J, 3, 3) of each joint; see above. mirror: (3, 3), S, for joints that only stand and carry."""
+    frames = np.empty((len(skeleton), 3, 3))
+    if all(joint.convention is Convention.MARKER for joint in skeleton.joints):
+        frames[:] = mirror
+        return frames
+    general = _reflection(_rest_normal(skeleton, rest, other))
+    guesses: dict[int, Array] = {}
+    carrying = {joint for root in skeleton.roots for joint in chain(skeleton, root)[:-1]}
+    for index, joint in enumerate(skeleton.joints):
+        partner = int(other[index])
+        guess = guesses.get(joint.parent, general)
+        if index in carrying:
+            frames[index], guesses[index] = mirror, general
+            continue
+        if partner < index:
+            frames[index] = frames[partner].T
+        else:
+            bones, images = _bones(skeleton, rest, other, index)
+            frames[index] = _side_frame(bones, images, guess, partner == index)
+        guesses[index] = frames[index]
+    return frames
+
+
+def _rest_normal(skeleton: Skeleton, rest: Rest, other: Rows) -> Array:
+    """The direction to the left at rest, an axis of the world where it is near one; X if there are no sides."""
+    positions = rest.offsets.copy()
+    across = np.zeros(3)
+    for index, joint in enumerate(skeleton.joints):
+        if joint.parent >= 0:
+            positions[index] += positions[joint.parent]
+    for index, partner in enumerate(other):
+        if partner != index and is_left(skeleton, index, int(partner)):
+            across += positions[index] - positions[partner]
+    length = float(np.linalg.norm(across))
+    if not length:
+        return np.array([1.0, 0.0, 0.0])
+    axis = np.eye(3)[int(np.argmax(np.abs(across)))]
+    return axis if abs(float(across @ axis)) > _ALIKE * length else across / length
+
+
+def _bones(skeleton: Skeleton, rest: Rest, other: Rows, index: int) -> tuple[Array, Array]:
+    """Unit vectors (k, 3) from a joint to its children and tips at rest, and those from its partner to theirs."""
+    partner = int(other[index])
+    pairs = [(rest.offsets[child], rest.offsets[other[child]]) for child in skeleton.children(index)]
+    mine = [vector for joint, vector in rest.tips if joint == index]
+    theirs = [vector for joint, vector in rest.tips if joint == partner]
+    if len(mine) == len(theirs):
+        pairs += list(zip(mine, theirs, strict=True))
+    lengths = [(np.linalg.norm(one), np.linalg.norm(two)) for one, two in pairs]
+    longest = max((max(pair) for pair in lengths), default=0.0)
+    kept = [(one / a, two / b) for (one, two), (a, b) in zip(pairs, lengths, strict=True) if min(a, b) > 1e-3 * longest]
+    if not kept:
+        return np.zeros((0, 3)), np.zeros((0, 3))
+    return np.array([one for one, _ in kept]), np.array([two for _, two in kept])
+
+
+def _side_frame(bones: Array, images: Array, guess: Array, middle: bool) -> Array:
+    """The reflection that takes bones (k, 3) to their images (k, 3): a plain one where it will do, else the best.
+
+    guess: of the parent. middle: whether the joint is its own partner, so that twice must be no change.
+    """
+    for candidate in _candidates(guess, middle):
+        if (np.einsum("ki,ij,kj->k", images, candidate, bones) > _ALIKE).all():
+            return candidate
+    if middle:
+        moment = bones.T @ images
+        normal = np.linalg.eigh(guess)[1][:, 0]
+        return _reflection(np.linalg.eigh(moment + moment.T - _PRIOR * np.outer(normal, normal))[1][:, 0])
+    left, _, right = np.linalg.svd(images.T @ bones + _PRIOR * guess)
+    sign = -np.sign(np.linalg.det(left) * np.linalg.det(right))
+    best: Array = left @ np.diag([1.0, 1.0, sign]) @ right
+    return best
+
+
+def _candidates(guess: Array, middle: bool) -> Iterator[Array]:
+    yield guess
+    if not middle:
+        # How rigs are built whose two sides turn alike.
+        yield -np.eye(3)
+    for axis in np.eye(3):
+        yield _reflection(axis)
+
+
+def _reflection(normal: Array) -> Array:
+    """The matrix (3, 3) of the mirror across a unit normal."""
+    mirror: Array = np.eye(3) - 2 * np.outer(normal, normal)
+    return mirror

@@ -1,0 +1,127 @@
+"""Left and right: which joint is the other side's, where the body faces."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from mcml.errors import ConversionError
+from mcml.motion.frames import Rows
+from mcml.motion.skeleton import Array, Skeleton, once_a_skeleton
+
+_SWAPS = (
+    (re.compile("left", re.I), "right"),
+    (re.compile("right", re.I), "left"),
+    (re.compile(r"(?<![a-z])l(?![a-z])", re.I), "r"),
+    (re.compile(r"(?<![a-z])r(?![a-z])", re.I), "l"),
+    (re.compile(r"(?:(?<=^)|(?<=[:_.\- ]))l(?=[A-Za-z])", re.I), "r"),
+    (re.compile(r"(?:(?<=^)|(?<=[:_.\- ]))r(?=[A-Za-z])", re.I), "l"),
+    (re.compile(r"(?<=[a-z0-9])L(?=$|[A-Z_.\- ])"), "R"),
+    (re.compile(r"(?<=[a-z0-9])R(?=$|[A-Z_.\- ])"), "L"),
+)
+"""Ways in which names say a side (left_foot, LeftFoot, Foot_L, Bip01 L Foot, lfoot, LFIN, footL) and what the other
+side says instead. A swap counts only where the skeleton has the name that comes of it."""
+
+
+@dataclass(frozen=True)
+class Sagittal:
+    """The plane between left and right, in world axes. normal: (3,) unit vector to the left. point: (3,) on it."""
+
+    normal: Array
+    point: Array
+
+
+@once_a_skeleton
+def partners(skeleton: Skeleton) -> Rows:
+    """(J,) the joint of the other side, by MCML's names or else the source's; its own index for one in the middle.
+
+    Only joints whose parents are partners are, so that the two sides are trees of one form.
+    """
+    found = _by_name([joint.name for joint in skeleton.joints])
+    by_source = _by_name([joint.source_name for joint in skeleton.joints])
+    for index, partner in enumerate(by_source):
+        if found[index] == index and partner != index and found[partner] == partner:
+            found[index], found[partner] = partner, index
+    for index, joint in enumerate(skeleton.joints):
+        partner = int(found[index])
+        other = skeleton.joints[partner].parent
+        fits = other == joint.parent if min(joint.parent, other) < 0 else other == found[joint.parent]
+        if partner != index and not fits:
+            found[index], found[partner] = index, partner
+    found.setflags(write=False)
+    return found
+
+
+def is_left(skeleton: Skeleton, index: int, partner: int) -> bool:
+    """Whether a joint with a partner is the left one."""
+    for name in (skeleton.joints[index].name, skeleton.joints[index].source_name):
+        for place, (pattern, _) in enumerate(_SWAPS):
+            if pattern.search(name) and _swapped(name, place) in {
+                skeleton.joints[partner].name,
+                skeleton.joints[partner].source_name,
+            }:
+                return place % 2 == 0
+    return False
+
+
+def _by_name(names: list[str]) -> Rows:
+    places = {name: index for index, name in enumerate(names)}
+    found = np.arange(len(names), dtype=np.intp)
+    for index, name in enumerate(names):
+        for place in range(0, len(_SWAPS), 2):
+            other = places.get(_swapped(name, place))
+            if other is not None and other != index:
+                found[index], found[other] = other, index
+                break
+    return found
+
+
+def _swapped(name: str, place: int) -> str:
+    pattern, word = _SWAPS[place]
+
+    def cased(match: re.Match[str]) -> str:
+        said = match.group()
+        if said.isupper():
+            return word.upper()
+        return word.capitalize() if said[0].isupper() else word
+
+    return pattern.sub(cased, name, count=1)
+
+
+@once_a_skeleton
+def _pairs(skeleton: Skeleton) -> list[tuple[int, int]]:
+    """(left, right) joints."""
+    return [
+        (index, int(partner))
+        for index, partner in enumerate(partners(skeleton))
+        if partner != index and is_left(skeleton, index, int(partner))
+    ]
+
+
+def sagittal(skeleton: Skeleton, positions: Array, up: Array, facing: Array | None = None) -> Sagittal:
+    """The plane between the sides of a pose.
+
+    positions: (J, 3) in the world. up: (3,) unit vector. facing: (3,) where the body faces, if someone says so; else
+    the joints of the left stand to its left: the hips first, any pairs where there are none. It goes through the
+    middle of the pairs, or else of all joints. Raises ConversionError where nothing tells left from right.
+    """
+    pairs = _pairs(skeleton)
+    hips = [pair for pair in pairs if skeleton.joints[pair[0]].name in ("left_hip", "left_up_leg")]
+    if facing is not None:
+        across = np.cross(up, facing)
+    else:
+        across = np.zeros(3)
+        for left, right in hips or pairs:
+            across += positions[left] - positions[right]
+    across = across - (across @ up) * up
+    length = float(np.linalg.norm(across))
+    if length < 1e-9:
+        raise ConversionError(
+            "nothing tells left from right in this pose",
+            remedy="Give its joints names that say left and right.",
+        )
+    middle = [(positions[left] + positions[right]) / 2 for left, right in hips or pairs]
+    point = np.mean(middle, axis=0) if middle else positions.mean(axis=0)
+    return Sagittal(across / length, point)

@@ -1,0 +1,46 @@
+"""Where files that are not Python lie: beside the package in a checkout, inside it in a wheel."""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+_PACKAGE = Path(__file__).resolve().parent
+
+
+@cache
+def dtd_path() -> Path:
+    """The definition of the language, `mcml.dtd`."""
+    return find_resource(_PACKAGE, "mcml.dtd")
+
+
+@cache
+def joint_names_path() -> Path:
+    """Table 1 as data."""
+    return _PACKAGE / "language" / "joint_names.csv"
+
+
+@cache
+def motion_names_path() -> Path:
+    """Parts of the body and the movements they can perform."""
+    return _PACKAGE / "language" / "motion_names.csv"
+
+
+def find_resource(package: Path, name: str) -> Path:
+    """A file that a wheel carries in `_data` of a package, and a checkout has beside the package or above it.
+
+    Raises FileNotFoundError.
+    """
+    for candidate in (package / "_data" / name, package.parent / name, package.parent.parent / name):
+        if candidate.exists():
+            return candidate
+    raise FileNotFoundError(f"{name} is missing from this installation; install the package again")
+
+
+def program_version() -> str:
+    """The version of the installed program, or 0+checkout where it is not installed."""
+    try:
+        return version("mcml-repository")
+    except PackageNotFoundError:
+        return "0+checkout"

@@ -1,0 +1,296 @@
+"""Reach motion from attributes: what a fit may be told, what operations on a model take and give.
+
+Times of phases are measured from the first frame: in seconds, or in frames that have passed at the clip's rate, which
+may be fractions. The first frame is at 0 and has position 1; the frame at time t (in frames) has position t + 1.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+
+from mcml_schemas.examples import DOCUMENT, shown
+from mcml_schemas.request_body import RequestBody
+
+_TIMES = {"t1": 6.4, "t2": 30.2, "end": 70}
+_ATTRIBUTES = {"age": 23, "height": 175, "hbp": 355}
+_WARNING = {"code": "in-gap", "what": "No example has age near the one asked for."}
+_CLIP = {"document": DOCUMENT, "revision": 1, "name": "reach_01_001", "subject": "S01"}
+
+Fps = Annotated[float, Field(gt=0, le=1000)]
+
+
+class ReachTimes(RequestBody):
+    """Phase times of a clip in place of those found: frames that have passed at the clip's rate, 0 < t1 < t2 < end."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_TIMES))
+
+    t1: FiniteFloat = Field(gt=0, description="The reach begins", examples=[6.4])
+    t2: FiniteFloat = Field(gt=0, description="The reach ends", examples=[30.2])
+    end: FiniteFloat = Field(gt=0, description="The last moment that counts, at most the last frame", examples=[70])
+
+
+class ReachParameters(RequestBody):
+    """How a model of reach motions is fitted. What is left out follows from the method."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"method": "robust", "attributes": ["age", "height", "hbp"]}))
+
+    method: Literal["robust", "paper"] = Field(
+        "robust", description="robust, or paper: as published, with its weak points", examples=["robust"]
+    )
+    attributes: list[Annotated[str, Field(min_length=1, max_length=256)]] = Field(
+        ["age", "height", "hbp"],
+        min_length=1,
+        max_length=16,
+        description="Names of the clips' properties, numbers all, that a motion is to be made for",
+        examples=[["age", "height", "hbp"]],
+    )
+    subject: str | None = Field(
+        "subject",
+        max_length=256,
+        description="Name of the property that tells people apart, for errors of people that the model has not seen; "
+        "where no clip has it, single clips are left out",
+        examples=["subject"],
+    )
+    phase_joint: str = Field(
+        "right_up_arm",
+        min_length=1,
+        max_length=256,
+        description="Joint whose angular speed tells the phases, by its MCML name or the source's",
+        examples=["right_up_arm"],
+    )
+    hand_joint: str | None = Field(
+        None,
+        max_length=256,
+        description="Joint whose place is compared; the hand at the end of the phase joint's limb if left out",
+        examples=["right_hand"],
+    )
+    phase_method: Literal["robust", "paper"] | None = Field(
+        None, description="How phases are found; as the method does if left out", examples=["robust"]
+    )
+    times: dict[str, ReachTimes] = Field(
+        {},
+        max_length=2000,
+        description="Phase times set by a person, by document id",
+        examples=[{DOCUMENT: _TIMES}],
+    )
+    on_bad_clip: Literal["exclude", "error"] = Field(
+        "exclude",
+        description="Clips without clear phases or with missing attributes: left out and listed, or the fit fails",
+        examples=["exclude"],
+    )
+    joints: Literal["same", "intersection"] = Field(
+        "same",
+        description="same: all clips need equal joints; intersection: joints that all have below equal parents",
+        examples=["same"],
+    )
+    base_fps: Fps = Field(30.0, description="Rate of the normalised samples and of made motions", examples=[30])
+    knots: tuple[int, int, int] | None = Field(
+        None,
+        description="Numbers, from 0, of the samples at t1, t2 and the end; rounded means of the clips if left out "
+        "(paper: 5, 28, 49)",
+        examples=[[5, 28, 49]],
+    )
+    space: Literal["tangent", "eigenposes", "global"] | None = Field(
+        None,
+        description="Vectors of motions: rotations relative to each joint's mean (robust), each clip's own eigenposes "
+        "(paper), or eigenposes of all clips",
+        examples=["tangent"],
+    )
+    pose_components: int = Field(10, ge=1, le=100, description="Eigenposes kept: k", examples=[10])
+    components: int = Field(10, ge=1, le=2000, description="Eigenmotions kept: K", examples=[10])
+    variance: float | None = Field(
+        None, gt=0, le=1, description="Instead, as many eigenmotions as hold this share of the variance", examples=[0.9]
+    )
+    sign_align: Literal["none", "max", "reference"] = Field(
+        "max",
+        description="Signs of eigenposes: as they come, the largest entry positive, or along those of the first clip",
+        examples=["max"],
+    )
+    attribute_space: Literal["rotate", "zscore", "whiten"] | None = Field(
+        None,
+        description="Attributes as coordinates: principal axes in their own units (paper), each over its deviation, or "
+        "principal axes over theirs (robust)",
+        examples=["whiten"],
+    )
+    s: FiniteFloat | None = Field(
+        None,
+        gt=0,
+        description="Width of the Gaussians in attribute space; by cross-validation if left out (paper: twice the "
+        "least distance of two examples)",
+        examples=[2.0],
+    )
+    lam: FiniteFloat | None = Field(
+        None, ge=0, description="Ridge; by cross-validation if left out (paper: 0)", examples=[0.1]
+    )
+    degree: Literal[0, 1] = Field(1, description="Of the polynomial beside the Gaussians", examples=[1])
+    interpolate: bool = Field(False, description="Pass exactly through every example: the ridge is 0", examples=[False])
+    duplicates: Literal["error", "mean", "keep"] | None = Field(
+        None,
+        description="Clips of equal attributes: refused (paper), averaged (where the ridge is stated as 0), or kept",
+        examples=["mean"],
+    )
+    legacy_time_map: bool = Field(
+        False, description="Play back by the printed time map, which leaps over two samples", examples=[False]
+    )
+    force: bool = Field(False, description="Take attributes outside the usual ranges as they are", examples=[False])
+
+
+class ReachWish(RequestBody):
+    """The motion that is wanted."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"attributes": _ATTRIBUTES}))
+
+    attributes: dict[str, FiniteFloat] = Field(
+        max_length=16,
+        description="A number for each attribute of the model, in the model's units",
+        examples=[_ATTRIBUTES],
+    )
+    fps: Fps | None = Field(None, description="Frames a second; the model's rate if left out", examples=[60])
+    template: str | None = Field(
+        None, description="Document whose body is used; the nearest clip's if left out", examples=[DOCUMENT]
+    )
+    extrapolate: bool = Field(
+        True, description="Whether attributes outside those of the examples are answered", examples=[True]
+    )
+    clamp: bool = Field(
+        False, description="Use the nearest attributes within those of the examples instead", examples=[False]
+    )
+    force: bool = Field(False, description="Take attributes outside the usual ranges as they are", examples=[False])
+
+
+class ReachClip(BaseModel):
+    """A clip of the model."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_CLIP))
+
+    document: str = Field(description="Its id", examples=[DOCUMENT])
+    revision: int = Field(description="The revision that was used", examples=[1])
+    name: str = Field(examples=["reach_01_001"], description="Its name when the model was fitted")
+    subject: str = Field(description="Who moves; the document's id where nobody said", examples=["S01"])
+
+
+class ReachWeight(BaseModel):
+    """How much an example counts."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"clip": _CLIP, "weight": 0.31}))
+
+    clip: ReachClip = Field(description="The example; the first of those with equal attributes")
+    weight: float = Field(description="All weights sum to 1; some may be negative", examples=[0.31])
+
+
+class ReachMoment(BaseModel):
+    """A time of the made motion."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"seconds": 0.25, "frames": 7.5}))
+
+    seconds: float = Field(description="Since the first frame", examples=[0.25])
+    frames: float = Field(description="Frames that have passed, at the motion's rate", examples=[7.5])
+
+
+class ReachWarning(BaseModel):
+    """Something that the user should know."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_WARNING))
+
+    code: str = Field(description="Its name", examples=["in-gap"])
+    what: str = Field(description="One sentence", examples=[_WARNING["what"]])
+
+
+class ReachMotion(BaseModel):
+    """What was made, and how far it is to be trusted."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {
+                "attributes": _ATTRIBUTES,
+                "used_attributes": _ATTRIBUTES,
+                "fps": 30.0,
+                "frames": 71,
+                "t1": {"seconds": 0.25, "frames": 7.5},
+                "t2": {"seconds": 0.99, "frames": 29.7},
+                "end": {"seconds": 2.34, "frames": 70.2},
+                "speed": [0.1, 0.12, 0.4],
+                "support": "inside",
+                "in_hull": True,
+                "nn_ratio": 0.8,
+                "in_gaps": [],
+                "weights": [{"clip": _CLIP, "weight": 0.31}],
+                "skeleton_source": _CLIP,
+                "warnings": [],
+            }
+        )
+    )
+
+    attributes: dict[str, float] = Field(description="As asked for", examples=[_ATTRIBUTES])
+    used_attributes: dict[str, float] = Field(description="As used, after clamping", examples=[_ATTRIBUTES])
+    fps: float = Field(description="Frames a second", examples=[30.0])
+    frames: int = Field(description="How many frames the motion has", examples=[71])
+    t1: ReachMoment = Field(description="The reach begins")
+    t2: ReachMoment = Field(description="The reach ends")
+    end: ReachMoment = Field(description="The motion ends")
+    speed: list[float] = Field(
+        description="Radians a second of the phase joint, a value a frame: since the frame before",
+        examples=[[0.1, 0.4]],
+    )
+    support: Literal["inside", "gap", "outside"] = Field(
+        description="Whether examples surround the attributes; gap: they do, but none is near in one attribute",
+        examples=["inside"],
+    )
+    in_hull: bool = Field(description="Whether the used attributes are a mixture of the examples'", examples=[True])
+    nn_ratio: float = Field(
+        description="Distance to the nearest example over the examples' mean distance to theirs; above 2 is sparse",
+        examples=[0.8],
+    )
+    in_gaps: list[str] = Field(description="Attributes that lie in a gap of the examples", examples=[["age"]])
+    weights: list[ReachWeight] = Field(description="The ten examples that count most")
+    skeleton_source: ReachClip = Field(description="The clip whose body the motion has: height does not scale it")
+    warnings: list[ReachWarning] = Field(description="sparse-region, in-gap, clamped, attribute-not-modelled, …")
+
+
+class ReachClipChoice(RequestBody):
+    """Which clip's phases."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"document": DOCUMENT}))
+
+    document: str = Field(description="Id of a clip that the fit was given", examples=[DOCUMENT])
+
+
+class ReachPhases(BaseModel):
+    """Phases of a clip and the speed that they were found in."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {
+                "document": DOCUMENT,
+                "name": "reach_01_001",
+                "used": True,
+                "fps": 30.0,
+                "speed": [0.1, 0.12, 0.4],
+                "components": [[-0.4, 0.1, 0.0]],
+                "t1": {"seconds": 0.25, "frames": 7.5},
+                "t2": {"seconds": 0.99, "frames": 29.7},
+                "end": {"seconds": 2.33, "frames": 70.0},
+                "flags": [],
+            }
+        )
+    )
+
+    document: str = Field(description="Its id", examples=[DOCUMENT])
+    name: str = Field(description="Its name when the model was fitted", examples=["reach_01_001"])
+    used: bool = Field(description="Whether the model uses it", examples=[True])
+    reason: str | None = Field(None, description="Why not", examples=["peak-at-border"])
+    fps: float = Field(description="Frames a second", examples=[30.0])
+    speed: list[float] = Field(
+        description="Radians a second of the phase joint, a value a frame: since the frame before",
+        examples=[[0.1, 0.4]],
+    )
+    components: list[list[float]] = Field(
+        description="Three principal components of the arm's rotations, a row a frame: only to look at",
+        examples=[[[-0.4, 0.1, 0.0]]],
+    )
+    t1: ReachMoment | None = Field(None, description="The reach begins; null for a clip that is not used")
+    t2: ReachMoment | None = Field(None, description="The reach ends")
+    end: ReachMoment | None = Field(None, description="The last moment that counts")
+    flags: list[str] = Field(description="What had to be guessed", examples=[["no-preparation"]])

@@ -1,0 +1,181 @@
+"""What the repository knows: formats, joint names, motion names, skeletons, projects, health."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from mcml_schemas.examples import HASH, MOTION_NAME, PROJECT, shown
+from mcml_schemas.request_body import RequestBody
+
+_BVH = {
+    "name": "bvh",
+    "title": "Biovision BVH",
+    "parts": [{"name": "bvh", "title": "Skeleton and motion", "extensions": [".bvh"]}],
+    "convention": "listed",
+    "reads": True,
+    "writes": True,
+}
+_JOINT_NAME = {"number": 6, "name": "left_up_arm", "reconstructed": False, "aliases": {"asf": ["lhumerus"]}}
+_LEG = {"part": "leg", "sided": True, "joints": ["*_up_leg"], "movements": ["flexion", "extension"]}
+
+
+_PROJECT = {
+    "name": PROJECT,
+    "documents": 217,
+    "bytes": 91342000,
+    "archived": None,
+    "most_documents": 1000,
+    "most_bytes": None,
+}
+
+
+class FormatPart(BaseModel):
+    name: str
+    title: str
+    extensions: list[str]
+
+
+class FormatInfo(BaseModel):
+    name: str
+    title: str
+    parts: list[FormatPart]
+    convention: str
+    reads: bool = Field(True, description="Whether it can be uploaded")
+    writes: bool = Field(True, description="Whether it can be exported: USD where the server has the extra `usd`")
+
+
+class UnsupportedFormat(BaseModel):
+    name: str
+    why: str
+
+
+class FormatList(BaseModel):
+    model_config = ConfigDict(
+        json_schema_extra=shown({"items": [_BVH], "unsupported": [{"name": "c3d", "why": "comes later"}]})
+    )
+
+    items: list[FormatInfo]
+    unsupported: list[UnsupportedFormat]
+
+
+class JointName(BaseModel):
+    """A row of the table of joint names."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_JOINT_NAME))
+
+    number: int
+    name: str
+    reconstructed: bool = Field(description="The founding paper's page lacks this row; it was reconstructed")
+    aliases: dict[str, list[str]] = Field(description="Names in each naming convention")
+
+
+class JointNameList(BaseModel):
+    model_config = ConfigDict(json_schema_extra=shown({"items": [_JOINT_NAME]}))
+
+    items: list[JointName]
+
+
+class MotionNameInUse(BaseModel):
+    name: str
+    documents: int
+    frames: int
+
+
+class BodyPart(BaseModel):
+    part: str
+    sided: bool = Field(description="Whether its names begin with left-, right- or both-")
+    joints: list[str] = Field(description="MCML joints; * stands for the side")
+    movements: list[str]
+
+
+class MotionNameList(BaseModel):
+    """Names in use, and the vocabulary of movements that bodies can perform."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {"items": [{"name": MOTION_NAME, "documents": 12, "frames": 1430}], "vocabulary": [_LEG]}
+        )
+    )
+
+    items: list[MotionNameInUse]
+    vocabulary: list[BodyPart]
+
+
+class SkeletonInfo(BaseModel):
+    id: int
+    hash: str
+    joints: int
+    documents: int
+
+
+class RestPose(BaseModel):
+    """A skeleton in its rest pose. parents: of each joint, -1 at the root. positions: x, y, z in the source's units."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {"joints": ["Root", "waist"], "parents": [-1, 0], "positions": [[0.0, 92.1, 0.0], [0.0, 102.4, -1.2]]}
+        )
+    )
+
+    joints: list[str]
+    parents: list[int]
+    positions: list[list[float]]
+
+
+class SkeletonPage(BaseModel):
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {"items": [{"id": 3, "hash": HASH, "joints": 31, "documents": 12}], "next_cursor": None}
+        )
+    )
+
+    items: list[SkeletonInfo]
+    next_cursor: str | None = None
+
+
+class ProjectList(BaseModel):
+    model_config = ConfigDict(json_schema_extra=shown({"items": ["default", PROJECT]}))
+
+    items: list[str]
+
+
+class ProjectView(BaseModel):
+    """archived: since when nothing in it changes. documents: that are there. bytes: of the files that its documents
+    came of and their media, deleted ones too. most_documents, most_bytes: what it may hold, none: no bound."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_PROJECT))
+
+    name: str
+    documents: int
+    bytes: int
+    archived: str | None = None
+    most_documents: int | None = None
+    most_bytes: int | None = None
+
+
+class ProjectChange(RequestBody):
+    """What is left out stays."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"archived": True}))
+
+    archived: bool | None = Field(None, description="Nothing in an archived project changes")
+    most_documents: int | None = Field(
+        None, ge=0, le=10**15, description="0: no bound; owners of the repository set it"
+    )
+    most_bytes: int | None = Field(None, ge=0, le=10**18, description="0: no bound; owners of the repository set it")
+
+
+class ProjectImported(BaseModel):
+    """project: its name here. documents: how many it has, deleted ones too."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"project": PROJECT, "documents": 217}))
+
+    project: str
+    documents: int
+
+
+class Health(BaseModel):
+    model_config = ConfigDict(json_schema_extra=shown({"status": "ok", "database": "sqlite"}))
+
+    status: str
+    database: str | None = None

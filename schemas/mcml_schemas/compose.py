@@ -1,0 +1,181 @@
+"""New documents from frames of others."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from mcml_schemas.examples import DOCUMENT, MOTION_NAME, PROJECT, shown
+from mcml_schemas.frames import PreviewMotion
+from mcml_schemas.request_body import RequestBody
+from mcml_schemas.retarget import WantedMapping
+
+
+class Layer(RequestBody):
+    """Bones that move as in another clip, frame by frame from frame `at` of the segment on."""
+
+    document: str
+    first: int = Field(1, ge=1)
+    last: int | None = Field(None, ge=1)
+    at: int = Field(1, ge=1, le=2**31 - 1, description="Frame of the segment, from 1, where it begins")
+    bones: list[str] = Field(min_length=1, max_length=10_000, description="By MCML name")
+    strength: float = Field(1.0, ge=0, le=1, description="1: wholly as in the other clip")
+    ease: int = Field(0, ge=0, le=100_000, description="Frames over which the layer comes and goes")
+    mapping: WantedMapping = None
+
+
+class Segment(RequestBody):
+    """Frames of a document, or the runs of frames that an XPath expression finds, in order."""
+
+    document: str | None = Field(None, description="Document; with `xpath`: look only there", examples=[DOCUMENT])
+    revision: int | None = Field(None, ge=1)
+    first: int = Field(1, ge=1)
+    last: int | None = Field(None, ge=1, description="Last frame, included; default the last one")
+    xpath: str | None = Field(None, max_length=10_000, examples=[f"//frame[motion_name='{MOTION_NAME}']"])
+    project: str | None = Field(None, description="With `xpath`: look only there")
+    layers: list[Layer] = Field([], max_length=100)
+    mapping: WantedMapping = None
+    speed: float = Field(1.0, ge=0.05, le=20, description="2: twice as fast")
+    mirror: bool = Field(False, description="With left and right exchanged")
+    transition: int | None = Field(
+        None, ge=0, le=2000, description="Frames of the transition before it; default the request's"
+    )
+    style: Literal["bridge", "crossfade"] | None = Field(None, description="Of that transition; default the request's")
+
+    @model_validator(mode="after")
+    def _names_something(self) -> Segment:
+        if self.document is None and self.xpath is None:
+            raise ValueError("a segment names a document or an xpath")
+        if self.xpath is not None and (self.revision is not None or self.last is not None or self.first != 1):
+            raise ValueError("an xpath says itself which frames: leave first, last and revision out")
+        return self
+
+
+class ComposeRequest(RequestBody):
+    """A new document of segments, one after the other."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {
+                "segments": [
+                    {"document": DOCUMENT, "first": 1, "last": 120},
+                    {"xpath": f"//frame[motion_name='{MOTION_NAME}']", "project": PROJECT},
+                ],
+                "transition": 12,
+                "name": "walk and kick",
+                "project": PROJECT,
+            }
+        ),
+    )
+
+    segments: list[Segment] = Field(min_length=1, max_length=1000)
+    header: str | None = Field(None, description="Document whose header is used; default the first segment's")
+    skeleton: str | None = Field(None, description="Document whose skeleton is used; default the first segment's")
+    rate: float | None = Field(None, gt=0, le=100_000, description="Frames a second; default the first segment's")
+    transition: int = Field(12, ge=0, le=2000, description="Frames between segments that do not follow one another")
+    style: Literal["bridge", "crossfade"] = Field(
+        "bridge", description="New frames between segments, or so many of their own blended"
+    )
+    lengthen: bool = Field(True, description="Longer transitions where the motion would jump")
+    align: bool = Field(True, description="Turn and shift each segment on the ground so that the body goes on")
+    labels: bool = Field(True, description="Motion names come along")
+    name: str = Field("composed", min_length=1, max_length=1024)
+    project: str = Field("default", min_length=1, max_length=256)
+    preview: bool = Field(False, description="Say what would be made; store nothing")
+
+
+class ComposedSeam(BaseModel):
+    """Where a segment begins: its first frame or its transition, positions from 1.
+
+    degrees, shift: how the segment was turned about the axis up and moved. root_step, angle_step: the largest step over
+    the seam, in parts of the largest inside the segments.
+    """
+
+    segment: int
+    first: int
+    transition: int
+    degrees: float
+    shift: list[float]
+    root_step: float
+    angle_step: float
+
+
+class ComposedSegment(BaseModel):
+    """Frames of the new document that are those of a source. segment: from 1."""
+
+    segment: int
+    first: int
+    last: int
+    document: str
+    revision: int
+    source_first: int
+
+
+class Composed(BaseModel):
+    """What was made, and how."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {
+                "document": DOCUMENT,
+                "frames": 175,
+                "seconds_per_frame": 0.0083333,
+                "segments": [
+                    {
+                        "segment": 1,
+                        "first": 1,
+                        "last": 120,
+                        "document": DOCUMENT,
+                        "revision": 1,
+                        "source_first": 1,
+                    }
+                ],
+                "seams": [],
+                "notices": [],
+            }
+        )
+    )
+
+    document: str | None = Field(None, description="Id of the new document; none in a preview")
+    frames: int
+    seconds_per_frame: float
+    segments: list[ComposedSegment]
+    seams: list[ComposedSeam]
+    notices: list[str]
+    motion: PreviewMotion | None = Field(None, description="Positions, if asked")
+
+
+class SplitRequest(RequestBody):
+    """Where a document is cut: before some frames, or around the frames of a motion name."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"at": [101, 241]}, {"label": MOTION_NAME}))
+
+    at: list[Annotated[int, Field(ge=2)]] = Field([], max_length=1000, description="First frames of parts; 1 is one")
+    label: str | None = Field(None, min_length=1, max_length=1024, description="Every range of this name is a part")
+    project: str | None = Field(None, min_length=1, max_length=256, description="Of the parts; default the document's")
+
+    @model_validator(mode="after")
+    def _says_where(self) -> SplitRequest:
+        if bool(self.at) == (self.label is not None):
+            raise ValueError("say `at` which frames, or around which `label`")
+        return self
+
+
+class SplitPart(BaseModel):
+    """A new document, and which frames of the old one it has."""
+
+    document: str
+    name: str
+    first: int
+    last: int
+
+
+class SplitParts(BaseModel):
+    """The documents that were made, in order. The one that was split stays as it is."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown({"items": [{"document": DOCUMENT, "name": "walk 1-100", "first": 1, "last": 100}]})
+    )
+
+    items: list[SplitPart]

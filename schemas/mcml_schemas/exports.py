@@ -1,0 +1,26 @@
+"""Many documents asked for as one file."""
+
+from __future__ import annotations
+
+from pydantic import ConfigDict, Field
+
+from mcml_schemas.examples import PROJECT, shown
+from mcml_schemas.frame_time import FrameTime
+from mcml_schemas.jobs import Selection
+from mcml_schemas.request_body import RequestBody
+
+
+class ExportRequest(RequestBody):
+    """Which documents, and as what."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"selection": {"project": PROJECT}, "format": "bvh"}))
+
+    selection: Selection = Field(description="Which documents")
+    format: str = Field(
+        "bvh", description="bvh, asf-amc, asf, amc, htr, c3d, trc, glb, usd, usda, mot, sto, mcml or csv"
+    )
+    names: str | None = Field(None, description="Joint names: mcml, bvh1, bvh2, asf or htr; default the source's")
+    unit: str | None = Field(None, description="Scale lengths to this unit; the documents must state their own")
+    up: str | None = Field(None, description="Turn so that this axis points up")
+    frame_time: FrameTime | None = Field(None, description="Seconds a frame, for documents that do not say")
+    raw: bool = Field(False, description="csv: also texts that spreadsheets take for formulas as they are")

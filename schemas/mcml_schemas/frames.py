@@ -1,0 +1,153 @@
+"""Changes of ranges of frames."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from mcml_schemas.examples import DOCUMENT, shown
+from mcml_schemas.request_body import RequestBody
+
+Position = Annotated[int, Field(ge=1, le=2**31 - 1)]
+
+
+class _Range(RequestBody):
+    first: Position = Field(description="First frame, a position from 1")
+    last: Position = Field(description="Last frame, included")
+
+
+class DeleteFrames(_Range):
+    """Take frames out; later ones move up."""
+
+    do: Literal["delete"]
+
+
+class KeepFrames(_Range):
+    """Keep these frames alone."""
+
+    do: Literal["keep"]
+
+
+class ReverseFrames(_Range):
+    """Let frames run backwards; their ids and motion names stay where they are."""
+
+    do: Literal["reverse"]
+
+
+class MoveFrames(_Range):
+    """Take frames out and put them before the frame that is at position `to` now."""
+
+    do: Literal["move"]
+    to: Position = Field(description="Before this frame; one more than there are frames: at the end")
+
+
+class InsertFrames(_Range):
+    """Put frames of this or another document before the frame at position `at`, motion names included."""
+
+    do: Literal["insert"]
+    at: Position = Field(description="Before this frame; one more than there are frames: at the end")
+    document: str | None = Field(None, description="Where the frames are; default this document", examples=[DOCUMENT])
+
+
+class MirrorFrames(_Range):
+    """Exchange left and right, at the upright plane of the body as it stands in the first of these frames."""
+
+    do: Literal["mirror"]
+
+
+Bones = Annotated[list[str], Field(max_length=10_000, description="Bones by MCML name; default all")]
+Ease = Annotated[int, Field(ge=0, le=100_000, description="Frames at either end over which the edit comes and goes")]
+
+
+class SmoothFrames(_Range):
+    """Smooth by a Gaussian: rotations as such, not their angles."""
+
+    do: Literal["smooth"]
+    seconds: float = Field(0.05, gt=0, le=10, description="Standard deviation")
+    bones: Bones = Field([])
+    ease: Ease = 0
+
+
+class AdjustFrames(_Range):
+    """Multiply channels, then add to them."""
+
+    do: Literal["adjust"]
+    channels: list[Literal["Tx", "Ty", "Tz", "Rx", "Ry", "Rz", "SF", "residual"]] = Field(min_length=1)
+    factor: float = Field(1.0, ge=-1e9, le=1e9)
+    offset: float = Field(0.0, ge=-1e12, le=1e12, description="In the channel's own unit")
+    bones: Bones = Field([])
+    ease: Ease = 0
+
+
+class ResampleFrames(RequestBody):
+    """Bring the whole document to another frame rate; rotations on the shortest way between two frames."""
+
+    do: Literal["resample"]
+    rate: float = Field(gt=0, le=100_000, description="Frames a second")
+
+
+FrameEdit = Annotated[
+    DeleteFrames
+    | KeepFrames
+    | ReverseFrames
+    | MoveFrames
+    | InsertFrames
+    | MirrorFrames
+    | SmoothFrames
+    | AdjustFrames
+    | ResampleFrames,
+    Field(discriminator="do"),
+]
+
+
+class FrameEdits(RequestBody):
+    """Changes, one after the other, as one revision: all or none."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {"edits": [{"do": "keep", "first": 100, "last": 400}, {"do": "reverse", "first": 1, "last": 301}]}
+        ),
+    )
+
+    edits: list[FrameEdit] = Field(min_length=1, max_length=1000)
+    renumber: bool = Field(True, description="Ids that counted up by one do so again; else frames keep theirs")
+    message: str = Field("", max_length=4096, description="Why, for the history")
+
+
+class FrameValues(RequestBody):
+    """Rows of numbers, a row a frame, a column for each bone and channel."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"columns": ["left_up_leg.Rx"], "values": [[45.2], [45.9]]}))
+
+    columns: list[str] = Field(min_length=1, max_length=100_000, description="BONE.CHANNEL of each column")
+    values: list[list[float]] = Field(min_length=1)
+
+
+class MotionHead(BaseModel):
+    """What positions of a motion that is not stored mean: joints, and after them the ends of chains, frame after frame,
+    point after point, x y z, told from the origin, which is where the first joint is in frame 1."""
+
+    first: int
+    shape: list[int] = Field(description="Frames, points, 3")
+    bones: list[str]
+    parents: list[int] = Field(description="Of each point the joint above, -1 at a root")
+    origin: list[float]
+    seconds_per_frame: float | None = None
+    up: str = Field(description="Axis that points up: stated, or likely")
+    metres: float | None = Field(None, description="Of the motion's unit of length, where it is known")
+
+
+class PreviewMotion(MotionHead):
+    """Positions of a motion that is not stored. data: little-endian f4, base64."""
+
+    data: str
+
+
+class FramesEdited(BaseModel):
+    """The revision that was made, and how many frames the document now has."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"revision": 2, "frames": 301}))
+
+    revision: int
+    frames: int

@@ -1,0 +1,77 @@
+"""Names of joints: what a project adds to those that are known, and documents that get the present ones."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from mcml_schemas.examples import DOCUMENT, PROJECT, TIME, shown
+from mcml_schemas.request_body import RequestBody
+
+_NAME = Field(min_length=1, max_length=1024)
+
+
+class Alias(RequestBody):
+    """source: a name in files; case and punctuation do not count. name: MCML's own, which it means."""
+
+    model_config = ConfigDict(frozen=True)
+
+    source: Annotated[str, _NAME]
+    name: Annotated[str, _NAME]
+
+
+class SavedAliases(RequestBody):
+    """All aliases of a project."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"items": [{"source": "Hüfte", "name": "Root"}]}))
+
+    items: list[Alias] = Field(min_length=1, max_length=10_000)
+
+
+class AliasTable(BaseModel):
+    """version: counts the changes from 1, 0 where there are none. author, changed: of the last one."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {
+                "project": PROJECT,
+                "version": 2,
+                "author": "local",
+                "changed": TIME,
+                "items": [{"source": "Hüfte", "name": "Root"}],
+            }
+        )
+    )
+
+    project: str
+    version: int
+    author: str
+    changed: str
+    items: list[Alias]
+
+
+class Rename(BaseModel):
+    """source: the joint's name in the file that it came from."""
+
+    source: str
+    before: str
+    after: str
+
+
+class AppliedNames(BaseModel):
+    """revision: of the document afterwards; the one it has where nothing was renamed, or only asked."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {
+                "document": DOCUMENT,
+                "revision": 3,
+                "items": [{"source": "Neck", "before": "neck1", "after": "neck2"}],
+            }
+        )
+    )
+
+    document: str
+    revision: int
+    items: list[Rename]

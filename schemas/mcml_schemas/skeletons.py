@@ -1,0 +1,114 @@
+"""Skeletons as those who draw or move them need them."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from mcml_schemas.examples import DOCUMENT, shown
+
+Side = Literal["left", "right", "centre"]
+
+_CHANNELS = ["Tx", "Ty", "Tz", "Rz", "Rx", "Ry"]
+_ROOT = {
+    "address": "/mcml/root",
+    "name": "Root",
+    "source_name": "Hips",
+    "mapped": True,
+    "parent": -1,
+    "side": "centre",
+    "partner": 0,
+    "offset": [0.0, 0.0, 0.0],
+    "axes": [0.0, 0.0, 0.0, 1.0],
+    "along": [0.0, 0.0, 0.0],
+    "channels": _CHANNELS,
+    "rotation_order": "ZXY",
+    "convention": "listed",
+    "translation": "absolute",
+}
+_HEAD = {
+    **_ROOT,
+    "address": "/mcml/skeleton/bone",
+    "name": "Head",
+    "source_name": "Head",
+    "parent": 0,
+    "partner": 1,
+    "offset": [0.0, 52.25, 0.0],
+    "channels": ["Rz", "Rx", "Ry"],
+    "translation": "",
+}
+
+
+class SkeletonBone(BaseModel):
+    """A joint and the bone that starts there. Vectors are x y z in the document's unit, in the axes of the world at
+    rest; quaternions x y z w."""
+
+    address: str = Field(description="Of its element, a canonical XPath that finds it")
+    name: str
+    source_name: str = Field(description="As the file writes it")
+    mapped: bool | None = Field(None, description="Whether the name is one of MCML's own")
+    parent: int = Field(description="Index of the bone above, -1 at a root; it stands before")
+    side: Side = Field(description="By the names of the bone and of its partner")
+    partner: int = Field(description="Index of the same bone of the other side; its own in the middle")
+    offset: list[float] = Field(description="From the joint above to this one at rest; of a root from the origin")
+    axes: list[float] = Field(description="Rotation at rest of the axes that the channels turn about")
+    along: list[float] = Field(description="From the joint to the tip of its own bone, 0 where formats have none")
+    channels: list[str] = Field(description="In the file's order; none: the bone never moves by itself")
+    rotation_order: str = Field(description="Order of the rotations, as the convention means it")
+    convention: Literal["listed", "fixed", "base", "marker"] = Field(description="How channels move a joint")
+    translation: str = Field(description="Position channels replace the offset (absolute), or add to it (relative)")
+
+
+class Tip(BaseModel):
+    """The end of a chain: where a bone ends that no other one goes on from."""
+
+    bone: int = Field(description="Index of the bone that it is the end of")
+    name: str = Field(description="As the file names it, mostly nothing")
+    offset: list[float] = Field(description="From the joint, in the axes of the world at rest")
+
+
+class SkeletonView(BaseModel):
+    """Everything about a document that does not change from frame to frame, for those who draw it."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {
+                "id": DOCUMENT,
+                "name": "walk",
+                "revision": 1,
+                "frames": 1197,
+                "frame_time": "0.0083333",
+                "seconds_per_frame": 0.0083333,
+                "markers": False,
+                "unit": None,
+                "likely_unit": "cm",
+                "metres": 0.01,
+                "up": None,
+                "likely_up": "Y",
+                "origin": [0.1886, 92.5, -3.25],
+                "radians": 0.017453292519943295,
+                "bones": [_ROOT, _HEAD],
+                "tips": [{"bone": 1, "name": "", "offset": [0.0, 18.5, 0.0]}],
+                "columns": [*(f"Root.{part}" for part in _CHANNELS), "Head.Rz", "Head.Rx", "Head.Ry"],
+            }
+        )
+    )
+
+    id: str
+    name: str
+    revision: int
+    frames: int
+    frame_time: str | None = Field(None, description="Seconds a frame as the file writes them, where it does")
+    seconds_per_frame: float | None = Field(None, description="None where neither file nor user stated a rate")
+    markers: bool = Field(description="Whether bones are labelled points, which have no parents")
+    unit: str | None = Field(None, description="Length unit, where one is stated")
+    likely_unit: str | None = Field(None, description="The stated unit; else one in which the body would be a person")
+    metres: float | None = Field(None, description="Of the likely unit")
+    up: str | None = Field(None, description="Axis that points up, where one is stated")
+    likely_up: str = Field(description="The stated axis; else the one along which the first frame's body stands")
+    origin: list[float] = Field(description="What `origin=subtract` takes off positions: see docs")
+    radians: float = Field(description="Of the unit in which the frames' angles are")
+    bones: list[SkeletonBone] = Field(description="Parents before their children")
+    tips: list[Tip]
+    columns: list[str] = Field(description="BONE.CHANNEL of each number of a frame, in their order: that of the file")

@@ -1,0 +1,35 @@
+"""A process of its own that finds the beats of music: decoders of sound are large and read files of strangers.
+
+Its arguments: NAME of the file, which comes on its input, SECONDS, and BPM where one is stated. The answer is one JSON
+object: {"beats", "clear", "rivals", "meters"}, times in seconds, or {"code", "what", "remedy"}.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+
+from mcml.errors import McmlError
+from mcml_service.analysis.dance.music import track_beats
+from mcml_service.analysis.interface import AnalysisError
+from mcml_service.processes.bounds import end_after
+
+
+def main() -> None:
+    end_after(float(sys.argv[2]))
+    try:
+        bpm = float(sys.argv[3]) if len(sys.argv) > 3 else None
+        found = track_beats(io.BytesIO(sys.stdin.buffer.read()), sys.argv[1], bpm)
+        answer: dict[str, object] = {
+            "beats": found.beats.tolist(),
+            "clear": found.clear,
+            "rivals": [
+                {"bpm": rival.bpm, "ratio": str(rival.ratio), "strength": rival.strength} for rival in found.rivals
+            ],
+            "meters": [{"beats_per_bar": meter.beats, "strength": meter.strength} for meter in found.meters],
+        }
+    except McmlError as error:
+        code = error.code if isinstance(error, AnalysisError) else type(error).__name__
+        answer = {"code": code, "what": error.what, "remedy": error.remedy}
+    sys.stdout.write(json.dumps(answer))

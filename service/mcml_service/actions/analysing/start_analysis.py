@@ -1,0 +1,117 @@
+"""An analysis that shall run: which documents at which revisions, with which parameters, as a job."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import ValidationError
+
+from mcml.errors import NotFoundError, SizeError
+from mcml.files.check_names import given_name
+from mcml_schemas.jobs import Selection
+from mcml_service.actions.composing.fit_skeleton import are_markers
+from mcml_service.actions.composing.select_documents import captured, select_documents
+from mcml_service.actions.editing.reshape_motion import read_whole
+from mcml_service.analysis.catalogue import ANALYSES
+from mcml_service.analysis.interface import Analysis, AnalysisError
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.xpath.queries import Queries
+
+EXTENDS, LEFT_OUT, SKELETON = "extends", "left_out", "skeleton_of"
+"""What stands beside the parameters of a job: the result that its documents are added to, how many selected clips were
+left out, and the document, {"document", "revision"}, on whose skeleton the clips are brought."""
+
+
+def find_analysis(name: str) -> Analysis:
+    """NotFoundError."""
+    if name not in ANALYSES:
+        raise NotFoundError(f"There is no analysis {name!r}.", remedy=f"There are: {', '.join(ANALYSES)}.")
+    return ANALYSES[name]
+
+
+def start_analysis(
+    database: Database,
+    queries: Queries,
+    settings: Settings,
+    analysis: Analysis,
+    selection: Selection,
+    parameters: dict[str, Any],
+    *,
+    author: str,
+    name: str | None = None,
+    project: str | None = None,
+    runner: str | None = None,
+    extends: str | None = None,
+    skeleton: str | None = None,
+) -> str:
+    """A job for an analysis of the selected documents as they are now; its uuid.
+
+    project: where the result goes; default the documents' own, if they have one in common.
+    runner: who works on it at once; else it waits for one. extends: a result that the documents are added to.
+    skeleton: id of a document; the clips are brought onto its skeleton when they are read.
+    Raises AnalysisError for wrong parameters or too few documents, SizeError for too many.
+    """
+    checked = checked_parameters(analysis.parameters, parameters)
+    if extends is not None:
+        with database.read() as tx:
+            result = tx.results.get(extends)
+        if analysis.extend is None or result.analysis != analysis.name or result.continues:
+            raise AnalysisError(
+                "not-extendable", f"{analysis.title} cannot add to this result.", remedy="Run the analysis anew."
+            )
+        checked |= {EXTENDS: extends}
+    selected, projects = select_documents(database, queries, selection)
+    found = captured(database, selection, selected)
+    if len(found) < len(selected):
+        checked |= {LEFT_OUT: len(selected) - len(found)}
+    if len(found) < (1 if extends else analysis.fewest):
+        raise AnalysisError(
+            "too-few-clips",
+            f"{analysis.title} needs at least {analysis.fewest} documents; the selection has {len(found)}"
+            + (f", and {len(selected) - len(found)} that an analysis made." if len(found) < len(selected) else "."),
+            remedy="Widen the selection." + (" include_made takes these too." if len(found) < len(selected) else ""),
+        )
+    model = analysis.parameters.model_validate(parameters)
+    analysis.check(model, [str(item["document"]) for item in found])
+    if skeleton is not None:
+        with database.read() as tx:
+            body = tx.documents.get(skeleton)
+            if are_markers(read_whole(tx, body, 1, 1).head.skeleton):
+                raise AnalysisError(
+                    "no-skeleton", f"{body.name} has markers only.", remedy="Name a document of a body."
+                )
+        checked |= {SKELETON: {"document": body.uuid, "revision": body.revision}}
+    most = min(analysis.most, settings.job_clips)
+    if len(found) > most:
+        raise SizeError(
+            f"The selection has {len(found)} documents; {analysis.title} takes {most}.", remedy="Narrow it."
+        )
+    target = project or (projects.pop() if len(projects) == 1 else "default")
+    with database.write(author) as tx:
+        return tx.jobs.add(
+            tx.projects.get_or_add(given_name(target, "project")),
+            analysis.name,
+            given_name(name or f"{analysis.name} of {_words(selection, len(found))}", "result"),
+            author,
+            found,
+            checked,
+            runner,
+        )
+
+
+def checked_parameters(model: Any, parameters: dict[str, Any]) -> dict[str, Any]:
+    """The parameters with defaults, as plain values. AnalysisError names what does not fit."""
+    try:
+        checked: dict[str, Any] = model.model_validate(parameters).model_dump(mode="json")
+    except ValidationError as error:
+        fault = error.errors()[0]
+        place = ".".join(str(part) for part in fault["loc"]) or "parameters"
+        raise AnalysisError(
+            "invalid-parameters", f"{place}: {fault['msg']}", remedy="See the parameters of the analysis."
+        ) from error
+    return checked
+
+
+def _words(selection: Selection, count: int) -> str:
+    return selection.project or selection.motion_name or f"{count} clips"

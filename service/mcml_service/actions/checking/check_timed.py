@@ -1,0 +1,16 @@
+"""What only documents with a frame time can be asked."""
+
+from __future__ import annotations
+
+from mcml.errors import DocumentError
+from mcml_service.storage.documents import StoredDocument
+
+
+def seconds_of(stored: StoredDocument) -> float:
+    """Seconds a frame. DocumentError where nobody has said."""
+    if stored.seconds_per_frame is None:
+        raise DocumentError(
+            f"{stored.name} ({stored.uuid}) has no frame time, so nothing is known of its speed.",
+            remedy=f"State it: mcml set {stored.uuid} --frame-time SECONDS, or PATCH the document with frame_time.",
+        )
+    return stored.seconds_per_frame

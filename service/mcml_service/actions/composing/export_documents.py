@@ -1,0 +1,70 @@
+"""Many documents as one zip, made while it is sent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import chain
+from pathlib import PurePath
+
+from mcml.errors import McmlError, UnsupportedError
+from mcml.files.targets import targets
+from mcml.formats import WRITERS
+from mcml_schemas.jobs import Selection
+from mcml_service.actions.composing.select_documents import select_documents
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document, zipped
+from mcml_service.storage.database import Database
+from mcml_service.xpath.queries import Queries
+
+REFUSED = "refused.txt"
+"""The file of a zip that says which documents are not in it, and why."""
+
+
+def export_documents(
+    database: Database, queries: Queries, selection: Selection, options: ExportOptions
+) -> Iterator[bytes]:
+    """A zip of the documents that are selected now, each as it is now.
+
+    Two of one name become two files, the second with the end of its id. A document that the format cannot hold is told
+    in `refused.txt`, the last file. Raises UnsupportedError for a format that is none, before anything is made.
+    """
+    known = targets()
+    if options.format not in known:
+        raise UnsupportedError(
+            f"Unknown export format {options.format!r}.", remedy=f"Use one of: {', '.join(sorted(known))}."
+        )
+    name, part = known[options.format]
+    parts = [item.name for item in WRITERS[name].parts] if name in WRITERS and part is None else [options.format]
+    found, _ = select_documents(database, queries, selection)
+    # What was begun cannot be made again, as it would have to be where a replica goes away.
+    database = database.for_call(database.view)
+    return zipped(_files(database, [str(item["document"]) for item in found], options, parts))
+
+
+def _files(
+    database: Database, documents: list[str], options: ExportOptions, parts: list[str]
+) -> Iterator[tuple[str, Callable[[], Iterator[bytes]]]]:
+    taken: set[str] = set()
+    refused: list[str] = []
+    for uuid in documents:
+        for part in parts:
+            try:
+                with database.read() as tx:
+                    stored = tx.documents.get(uuid)
+                    export = export_document(tx, stored, replace(options, format=part))
+                    # A conversion looks through the motion before its first block, and says then what cannot be held.
+                    content = chain((next(export.content, b""),), export.content)
+                    yield _free(export.file_name, uuid, taken), lambda content=content: content  # type: ignore[misc]
+            except McmlError as error:
+                refused.append(f"{uuid}: {error}")
+                break
+    if refused:
+        text = "\n".join([*refused, ""]).encode()
+        yield REFUSED, lambda: iter([text])
+
+
+def _free(file_name: str, uuid: str, taken: set[str]) -> str:
+    path = PurePath(file_name)
+    name = file_name if file_name not in taken else f"{path.stem}-{uuid[-6:]}{path.suffix}"
+    taken.add(name)
+    return name

@@ -1,0 +1,182 @@
+"""Frames of one clip on the skeleton of another: as they are where both are one body, else brought there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from mcml.errors import DocumentError
+from mcml.motion.bone_mapping import Match, suggest_matches
+from mcml.motion.clip import ClipHead, ClipStream, FrameBlock
+from mcml.motion.frames import joined
+from mcml.motion.resizing import scale, turn_up
+from mcml.motion.retarget import retarget
+from mcml.motion.skeleton import Convention, Skeleton
+from mcml.motion.units import metres_of, reading_of, up_of
+from mcml_schemas.retarget import JointPair
+from mcml_service.actions.editing.reshape_motion import Whole
+
+_OF_BODY = (
+    "skeleton_name",
+    "calibration_unit",
+    "global_axis_of_gravity",
+    "bone_length_axis",
+    "units_angle",
+    "units_mass",
+    "units_length",
+    "scale_factor",
+    "euler_rotation_order",
+)
+"""Fields of a header that say how the skeleton's own numbers are meant."""
+
+
+@dataclass(frozen=True)
+class JointMapping:
+    """What somebody said of which joint is which. exact: every name must be there; else those that are not are left
+    out, as in a mapping that was saved for many rigs."""
+
+    pairs: tuple[JointPair, ...]
+    exact: bool = True
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """block: in the joints and channels of the other skeleton. notices: what was done, for people."""
+
+    block: FrameBlock
+    notices: tuple[str, ...] = ()
+
+
+def fit(source: Whole, body: ClipHead, mapping: JointMapping | None, frame_time: float) -> Fitted:
+    """Frames on the skeleton of `body`: bit by bit where it is the same one, whatever the order of its joints.
+
+    Markers keep their places, in the unit of `body`. Another body is retargeted by its MCML names, or as `mapping`
+    says; its way through the room is scaled by the legs, which reconciles units too. frame_time: seconds.
+    Raises DocumentError for markers on a skeleton or that lack some of `body`'s, and where hardly a joint is the same.
+    """
+    one, two = source.head.skeleton, body.skeleton
+    kinds = are_markers(one), are_markers(two)
+    if all(kinds):
+        return _markers(source, body)
+    if mapping is None and _is_same_body(one, two):
+        return Fitted(_renumbered(source, two))
+    if any(kinds):
+        raise DocumentError(
+            "Markers have no skeleton: they fit on no body, and no body on them.",
+            remedy="Choose documents of one kind.",
+        )
+    source, notices = upright(source, up_of(body))
+    one = source.head.skeleton
+    matches = match_joints(one, two, mapping)
+    if mapping is None and 2 * len(matches) <= min(len(one), len(two)):
+        raise DocumentError(
+            f"Only {len(matches)} joints of {len(one)} are known in the skeleton of the result, which has {len(two)}.",
+            remedy="Say in `mapping` which joint is which, or take the skeleton of another document.",
+        )
+    made = retarget(
+        one,
+        source.block,
+        two,
+        matches,
+        frame_time,
+        reading=source.reading,
+        target_reading=reading_of(body),
+        up=source.up,
+    )
+    notices += [notice.what for notice in [*made.report.notices(one, two), *made.shortfall.notices(two)]]
+    return Fitted(made.block, tuple(notices))
+
+
+def upright(whole: Whole, up: str) -> tuple[Whole, list[str]]:
+    """The same motion with this axis up, and a notice where it was another one."""
+    if whole.up == up:
+        return whole, []
+    clip = turn_up(ClipStream(whole.head, lambda: iter([whole.block]), len(whole.block)), whole.up, up)
+    made = replace(whole, head=clip.head, block=joined(clip.blocks()))
+    return made, [f"turned, so that {up} points up and not {whole.up}"]
+
+
+def match_joints(source: Skeleton, target: Skeleton, mapping: JointMapping | None) -> tuple[Match, ...]:
+    """Suggested matches, or those of a mapping. DocumentError for names that are not there, unless it is not exact."""
+    if mapping is None:
+        return suggest_matches(source, target)
+    suggested = {(match.source, match.target): match for match in suggest_matches(source, target)}
+    found = []
+    for pair in mapping.pairs:
+        unknown = [
+            (what, name)
+            for name, skeleton, what in ((pair.source, source, "motion"), (pair.target, target, "skeleton"))
+            if name not in skeleton.names
+        ]
+        if unknown and mapping.exact:
+            what, name = unknown[0]
+            raise DocumentError(f"The {what} has no joint {name!r}.", remedy="Ask with preview for all names.")
+        if not unknown:
+            key = source.names.index(pair.source), target.names.index(pair.target)
+            found.append(suggested.get(key) or Match(*key, 1.0, "you said so"))
+    return tuple(found)
+
+
+def with_body(head: ClipHead, body: ClipHead) -> ClipHead:
+    """What a header says of the motion, with the skeleton of another and all that says how its numbers are meant."""
+    fields = {name: text for name, text in head.fields.items() if name not in (*_OF_BODY, "num_frames", "num_segments")}
+    fields |= {name: text for name, text in body.fields.items() if name in _OF_BODY}
+    return replace(head, format=body.format, skeleton=body.skeleton, fields=fields, sources=body.sources)
+
+
+def are_markers(skeleton: Skeleton) -> bool:
+    """Whether a skeleton is none: points without bones."""
+    return any(joint.convention is Convention.MARKER for joint in skeleton.joints)
+
+
+def _is_same_body(one: Skeleton, two: Skeleton) -> bool:
+    """Whether every bone of one is a bone of the other, below the same one."""
+    if one == two:
+        return True
+    others = {joint.name: (_parent(two, joint.parent), replace(joint, parent=0)) for joint in two.joints}
+    return len(one) == len(two) and all(
+        others.get(joint.name) == (_parent(one, joint.parent), replace(joint, parent=0)) for joint in one.joints
+    )
+
+
+def _parent(skeleton: Skeleton, index: int) -> str:
+    return skeleton.joints[index].name if index >= 0 else ""
+
+
+def _renumbered(source: Whole, skeleton: Skeleton) -> FrameBlock:
+    """Frames with joints as the other skeleton numbers them; those that it does not have are left out."""
+    block, names = source.block, source.head.skeleton.names
+    if names == skeleton.names:
+        return block
+    place = {name: index for index, name in enumerate(skeleton.names)}
+    number = {joint: place[name] for joint, name in enumerate(names) if name in place}
+    kept = [column for column, (joint, _) in enumerate(block.columns) if joint in number]
+    return replace(
+        block,
+        values=block.values[:, kept],
+        columns=tuple((number[joint], channel) for joint, channel in block.columns if joint in number),
+        shapes=tuple(
+            tuple((number[joint], bits) for joint, bits in shape if joint in number) for shape in block.shapes
+        ),
+    )
+
+
+def _markers(source: Whole, body: ClipHead) -> Fitted:
+    names = set(source.head.skeleton.names), set(body.skeleton.names)
+    lacking, extra = sorted(names[1] - names[0]), sorted(names[0] - names[1])
+    if lacking:
+        raise DocumentError(
+            f"The markers of the result are not all there: {', '.join(lacking[:20])}.",
+            remedy="Take the document with the fewest markers as skeleton.",
+        )
+    source, notices = upright(source, up_of(body))
+    if extra:
+        notices.append(f"{len(extra)} markers that the result does not have are left out: {', '.join(extra[:20])}")
+    units = metres_of(source.head), metres_of(body)
+    if units[0] is not None and units[1] is not None and units[0] != units[1]:
+        factor = units[0] / units[1]
+        clip = scale(ClipStream(source.head, lambda: iter([source.block]), len(source.block)), factor)
+        notices.append(f"lengths are multiplied by {factor:.6g}: the units differ")
+        source = replace(source, block=joined(clip.blocks()))
+    elif (units[0] is None) != (units[1] is None):
+        notices.append("lengths stay as they are: only one of the units is stated")
+    return Fitted(_renumbered(source, body.skeleton), tuple(notices))

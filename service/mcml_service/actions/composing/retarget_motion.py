@@ -1,0 +1,205 @@
+"""Stored motions on the skeleton of another document, as new documents."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+from mcml.errors import DocumentError, McmlError
+from mcml.motion.clip import ClipStream
+from mcml.motion.retarget import Retargeted as Result
+from mcml.motion.retarget import retarget
+from mcml.motion.skeleton import Skeleton
+from mcml_schemas.retarget import (
+    BoneError,
+    FootSliding,
+    FrameSpan,
+    JointMatch,
+    Retargeted,
+    RetargetedOne,
+    Retargeting,
+    RetargetMany,
+    RetargetRequest,
+)
+from mcml_service.actions.checking.check_timed import seconds_of
+from mcml_service.actions.checking.describe_problem import problem_of
+from mcml_service.actions.composing.fit_skeleton import JointMapping, are_markers, match_joints, upright, with_body
+from mcml_service.actions.composing.keep_mapping import mapping_of
+from mcml_service.actions.composing.select_documents import select_documents
+from mcml_service.actions.editing.reshape_motion import Whole, read_whole
+from mcml_service.actions.importing.store_clip import store_stream
+from mcml_service.actions.reading.preview_motion import Window, preview_motion
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+from mcml_service.storage.documents import StoredDocument
+from mcml_service.xpath.queries import Queries
+
+
+def retarget_motion(
+    database: Database,
+    settings: Settings,
+    uuid: str,
+    request: RetargetRequest,
+    author: str,
+    window: Window | None = None,
+) -> Retargeted:
+    """Bring a motion onto another skeleton. window: frames of which positions are told.
+
+    Raises DocumentError for markers and for names that are not there, ConversionError where no joints match.
+    """
+    with database.read() as tx:
+        stored, other = tx.documents.get(uuid), tx.documents.get(request.skeleton)
+        source, target = read_whole(tx, stored), read_whole(tx, other, 1, 1)
+        mapping = mapping_of(tx, request.project or stored.project, request.mapping)
+    motion, body = (stored, source), (other, target)
+    return _retarget(database, settings, motion, body, mapping, request, request.name, author, window)
+
+
+def retarget_many(
+    database: Database, queries: Queries, settings: Settings, request: RetargetMany, author: str
+) -> Iterator[RetargetedOne]:
+    """Bring the motions of all selected documents onto another skeleton, one after the other; each is done or says why
+    not. What fails for all, as a selection of nothing or a mapping that is not there, is raised before the first."""
+    selected, _ = select_documents(database, queries, request.selection)
+    with database.read() as tx:
+        other = tx.documents.get(request.skeleton)
+        target = read_whole(tx, other, 1, 1)
+        if isinstance(request.mapping, str) and request.project is not None:
+            mapping_of(tx, request.project, request.mapping)
+    if are_markers(target.head.skeleton):
+        raise DocumentError("Markers have no skeleton.", remedy="Choose a document of a body.")
+    return _each(database, settings, [str(item["document"]) for item in selected], (other, target), request, author)
+
+
+def _each(
+    database: Database,
+    settings: Settings,
+    documents: list[str],
+    body: tuple[StoredDocument, Whole],
+    request: RetargetMany,
+    author: str,
+) -> Iterator[RetargetedOne]:
+    for uuid in documents:
+        if uuid == body[0].uuid:
+            continue
+        name = ""
+        try:
+            with database.read() as tx:
+                stored = tx.documents.get(uuid)
+                name = stored.name
+                source = read_whole(tx, stored)
+                mapping = mapping_of(tx, request.project or stored.project, request.mapping)
+            made = _retarget(database, settings, (stored, source), body, mapping, request, None, author)
+            yield RetargetedOne(source=uuid, name=name, made=made)
+        except McmlError as error:
+            yield RetargetedOne(source=uuid, name=name, problem=problem_of(error))
+
+
+def _retarget(
+    database: Database,
+    settings: Settings,
+    motion: tuple[StoredDocument, Whole],
+    body: tuple[StoredDocument, Whole],
+    mapping: JointMapping | None,
+    request: Retargeting,
+    name: str | None,
+    author: str,
+    window: Window | None = None,
+) -> Retargeted:
+    (stored, source), (other, target) = motion, body
+    seconds = seconds_of(stored)
+    if are_markers(source.head.skeleton) or are_markers(target.head.skeleton):
+        raise DocumentError("Markers have no skeleton.", remedy="Choose a document of a body.")
+    source, notices = upright(source, target.up)
+    one, two = source.head.skeleton, target.head.skeleton
+    made = retarget(
+        one,
+        source.block,
+        two,
+        match_joints(one, two, mapping),
+        seconds,
+        reading=source.reading,
+        target_reading=target.reading,
+        clean=request.clean_feet,
+        up=target.up,
+        scale=request.scale,
+        match_rest=request.match_rest,
+    )
+    document = None
+    if not request.preview:
+        head = replace(with_body(source.head, target.head), frame_time=stored.frame_time)
+        block = made.block
+        document = store_stream(
+            database,
+            ClipStream(head, lambda: iter([block]), len(block)),
+            settings,
+            name=name or stored.name,
+            project=request.project or stored.project,
+            author=author,
+            provenance={
+                "analysis": "retarget",
+                "sources": [
+                    {"document": stored.uuid, "revision": stored.revision},
+                    {"document": other.uuid, "revision": other.revision},
+                ],
+                "parameters": _parameters(request, mapping),
+            },
+        )
+    told = _told(document, made, one, two, notices)
+    if window is not None:
+        told.motion = preview_motion(with_body(source.head, target.head), [made.block], window, seconds)
+    return told
+
+
+def _parameters(request: Retargeting, mapping: JointMapping | None) -> dict[str, Any]:
+    """As asked; a saved mapping by its pairs too, for it may be changed later."""
+    asked = request.model_dump(mode="json", exclude_defaults=True, exclude={"selection"})
+    if isinstance(request.mapping, str) and mapping is not None:
+        asked["pairs"] = [pair.model_dump() for pair in mapping.pairs]
+    return asked
+
+
+def _told(document: str | None, made: Result, source: Skeleton, target: Skeleton, notices: list[str]) -> Retargeted:
+    report = made.report
+    worst = max((bone for bone in report.bones if bone.leads), key=lambda bone: bone.largest, default=None)
+    return Retargeted(
+        document=document,
+        frames=len(made.block),
+        scale=report.scale,
+        matches=[
+            JointMatch(
+                source=source.names[match.source],
+                target=target.names[match.target],
+                confidence=match.confidence,
+                reason=match.reason,
+            )
+            for match in report.matches
+        ],
+        unmatched_source=[source.names[index] for index in report.missing],
+        unmatched_target=[target.names[index] for index in report.extra],
+        bones=[
+            BoneError(
+                bone=target.names[bone.joint],
+                end=target.names[bone.end],
+                leads=bone.leads,
+                mean=bone.mean,
+                largest=bone.largest,
+                frame=bone.frame + 1,
+            )
+            for bone in report.bones
+        ],
+        feet=[
+            FootSliding(
+                foot=target.names[foot.joint],
+                stances=len(foot.contacts),
+                before=foot.before,
+                after=foot.after,
+                contacts=[FrameSpan(first=first + 1, last=last + 1) for first, last in foot.contacts],
+            )
+            for foot in report.feet
+        ],
+        worst_frame=None if worst is None else worst.frame + 1,
+        notices=notices
+        + [notice.what for notice in [*report.notices(source, target), *made.shortfall.notices(target)]],
+    )

@@ -1,0 +1,123 @@
+"""Numbers of frames made anew: mirrored, smoothed, moved and scaled, brought to another frame rate."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from mcml.errors import DocumentError
+from mcml.language.elements import header_of
+from mcml.motion.clip import ClipHead, FrameBlock
+from mcml.motion.frames import adjusted, eased, joined, rows_of
+from mcml.motion.mirroring import mirrored
+from mcml.motion.resampling import resampled
+from mcml.motion.skeleton import CHANNEL_INDEX, Array
+from mcml.motion.smoothing import smoothed
+from mcml.motion.units import Reading, reading_of, up_of
+from mcml_schemas.frames import AdjustFrames, MirrorFrames, ResampleFrames, SmoothFrames
+from mcml_service.actions.checking.check_timed import seconds_of
+from mcml_service.actions.editing.edit_element import Change, apply_change
+from mcml_service.actions.editing.splice_frames import check_range, splice_frames
+from mcml_service.clips.read_clip import read_clip
+from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.transaction import Transaction
+
+Reshaping = MirrorFrames | SmoothFrames | AdjustFrames | ResampleFrames
+
+
+@dataclass(frozen=True)
+class Whole:
+    """All frames of a document as one block, joints as its skeleton numbers them."""
+
+    head: ClipHead
+    block: FrameBlock
+    names: tuple[str, ...]
+
+    @property
+    def reading(self) -> Reading:
+        return reading_of(self.head)
+
+    @property
+    def up(self) -> str:
+        return up_of(self.head)
+
+    def joints(self, bones: Sequence[str]) -> list[int]:
+        """Numbers of bones by their names, all without any. DocumentError."""
+        unknown = [bone for bone in bones if bone not in self.names]
+        if unknown:
+            raise DocumentError(
+                f"The document has no bone {unknown[0]!r}.", remedy=f"It has: {', '.join(self.names[:60])}."
+            )
+        return [self.names.index(bone) for bone in bones] or list(range(len(self.names)))
+
+
+def read_whole(tx: Transaction, stored: StoredDocument, first: int = 1, last: int | None = None) -> Whole:
+    """Frames first to last (positions from 1) in memory."""
+    source = read_clip(tx, stored, first=first, last=last)
+    return Whole(source.clip.head, joined(source.clip.blocks()), source.names)
+
+
+def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping) -> None:
+    """Make numbers of frames anew; what was not changed keeps its bits. Writes no revision."""
+    if isinstance(edit, ResampleFrames):
+        _resample(tx, stored, edit)
+        return
+    check_range(stored, edit.first, edit.last)
+    first, last = edit.first, edit.last
+    if isinstance(edit, MirrorFrames):
+        whole = read_whole(tx, stored, first, last)
+        block = mirrored(whole.head.skeleton, whole.block, up=whole.up, reading=whole.reading).block
+    else:
+        # The frames around tell what the ends of the range go on from.
+        around = round(4 * edit.seconds * _rate(stored)) + 1 if isinstance(edit, SmoothFrames) else 0
+        start, end = max(1, first - around), min(stored.frames, last + around)
+        whole = read_whole(tx, stored, start, end)
+        strength = eased(end - start + 1, first - start, last - start, edit.ease)
+        if isinstance(edit, SmoothFrames):
+            block = _smoothed(whole, edit, strength, _rate(stored))
+        else:
+            block = _adjusted(whole, edit, strength)
+        block = rows_of(block, first - start, last - start + 1)
+    splice_frames(tx, stored, first, last - first + 1, [_as_bones(tx, stored, whole, block)], renumber=False)
+
+
+def _rate(stored: StoredDocument) -> float:
+    return 1.0 / seconds_of(stored)
+
+
+def _smoothed(whole: Whole, edit: SmoothFrames, strength: Array, rate: float) -> FrameBlock:
+    joints = whole.joints(edit.bones)
+    return smoothed(whole.head.skeleton, whole.block, edit.seconds * rate, strength, joints, whole.reading).block
+
+
+def _adjusted(whole: Whole, edit: AdjustFrames, strength: Array) -> FrameBlock:
+    wanted = {CHANNEL_INDEX[channel] for channel in edit.channels}
+    joints = set(whole.joints(edit.bones))
+    columns = [column for column in whole.block.columns if column[0] in joints and column[1] in wanted]
+    if not columns:
+        raise DocumentError("None of these bones has such a channel.", remedy="See its channels in the document.")
+    return adjusted(whole.block, columns, strength, edit.factor, edit.offset)
+
+
+def _resample(tx: Transaction, stored: StoredDocument, edit: ResampleFrames) -> None:
+    old, new = 1 / _rate(stored), 1 / edit.rate
+    whole = read_whole(tx, stored)
+    made = resampled(whole.head.skeleton, whole.block, old, new, whole.reading)
+    splice_frames(tx, stored, 1, stored.frames, [_as_bones(tx, stored, whole, made.block)])
+    current = tx.documents.get(stored.uuid)
+    if header_of(tx.heads.document(current)).first("dataframe_rate") is not None:
+        apply_change(tx, current, "/mcml/header/dataframe_rate", Change({}, f"{edit.rate:.15g}"))
+        current = tx.documents.get(stored.uuid)
+    if current.frame_time is not None:
+        apply_change(tx, current, "/mcml/motion/frametime", Change({}, repr(new)))
+
+
+def _as_bones(tx: Transaction, stored: StoredDocument, whole: Whole, block: FrameBlock) -> FrameBlock:
+    """The block with bones as the store numbers them."""
+    numbers = {name: number for number, name in tx.heads.bone_names(stored.key).items()}
+    bones = [numbers[name] for name in whole.names]
+    return replace(
+        block,
+        columns=tuple((bones[joint], channel) for joint, channel in block.columns),
+        shapes=tuple(tuple((bones[joint], bits) for joint, bits in shape) for shape in block.shapes),
+    )

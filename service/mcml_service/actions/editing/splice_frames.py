@@ -1,0 +1,170 @@
+"""Frames put in the place of others. Values that stay are not touched: only the timeline says where they now are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+
+from mcml.errors import DocumentError, NotFoundError
+from mcml.language.elements import refresh_counts
+from mcml.motion.clip import FrameBlock
+from mcml.motion.extremes import check_numbers
+from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.encoding import ClipEncoder
+from mcml_service.storage.schema import CHUNK
+from mcml_service.storage.spans import StoredSpan
+from mcml_service.storage.tables import timeline
+from mcml_service.storage.tracks import Piece
+from mcml_service.storage.transaction import Transaction
+
+COMPRESSORS = 2
+
+
+def check_range(stored: StoredDocument, first: int, last: int) -> None:
+    """NotFoundError unless frames first to last (positions from 1, both included) are in the document."""
+    if not 1 <= first <= last <= stored.frames:
+        raise NotFoundError(
+            f"Frames {first} to {last} are not in a document of {stored.frames} frames.",
+            remedy="Frame numbers are positions, from 1, both ends included.",
+        )
+
+
+def counts_up(tx: Transaction, stored: StoredDocument) -> bool:
+    """Whether the ids of all frames are whole numbers, each one more than the one before."""
+    ids = tx.tracks.frame_ids(stored.key, 1, stored.frames)
+    return isinstance(ids, np.ndarray) and len(ids) > 0 and bool((np.diff(ids) == 1).all())
+
+
+def splice_frames(
+    tx: Transaction,
+    stored: StoredDocument,
+    first: int,
+    removed: int,
+    blocks: Iterable[FrameBlock] = (),
+    *,
+    renumber: bool = True,
+) -> None:
+    """Put frames before position `first`, in place of the `removed` frames that stand there.
+
+    blocks: their joints are the document's bones, by number; their motion names come along. renumber: ids that counted
+    up by one before do so again; else the frames keep theirs. Writes no revision. DocumentError where no frame is left.
+    """
+    encoder, slot = _store(tx, stored, blocks)
+    count = encoder.frames
+    if stored.frames - removed + count == 0:
+        raise DocumentError("A document keeps at least one frame.", remedy="Delete the document instead.")
+    behind = first + removed
+    pieces = tx.tracks.pieces(stored.key, 1, stored.frames)
+    before = [Piece(p.first, p.slot, min(p.count, first - p.first)) for p in pieces if p.first < first]
+    after = [_cut(p, behind, count - removed) for p in pieces if p.first + p.count > behind]
+    tx.tracks.close(timeline, stored.key)
+    new = [Piece(first, slot, count)] if count else []
+    tx.tracks.write_timeline(stored.key, _joined([*before, *new, *after]), tx.commit)
+    _write_ids(tx, stored, first, behind, encoder, renumber)
+    _write_spans(tx, stored, first, removed, encoder)
+    write_counts(tx, stored, stored.frames - removed + count)
+
+
+def write_counts(tx: Transaction, stored: StoredDocument, frames: int) -> None:
+    """The number of frames where it stands: content, and the header's own count if it has one."""
+    tx.documents.write_content(
+        stored.key,
+        tx.commit,
+        skeleton=stored.skeleton,
+        version=stored.version,
+        frames=frames,
+        frame_time=stored.frame_time,
+        intact=False,
+    )
+    document = tx.heads.document(stored)
+    fresh = refresh_counts(document, frames)
+    if fresh.children[0] != document.children[0]:
+        tx.heads.write_header(stored.key, fresh.children[0], tx.commit)
+
+
+def _store(tx: Transaction, stored: StoredDocument, blocks: Iterable[FrameBlock]) -> tuple[ClipEncoder, int]:
+    """The frames as rows in chunks of their own; answers the encoder that made them and their first slot."""
+    chunk = -(-stored.next_slot // CHUNK)
+    names = tx.heads.bone_names(stored.key)
+    with ThreadPoolExecutor(COMPRESSORS) as executor:
+        encoder = ClipEncoder(executor)
+        for block in blocks:
+            check_numbers(block, names, encoder.frames + 1)
+            for rows in encoder.add(block):
+                tx.tracks.write_chunks(stored.key, rows, tx.commit, chunk)
+        encoder.close()
+        for rows in encoder.rest():
+            tx.tracks.write_chunks(stored.key, rows, tx.commit, chunk)
+    if encoder.frames:
+        numbers = {number: tx.tracks.shape_number(stored.key, shape) for shape, number in encoder.shapes.items()}
+        runs = [
+            row | {"slot": row["slot"] + chunk * CHUNK, "shape": numbers[row["shape"]]} for row in encoder.shape_rows
+        ]
+        tx.tracks.write_shape_runs(stored.key, runs, tx.commit)
+        tx.documents.set_next_slot(stored.key, chunk * CHUNK + encoder.frames)
+    return encoder, chunk * CHUNK
+
+
+def _cut(piece: Piece, start: int, shift: int) -> Piece:
+    """What of a piece lies at `start` and behind, moved by so many positions."""
+    skip = max(0, start - piece.first)
+    return Piece(piece.first + skip + shift, piece.slot + skip, piece.count - skip)
+
+
+def _joined(pieces: Sequence[Piece]) -> list[Piece]:
+    """Pieces that go on in the next slot are one piece."""
+    result: list[Piece] = []
+    for piece in pieces:
+        last = result[-1] if result else None
+        if last is not None and last.slot + last.count == piece.slot and last.first + last.count == piece.first:
+            result[-1] = Piece(last.first, last.slot, last.count + piece.count)
+        else:
+            result.append(piece)
+    return result
+
+
+def _write_ids(
+    tx: Transaction, stored: StoredDocument, first: int, behind: int, encoder: ClipEncoder, renumber: bool
+) -> None:
+    old = tx.tracks.frame_ids(stored.key, 1, stored.frames)
+    if renumber and counts_up(tx, stored):
+        count = stored.frames - (behind - first) + encoder.frames
+        tx.tracks.rewrite_frame_ids(stored.key, [int(old[0]) + np.arange(count, dtype=np.int64)])
+        return
+    tx.tracks.rewrite_frame_ids(stored.key, [old[: first - 1], *encoder.ids.parts(), old[behind - 1 :]])
+
+
+def _write_spans(tx: Transaction, stored: StoredDocument, first: int, removed: int, encoder: ClipEncoder) -> None:
+    """Names of frames that went go with them; later ones move; those of the new frames come in."""
+    behind, shift = first + removed, encoder.frames - removed
+    old = tx.spans.of(stored.key)
+    rows = [
+        {"name": row["name"], "rank": row["rank"], "first": row["first"] + first - 1, "last": row["last"] + first - 1}
+        for row in encoder.spans.rows
+    ]
+    for span in old:
+        if span.first < first:
+            rows.append(_row(span, span.first, min(span.last, first - 1)))
+        if span.last >= behind:
+            rows.append(_row(span, max(span.first, behind) + shift, span.last + shift))
+    tx.spans.close([span.key for span in old])
+    tx.spans.write(stored.key, merged_spans(rows), tx.commit)
+
+
+def merged_spans(rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Spans ({name, rank, first, last}) in their order, those of a name and rank that touch as one."""
+    merged: list[dict[str, Any]] = []
+    for row in sorted(rows, key=lambda row: (row["rank"], row["name"], row["first"])):
+        last = merged[-1] if merged else None
+        if last and (last["name"], last["rank"]) == (row["name"], row["rank"]) and last["last"] + 1 == row["first"]:
+            last["last"] = row["last"]
+        else:
+            merged.append(row)
+    return sorted(merged, key=lambda row: (row["first"], row["rank"]))
+
+
+def _row(span: StoredSpan, first: int, last: int) -> dict[str, Any]:
+    return {"name": span.name, "rank": span.rank, "first": first, "last": last}

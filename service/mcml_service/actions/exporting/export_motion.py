@@ -1,0 +1,271 @@
+"""Export: a stored document as files of any format that can hold it."""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+import zipfile
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import partial
+
+import numpy as np
+import orjson
+
+from mcml.errors import ConversionError, Notice, UnsupportedError
+from mcml.files.check_names import check_frame_time
+from mcml.files.targets import convert_clip, part_without_frames, targets
+from mcml.formats import FORMATS, WRITERS
+from mcml.formats.format import SourceFile
+from mcml.language.writer import write_document
+from mcml.motion.clip import ClipStream
+from mcml.motion.conventions import scale, turn_up
+from mcml.motion.skeleton import CHANNELS
+from mcml.motion.units import metres_per_unit
+from mcml_service.cells import safe_cell
+from mcml_service.clips.bodies import read_bodies
+from mcml_service.clips.read_clip import StoredClip, read_clip
+from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.transaction import Transaction
+
+WITH_REFERENCE = frozenset({"mot", "sto"})
+"""Formats of angles, which start from the reference pose of the skeleton."""
+
+
+@dataclass(frozen=True)
+class ExportOptions:
+    """format: a catalogue name, one part of a format ("asf", "amc"), "mcml" or "csv".
+
+    names: table of joint names ("mcml", "bvh1", …) instead of the source's. unit, up: turn and scale to these; the
+    document must state its own. frame_time: seconds of a frame, for a document that does not state them. original:
+    False writes the file from the elements even where the kept bytes would do. raw: CSV has also texts that
+    spreadsheets take for formulas as they are.
+    """
+
+    format: str
+    first: int = 1
+    last: int | None = None
+    names: str | None = None
+    unit: str | None = None
+    up: str | None = None
+    pretty: bool = False
+    original: bool = True
+    frame_time: str | float | None = None
+    raw: bool = False
+
+    @property
+    def whole(self) -> bool:
+        return self.first == 1 and self.last is None and not (self.names or self.unit or self.up or self.frame_time)
+
+
+@dataclass
+class Export:
+    """One file. notices: what the format could not hold, complete once `content` was read to the end. size: bytes, of
+    an upload that was kept."""
+
+    file_name: str
+    media_type: str
+    content: Iterator[bytes]
+    notices: list[Notice] = field(default_factory=list)
+    size: int | None = None
+
+
+def export_document(tx: Transaction, stored: StoredDocument, options: ExportOptions) -> Export:
+    """The document as one file (several parts: a zip). Lives as long as the transaction.
+
+    Raises UnsupportedError for an unknown format, ConversionError where the format cannot hold the motion.
+    """
+    known = targets()
+    if options.format not in known:
+        raise UnsupportedError(
+            f"Unknown export format {options.format!r}.", remedy=f"Use one of: {', '.join(sorted(known))}."
+        )
+    name, part = known[options.format]
+    part = part_without_frames(name) if stored.frames == 0 and part is None else part
+    stem = file_stem(stored.name)
+    if options.original and options.whole and stored.intact and stored.format == name and name in FORMATS:
+        kept = _kept(tx, stored, part)
+        if kept is not None:
+            return kept
+    source = _timed(read_clip(tx, stored, first=options.first, last=options.last), options.frame_time)
+    if name == "mcml":
+        content = write_document(
+            source.document, source.clip.frames or 0, source.clip.head.frame_time, source.clip.blocks(), source.names,
+            pretty=options.pretty,
+        )  # fmt: skip
+        return Export(f"{stem}.mcml", "application/xml", content)
+    if name == "csv":
+        return Export(
+            f"{stem}.csv",
+            "text/csv; charset=utf-8",
+            _csv(source, _columns(tx, source), str if options.raw else safe_cell),
+        )
+    clip = _converted(source, name, options)
+    if name in WITH_REFERENCE:
+        start = read_bodies(tx, tx.columns.documents([stored.key]))[stored.key].calibration.start
+        clip = clip.with_head(replace(clip.head, reference=start))
+    parts = [item.name for item in WRITERS[name].parts]
+    if part is None:
+        files = {f"{stem}{_extension(name, item)}": partial(WRITERS[name].write, clip, item) for item in parts}
+        return Export(f"{stem}.zip", "application/zip", zipped(files.items()), clip.notices)
+    content = WRITERS[name].write(clip, part)
+    return Export(f"{stem}{_extension(name, part)}", WRITERS[name].media_type, content, clip.notices)
+
+
+def skeleton_file(tx: Transaction, stored: StoredDocument) -> SourceFile:
+    """The ASF of a stored document, as a file that an AMC can be read with."""
+    export = export_document(tx, stored, ExportOptions("asf", last=0 if stored.frames == 0 else 1, first=1))
+    kept = _kept(tx, stored, "asf") if stored.intact and stored.format == "asf-amc" else None
+    chosen = kept or export
+    return SourceFile(chosen.file_name, io.BytesIO(b"".join(chosen.content)))
+
+
+def _kept(tx: Transaction, stored: StoredDocument, part: str | None) -> Export | None:
+    """The bytes of the upload, None where they are not kept."""
+    uploads = tx.uploads.of(stored.key)
+    if part is not None:
+        chosen = [upload for upload in uploads if upload.part == part]
+        content = tx.uploads.read(stored.key, part) if chosen else None
+        if content is None:
+            return None
+        size = chosen[0].size
+        return Export(chosen[0].file_name, FORMATS[stored.format].media_type, content, size=size)
+    if len(uploads) != len(FORMATS[stored.format].parts):
+        return None
+
+    def opener(name: str) -> Callable[[], Iterator[bytes]]:
+        return lambda: tx.uploads.read(stored.key, name) or iter(())
+
+    files = {upload.file_name: opener(upload.part) for upload in uploads}
+    return Export(f"{file_stem(stored.name)}.zip", "application/zip", zipped(files.items()))
+
+
+def _timed(source: StoredClip, frame_time: str | float | None) -> StoredClip:
+    """The clip with a frame time, where it states none. Raises ConversionError where it states another."""
+    if frame_time is None:
+        return source
+    frame_time = check_frame_time(frame_time)
+    head = source.clip.head
+    stated = head.seconds_per_frame()
+    if stated is not None and not math.isclose(stated, float(frame_time), rel_tol=1e-6):
+        raise ConversionError(
+            f"The document states its frame time, {stated:g} seconds, and `frame_time` says {frame_time}.",
+            remedy="Leave `frame_time` out, or change what the document states: mcml set ID --frame-time SECONDS.",
+        )
+    return replace(source, clip=source.clip.with_head(replace(head, frame_time=frame_time)))
+
+
+def _converted(source: StoredClip, name: str, options: ExportOptions) -> ClipStream:
+    clip = source.clip
+    if options.unit:
+        stated = metres_per_unit(_stated(clip, "calibration_unit", "length unit", "unit"))
+        clip = scale(clip, stated / metres_per_unit(options.unit), unit=options.unit)
+    if options.up:
+        clip = turn_up(clip, _stated(clip, "global_axis_of_gravity", "up axis", "up").upper(), options.up.upper())
+    return convert_clip(clip, name, options.names)
+
+
+def _stated(clip: ClipStream, field: str, what: str, parameter: str) -> str:
+    """A fact of the header that a change of units or axes starts from. ConversionError where nobody stated it."""
+    value = clip.head.fields.get(field)
+    if not value:
+        raise ConversionError(
+            f"The document states no {what}, so it cannot be changed to another.",
+            remedy=f"State it once: mcml set ID --{parameter}, or PATCH the document with `{parameter}`.",
+        )
+    return value
+
+
+def _columns(tx: Transaction, source: StoredClip) -> list[tuple[int, int]]:
+    """(joint, channel) of every channel that a frame has: those of the skeleton, then those that edits added."""
+    bones = tx.heads.bone_names(source.stored.key)
+    joints = {name: joint for joint, name in enumerate(source.names)}
+    found = dict.fromkeys(source.clip.head.skeleton.columns())
+    for shape in tx.tracks.shapes_in_use(source.stored.key):
+        for bone, bits in shape:
+            found.update(
+                {(joints[bones[bone]], channel): None for channel in range(len(CHANNELS)) if bits >> channel & 1}
+            )
+    return list(found)
+
+
+def _csv(source: StoredClip, columns: list[tuple[int, int]], shown: Callable[[str], str]) -> Iterator[bytes]:
+    """Frames as rows: position, id, time, then one column a channel, named bone.channel; an empty cell is missing.
+
+    shown: what stands in a cell for a text.
+    """
+    seconds = source.clip.head.seconds_per_frame()
+    position = source.first
+    if seconds is not None and not math.isfinite(seconds * (position + (source.clip.frames or 0))):
+        seconds = None
+    names = [_cell(shown(f"{source.names[joint]}.{CHANNELS[channel]}")) for joint, channel in columns]
+    yield (",".join(["frame", "id", "time", *names]) + "\n").encode()
+    for block in source.clip.blocks():
+        place = {column: index for index, column in enumerate(block.columns)}
+        values = np.full((len(block), len(columns)), np.nan)
+        known = [index for index, column in enumerate(columns) if column in place]
+        values[:, known] = block.values[:, [place[columns[index]] for index in known]]
+        rows = orjson.dumps(values, option=orjson.OPT_SERIALIZE_NUMPY)[2:-2].split(b"],[")
+        ids = [_cell(shown(str(item))).encode() for item in block.ids]
+        for row, frame_id in zip(rows, ids, strict=True):
+            time = b"" if seconds is None else repr((position - 1) * seconds).encode()
+            yield b"%d,%s,%s,%s\n" % (position, frame_id, time, row.replace(b"null", b""))
+            position += 1
+
+
+def _cell(text: str) -> str:
+    """A text as a field of CSV (RFC 4180)."""
+    return '"' + text.replace('"', '""') + '"' if re.search(r'[",\r\n]', text) else text
+
+
+def zipped(
+    files: Iterable[tuple[str, Callable[[], Iterator[bytes | memoryview]]]], *, compress: bool = False
+) -> Iterator[bytes]:
+    """A zip of the files, streamed: each is asked for when the one before is done. Unless it is wanted nothing is
+    compressed; an answer is.
+
+    Times are fixed so that equal content gives equal bytes.
+    """
+    buffer = Tail()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        for name, content in files:
+            info = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
+            info.compress_type = zipfile.ZIP_DEFLATED if compress else zipfile.ZIP_STORED
+            with archive.open(info, "w", force_zip64=True) as member:
+                for block in content():
+                    member.write(block)
+                    yield from buffer.taken()
+    yield from buffer.taken()
+
+
+class Tail(io.RawIOBase):
+    """A write-only stream that hands out what was written since last asked."""
+
+    def __init__(self) -> None:
+        self._blocks: list[bytes] = []
+        self._told = 0
+
+    def writable(self) -> bool:
+        return True
+
+    def write(self, data: bytes) -> int:  # type: ignore[override]
+        self._blocks.append(bytes(data))
+        self._told += len(data)
+        return len(data)
+
+    def tell(self) -> int:
+        return self._told
+
+    def taken(self) -> Iterator[bytes]:
+        blocks, self._blocks = self._blocks, []
+        yield from blocks
+
+
+def file_stem(name: str) -> str:
+    """A document's name as a file name: without characters that file systems refuse."""
+    return re.sub(r'[\x00-\x1f<>:"/\\|?*]', "_", name).strip(". ")[:120] or "motion"
+
+
+def _extension(name: str, part: str) -> str:
+    return next(item.extensions[0] for item in WRITERS[name].parts if item.name == part)

@@ -1,0 +1,124 @@
+"""Numbers and rows as files of columns: NumPy's npy and npz, Arrow IPC, Parquet, CSV. Streams: a block at a time."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import chain, islice
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcml.errors import UnsupportedError
+from mcml.motion.skeleton import Array
+from mcml_service.actions.exporting.export_motion import Tail, zipped
+from mcml_service.cells import safe_cell
+
+Batches = Iterator[Mapping[str, Any]]
+"""Columns by name, so many rows of each at a time; all batches have the same names."""
+
+ROWS = 5000
+"""Rows of one batch."""
+
+TYPES = {
+    "block": "application/vnd.mcml.block",
+    "npy": "application/octet-stream",
+    "npz": "application/octet-stream",
+    "arrow": "application/vnd.apache.arrow.stream",
+    "parquet": "application/vnd.apache.parquet",
+    "csv": "text/csv",
+}
+"""Media types by form."""
+
+
+def npy_header(shape: tuple[int, ...], dtype: str) -> bytes:
+    """How the file begins that numpy.save writes."""
+    header = io.BytesIO()
+    np.lib.format.write_array_header_1_0(header, {"descr": f"<{dtype}", "fortran_order": False, "shape": shape})
+    return header.getvalue()
+
+
+def npy_blocks(blocks: Iterator[Array], shape: tuple[int, ...], dtype: str) -> Iterator[bytes | memoryview]:
+    """An array of this shape as numpy.save writes it, from blocks of its rows."""
+    yield npy_header(shape, dtype)
+    yield from plain_blocks(blocks, dtype)
+
+
+def plain_blocks(blocks: Iterator[Array], dtype: str) -> Iterator[memoryview]:
+    """The numbers alone, little-endian, row after row."""
+    for values in blocks:
+        yield np.ascontiguousarray(values, dtype=f"<{dtype}").reshape(-1).view(np.uint8).data
+
+
+def npz_blocks(arrays: Mapping[str, Callable[[], Iterator[bytes | memoryview]]]) -> Iterator[bytes]:
+    """Arrays as numpy.savez writes them, each is asked for in turn."""
+    return zipped((f"{name}.npy", content) for name, content in arrays.items())
+
+
+def npy_of(values: Sequence[str] | NDArray[Any]) -> Iterator[bytes]:
+    """A small array as numpy.save writes it; texts have the width of the longest."""
+    content = io.BytesIO()
+    np.save(content, np.asarray(values))
+    yield content.getvalue()
+
+
+def batches_of(rows: Iterator[tuple[Any, ...]], names: Sequence[str]) -> Batches:
+    """Rows as columns of these names, some thousands at a time."""
+    for some in iter(lambda: list(islice(rows, ROWS)), []):
+        yield dict(zip(names, map(list, zip(*some, strict=True)), strict=True))
+
+
+def write_csv(batches: Batches, *, raw: bool = False) -> Iterator[bytes]:
+    """Batches as CSV (RFC 4180) with a row of names; what is not known is empty. raw: also texts that spreadsheets take
+    for formulas as they are."""
+    shown = str if raw else safe_cell
+    head = True
+    for batch in batches:
+        content = io.StringIO()
+        writer = csv.writer(content)
+        if head:
+            writer.writerow(map(shown, batch))
+            head = False
+        columns = [
+            [shown(one) for one in column] if isinstance(next(iter(column), None), str) else np.asarray(column).tolist()
+            for column in batch.values()
+        ]
+        writer.writerows(["" if value != value else value for value in row] for row in zip(*columns, strict=True))
+        yield content.getvalue().encode()
+
+
+def write_columns(
+    form: str, batches: Batches, types: Mapping[str, str] | None = None, units: Mapping[str, str] | None = None
+) -> Iterator[bytes]:
+    """Batches as an Arrow stream or a Parquet file. form: "arrow" or "parquet". units: of some columns.
+
+    types: of the columns, as Arrow names them ("string", "int64"), where there may be no batch to tell them.
+    UnsupportedError where pyarrow is not installed.
+    """
+    try:
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+    except ImportError:
+        raise UnsupportedError(
+            f"{form} needs a library that is not installed.",
+            remedy="Install the extra: pip install 'mcml-repository[arrow]'.",
+        ) from None
+    tail = Tail()
+    schema = None if types is None else pa.schema([(name, pa.type_for_alias(kind)) for name, kind in types.items()])
+    empty: dict[str, Any] = {} if types is None else {name: [] for name in types}
+    first = pa.RecordBatch.from_pydict(dict(next(batches, empty)), schema)
+    if units:
+        fields = [one.with_metadata({"unit": units[one.name]}) if one.name in units else one for one in first.schema]
+        first = pa.RecordBatch.from_arrays(first.columns, schema=pa.schema(fields))
+    sink = pa.PythonFile(tail, "w")
+    if form == "arrow":
+        writer: Any = pa.ipc.new_stream(sink, first.schema)
+    else:
+        writer = pq.ParquetWriter(sink, first.schema, compression="zstd")
+    with writer:
+        for batch in chain((first,), (pa.RecordBatch.from_pydict(dict(item), first.schema) for item in batches)):
+            writer.write_batch(batch)
+            yield from tail.taken()
+    yield from tail.taken()

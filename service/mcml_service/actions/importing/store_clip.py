@@ -1,0 +1,168 @@
+"""A clip that an analysis made, as a document."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from mcml.errors import McmlError, UnsupportedError
+from mcml.files.import_options import ImportOptions, Label
+from mcml.files.targets import convert_clip
+from mcml.formats import WRITERS
+from mcml.formats.format import SourceFile
+from mcml.language.elements import from_head
+from mcml.language.writer import write_document
+from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, Shape, full_shape
+from mcml.motion.rotations import to_euler
+from mcml.motion.skeleton import CHANNEL_INDEX, TRANSLATIONS, Array, Convention, numbers
+from mcml.motion.units import UNITS
+from mcml_service.actions.exporting.export_motion import file_stem
+from mcml_service.actions.importing.import_motion import import_files
+from mcml_service.analysis.interface import MadeClip
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+
+UNIT_OF = {metres: unit for unit, metres in reversed(list(UNITS.items()))}
+PROVENANCE = "provenance"
+"""The property that says, as JSON, from what a clip was made."""
+
+
+def store_clip(
+    database: Database,
+    made: MadeClip,
+    settings: Settings,
+    *,
+    project: str,
+    author: str,
+    provenance: Mapping[str, Any],
+    once: bool = False,
+) -> str:
+    """Store a made clip as a document of its own; see `store_stream`."""
+    return store_stream(
+        database,
+        as_stream(made),
+        settings,
+        name=made.name,
+        project=project,
+        author=author,
+        provenance=provenance,
+        labels=tuple(Label(name, first + 1, last + 1) for name, first, last in made.labels),
+        once=once,
+    )
+
+
+def store_stream(
+    database: Database,
+    stream: ClipStream,
+    settings: Settings,
+    *,
+    name: str,
+    project: str,
+    author: str,
+    provenance: Mapping[str, Any],
+    labels: tuple[Label, ...] = (),
+    once: bool = False,
+) -> str:
+    """Store a clip as a document that records where it came from; answers its uuid.
+
+    once: where a document of the same bytes, provenance included, is there already, that one counts.
+    """
+    record = (PROVENANCE, json.dumps(provenance, ensure_ascii=False, separators=(",", ":")), "")
+    kept = tuple(item for item in stream.head.properties if item[0] != PROVENANCE)
+    content = _mcml(stream.with_head(replace(stream.head, properties=(*kept, record))))
+    options = ImportOptions(project=project, name=name, labels=labels, on_duplicate="skip" if once else "new")
+    files = [SourceFile("made.mcml", io.BytesIO(b"".join(content)))]
+    done = import_files(database, files, options, settings, author=author)
+    for _, error in done.problems:
+        raise error
+    return done.documents[0].uuid
+
+
+def clip_file(made: MadeClip, format_name: str) -> tuple[str, str, bytes]:
+    """(file name, media type, bytes) of a made clip in a format of one file. UnsupportedError."""
+    name = file_stem(made.name)
+    if format_name == "mcml":
+        return f"{name}.mcml", "application/xml", b"".join(_mcml(as_stream(made)))
+    known = WRITERS.get(format_name)
+    if known is None or len(known.parts) != 1:
+        singles = ", ".join(["mcml", *(item for item, found in WRITERS.items() if len(found.parts) == 1)])
+        raise UnsupportedError(f"{format_name!r} is not a format of one file.", remedy=f"Use one of: {singles}.")
+    clip = convert_clip(as_stream(made), format_name)
+    part = known.parts[0]
+    return f"{name}{part.extensions[0]}", known.media_type, b"".join(known.write(clip, part.name))
+
+
+def _mcml(stream: ClipStream) -> Iterator[bytes]:
+    head = stream.head
+    yield from write_document(
+        from_head(head), stream.frames or 0, head.frame_time, stream.blocks(), head.skeleton.names
+    )
+
+
+def as_stream(made: MadeClip) -> ClipStream:
+    """The clip in the channels of its skeleton: angles in degrees, continuous over the frames."""
+    skeleton = made.skeleton
+    columns = skeleton.columns()
+    values = _values(made)
+    fields = {"filename": f"{made.name}.mcml"}
+    if made.metres is not None and made.metres in UNIT_OF:
+        fields["calibration_unit"] = UNIT_OF[made.metres]
+    if made.up:
+        fields["global_axis_of_gravity"] = made.up
+    marker = all(joint.convention is Convention.MARKER for joint in skeleton.joints)
+    head = ClipHead(
+        format="trc" if marker else "bvh",
+        skeleton=skeleton,
+        fields=fields,
+        frame_time=repr(made.frame_time),
+        description=made.description,
+        properties=made.properties,
+    )
+    shapes, shape_of = _shapes(made, columns)
+
+    def blocks() -> Iterator[FrameBlock]:
+        yield FrameBlock(values, columns, shapes, np.arange(1, len(values) + 1), shape_of)
+
+    return ClipStream(head, blocks, len(values))
+
+
+def _values(made: MadeClip) -> Array:
+    columns = made.skeleton.columns()
+    values = np.zeros((len(made.rotations), len(columns)))
+    place = {column: index for index, column in enumerate(columns)}
+    for index, joint in enumerate(made.skeleton.joints):
+        moved = made.translations[:, index]
+        if joint.translation == "relative":
+            moved = moved - numbers(joint.offset)
+        for axis, channel in enumerate(TRANSLATIONS):
+            if channel in joint.channels:
+                values[:, place[index, CHANNEL_INDEX[channel]]] = moved[:, axis]
+        letters = "".join(channel[1].upper() for channel in joint.channels if channel[0] == "R")
+        if letters:
+            # A joint with one or two angles is decomposed with the others last, where they come out as nothing.
+            angles = np.degrees(
+                to_euler(made.rotations[:, index], letters + "".join(sorted(set("XYZ") - set(letters))))
+            )
+            for column, letter in enumerate(letters):
+                values[:, place[index, CHANNEL_INDEX[f"R{letter.lower()}"]]] = angles[:, column]
+    if made.present is not None:
+        for column, (joint_index, _) in enumerate(columns):
+            values[~made.present[:, joint_index], column] = np.nan
+    if not np.isfinite(values[~np.isnan(values)]).all() or (made.present is None and np.isnan(values).any()):
+        raise McmlError("The analysis made numbers that are not finite.", remedy="Report the result's parameters.")
+    return values
+
+
+def _shapes(made: MadeClip, columns: tuple[tuple[int, int], ...]) -> tuple[tuple[Shape, ...], Any]:
+    whole = full_shape(columns)
+    if made.present is None:
+        return (whole,), None
+    rows, shape_of = np.unique(made.present, axis=0, return_inverse=True)
+    # A joint without sample stays in the frame by its name alone.
+    shapes = tuple(tuple((joint, bits if row[joint] else 0) for joint, bits in whole) for row in rows)
+    return shapes, shape_of.reshape(-1)

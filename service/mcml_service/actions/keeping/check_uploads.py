@@ -1,0 +1,123 @@
+"""Numbers of documents compared with the files they came from, which are read again."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
+
+import numpy as np
+
+from mcml.errors import FormatError, McmlError, NotFoundError
+from mcml.files.gather_files import Clip
+from mcml.files.import_options import ImportOptions
+from mcml.files.open_clip import open_clip
+from mcml.formats.format import SourceFile
+from mcml.motion.clip import ClipStream, FrameBlock
+from mcml.motion.skeleton import Array
+from mcml_service.actions.exporting.export_motion import skeleton_file
+from mcml_service.clips.read_clip import read_clip
+from mcml_service.settings import Settings
+from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.encoding import joined
+from mcml_service.storage.schema import CHUNK
+from mcml_service.storage.transaction import Transaction
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A document beside its files. key: of the document. faults: where its first revision holds other numbers.
+    chunks: (chunk, bone) of tracks that do. unread: why its files could not be compared."""
+
+    key: int
+    name: str
+    faults: tuple[str, ...] = ()
+    chunks: tuple[tuple[int, int], ...] = ()
+    unread: str | None = None
+
+
+def compare_all(tx: Transaction, settings: Settings) -> Iterator[Compared]:
+    """Every document that has an upload, deleted ones too, beside it."""
+    for key, uuid, name in tx.documents.everything():
+        label = f"{name} ({uuid})"
+        try:
+            yield _compare(tx, key, uuid, label, settings)
+        # Whatever damaged rows lead to: the store has an answer for it, not a trace.
+        except Exception as error:
+            what = str(error) if isinstance(error, McmlError) else "its rows cannot be read"
+            yield Compared(key, label, faults=(what,))
+
+
+def _compare(tx: Transaction, key: int, uuid: str, label: str, settings: Settings) -> Compared:
+    try:
+        then = tx.at_commit(tx.documents.commit_of(key, 1))
+    except NotFoundError as pruned:
+        return Compared(key, label, unread=str(pruned))
+    stored = then.documents.get(uuid, deleted=True)
+    held = read_clip(then, stored, labelled=False).clip
+    try:
+        kept = _kept(then, stored, held, settings)
+        if kept is None:
+            return Compared(key, label)
+        return _differences(key, label, kept.blocks(), held.blocks(), held.head.skeleton.names)
+    except FormatError as error:
+        return Compared(key, label, unread=str(error))
+
+
+def _kept(tx: Transaction, stored: StoredDocument, held: ClipStream, settings: Settings) -> ClipStream | None:
+    """The clip in the kept files, None where none are kept."""
+    files = {}
+    for upload in tx.uploads.of(stored.key):
+        content = tx.uploads.read(stored.key, upload.part) or ()
+        files[upload.part] = SourceFile(upload.file_name, io.BytesIO(b"".join(content)))
+    if not files:
+        return None
+    if stored.format == "asf-amc" and "asf" not in files:
+        files = {"asf": skeleton_file(tx, stored), **files}
+    encoding = next((part.encoding for part in held.head.sources if part.encoding != "utf-8"), None)
+    return open_clip(Clip(stored.format, files), ImportOptions(encoding=encoding), settings.file_limits).stream
+
+
+def _differences(
+    key: int, label: str, given: Iterable[FrameBlock], wanted: Iterable[FrameBlock], names: Sequence[str]
+) -> Compared:
+    faults: dict[str, None] = {}
+    chunks: dict[tuple[int, int], None] = {}
+    for chunk, (first_side, other_side) in enumerate(zip_longest(_chunks(given), _chunks(wanted))):
+        both = [side for side in (first_side, other_side) if side is not None]
+        columns = tuple(dict.fromkeys(column for side in both for column in side.columns))
+        one, other = _spread(first_side, columns), _spread(other_side, columns)
+        if len(one) != len(other):
+            faults["it has another number of frames than its file"] = None
+            break
+        different = ~((one == other) & (np.signbit(one) == np.signbit(other)) | np.isnan(one) & np.isnan(other))
+        for index in np.flatnonzero(different.any(axis=0)).tolist():
+            rows = np.flatnonzero(different[:, index])
+            first, last = chunk * CHUNK + int(rows[0]) + 1, chunk * CHUNK + int(rows[-1]) + 1
+            bone = columns[index][0]
+            faults[f"bone {names[bone]!r}, frames {first} to {last}: other numbers than in its file"] = None
+            chunks[chunk, bone] = None
+    return Compared(key, label, tuple(faults), tuple(chunks))
+
+
+def _chunks(blocks: Iterable[FrameBlock]) -> Iterator[FrameBlock]:
+    """The samples of CHUNK frames at a time."""
+    waiting: list[FrameBlock] = []
+    for block in blocks:
+        waiting.append(block)
+        while sum(map(len, waiting)) >= CHUNK:
+            values, columns = joined(waiting)
+            yield FrameBlock(values[:CHUNK], columns, (), [])
+            waiting = [FrameBlock(values[CHUNK:], columns, (), [])]
+    if sum(map(len, waiting)):
+        yield FrameBlock(*joined(waiting), (), [])
+
+
+def _spread(block: FrameBlock | None, columns: tuple[tuple[int, int], ...]) -> Array:
+    """The samples under these columns, NaN where there is none."""
+    if block is None:
+        return np.empty((0, len(columns)))
+    values = np.full((len(block), len(columns)), np.nan)
+    values[:, [columns.index(column) for column in block.columns]] = block.values
+    return values

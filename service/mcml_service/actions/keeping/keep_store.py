@@ -1,0 +1,123 @@
+"""Backups: the whole store as one SQLite file, from and to any kind of database."""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+from contextlib import closing
+from datetime import UTC, datetime
+from pathlib import Path
+
+from sqlalchemy import func, insert, select
+
+from mcml.errors import ConflictError, SpaceError, StoreError
+from mcml_service.storage.database import Database
+from mcml_service.storage.dialects.sqlite import PRIVATE
+from mcml_service.storage.schema import metadata
+from mcml_service.storage.tables import document, store
+
+ROWS = 2000
+
+
+def backup(database: Database, target: Path) -> int:
+    """Write a snapshot of the store into a new file while others go on working; returns its size in bytes."""
+    if target.exists():
+        raise ConflictError(f"{target} exists.", remedy="Choose a new file name.")
+    part = target.with_name(target.name + ".part")
+    part.unlink(missing_ok=True)
+    copy = Database(f"sqlite:///{part}")
+    try:
+        copy.migrate()
+        _copy(database, copy)
+        copy.close()
+        # One file that can be moved: without a log beside it.
+        connection = sqlite3.connect(part)
+        connection.execute("PRAGMA journal_mode=DELETE")
+        connection.close()
+        part.replace(target)
+    finally:
+        copy.close()
+        part.unlink(missing_ok=True)
+    return target.stat().st_size
+
+
+def upgrade(database: Database) -> Path | None:
+    """Bring a store to this program's schema, or make a new one. Answers where an SQLite store is kept as it was; None
+    where nothing was upgraded, or the store is a server's, which has backups of its own.
+
+    SpaceError where there is no room for the copy: then nothing is upgraded.
+    """
+    found, wanted = database.schema_versions()
+    path = database.dialect.file
+    kept = None
+    if path is not None and found is not None and wanted is not None and found < wanted:
+        kept = path.with_name(f"{path.name}.schema-{found}.{datetime.now(UTC):%Y%m%dT%H%M%SZ}.backup")
+        _copy_file(path, kept)
+    database.migrate()
+    return kept
+
+
+def _copy_file(path: Path, target: Path) -> None:
+    """Copy an SQLite store as it is while others use it. SpaceError."""
+    os.close(os.open(target, os.O_CREAT | os.O_EXCL | os.O_RDWR, PRIVATE))
+    try:
+        with closing(sqlite3.connect(path)) as source, closing(sqlite3.connect(target)) as copy:
+            source.backup(copy)
+            copy.execute("PRAGMA journal_mode=DELETE")
+    except sqlite3.Error as error:
+        target.unlink()
+        if getattr(error, "sqlite_errorcode", None) != sqlite3.SQLITE_FULL:
+            raise
+        raise SpaceError(
+            f"There is no room to copy the store to {target}, so it was not upgraded.",
+            remedy=f"Make {path.stat().st_size / 1e6:,.0f} MB of room on that disk, then try again.",
+        ) from error
+
+
+def restore(database: Database, source: Path) -> int:
+    """Fill an empty store with a backup; returns the number of documents. ConflictError where it is not empty."""
+    if not source.is_file():
+        raise StoreError(f"{source} is not a file.", remedy="Name a file that `mcml db backup` wrote.")
+    with database.read() as tx:
+        held = [table.name for table in _COPIED if tx.connection.execute(select(table).limit(1)).first() is not None]
+        if held or tx.newest_commit():
+            raise ConflictError(
+                f"The store is not empty: it has rows in {', '.join(held)}.", remedy="Restore into a new store."
+            )
+    copy = Database(f"sqlite:///{source}")
+    try:
+        _require_schema(copy, source)
+        _copy(copy, database)
+    finally:
+        copy.close()
+    with database.read() as tx:
+        return int(tx.connection.execute(select(func.count()).select_from(document)).scalar_one())
+
+
+_COPIED = [table for table in metadata.sorted_tables if table is not store]
+"""All tables but what a store says of itself, which its migration and `_copy` write."""
+
+
+def _require_schema(copy: Database, source: Path) -> None:
+    """StoreError unless a backup has this program's schema."""
+    found, wanted = copy.schema_versions()
+    if found is None:
+        raise StoreError(f"{source} is no backup of a store.", remedy="Name a file that `mcml db backup` wrote.")
+    if found < (wanted or ""):
+        raise StoreError(
+            f"The backup's schema is {found}, this program needs {wanted}.",
+            remedy=f"Upgrade a copy of it first: mcml db upgrade --database sqlite:///{source}",
+        )
+    copy.require_schema()
+
+
+def _copy(source: Database, target: Database) -> None:
+    with source.read() as old, target.write("backup") as new:
+        for table in _COPIED:
+            rows = old.connection.execute(
+                select(table).order_by(*table.primary_key).execution_options(yield_per=ROWS)
+            ).mappings()
+            for block in rows.partitions(ROWS):
+                new.connection.execute(insert(table), [dict(row) for row in block])
+        new.pruning.let_go(old.pruning.whole_since())
+        new.dialect.after_copy(new.connection, old.dialect.last_keys(old.connection))

@@ -1,0 +1,117 @@
+"""Documents removed for good, with all that only they needed: what would go, and the purge itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+
+from mcml.errors import NotFoundError
+from mcml_service.storage.database import Database
+from mcml_service.storage.words import in_words
+from mcml_service.xpath.library.part_file import forget
+
+
+@dataclass(frozen=True)
+class Purgeable:
+    """A document as a purge finds it.
+
+    bytes: about how many it frees. deleted: when, None for one that is there. clips, results: (uuid, name) of what was
+    made from it and from others: these stay, and hold motion of it. own_results: how many were made from it alone.
+    """
+
+    uuid: str
+    name: str
+    project: str
+    revisions: int
+    bytes: int
+    deleted: str | None
+    clips: tuple[tuple[str, str], ...]
+    results: tuple[tuple[str, str], ...]
+    own_results: int
+
+
+def purgeable(database: Database, uuids: Sequence[str], deleted_days: float | None = None) -> list[Purgeable]:
+    """The documents of these full ids, and those deleted so many days ago or longer. NotFoundError."""
+    with database.read() as tx:
+        wanted = list(uuids)
+        if deleted_days is not None:
+            limit = datetime.now(UTC) - timedelta(days=deleted_days)
+            wanted += tx.purging.deleted_before(limit.isoformat(timespec="milliseconds").replace("+00:00", "Z"))
+        found = []
+        for uuid in dict.fromkeys(wanted):
+            stored = tx.documents.find(uuid, deleted=True)
+            if stored is None:
+                raise NotFoundError(
+                    f"There is no document {uuid}.", remedy="Name full ids; `mcml ls --deleted` lists deleted ones."
+                )
+            held = tx.purging.held(stored.key)
+            clips, results, own = tx.purging.made_from(uuid)
+            facts = (held.revisions, held.bytes, held.deleted, tuple(clips), tuple(results), len(own))
+            found.append(Purgeable(uuid, stored.name, stored.project, *facts))
+        return found
+
+
+def purge_documents(
+    database: Database,
+    uuids: Sequence[str],
+    author: str = "local",
+    progress: Callable[[str], None] | None = None,
+    cache_dir: str = "",
+) -> int:
+    """Remove documents for good, and those whose purge was interrupted; answers how many. NotFoundError.
+
+    cache_dir: where queries keep columns on disk, as the setting has it; those of what is purged go, too.
+
+    Each step is a short transaction, so others go on working; a kill in between leaves a document that no read sees,
+    and the next purge, or the next server that starts, goes on with it.
+    """
+    for uuid in uuids:
+        database.reserve.spend(lambda uuid=uuid: _begin(database, uuid, author))  # type: ignore[misc]
+    return finish_purges(database, author, progress, cache_dir)
+
+
+def _begin(database: Database, uuid: str, author: str) -> None:
+    with database.write(author) as tx:
+        stored = tx.documents.get(uuid, deleted=True)
+        tx.documents.lock(stored.key)
+        tx.purging.begin(stored)
+
+
+def finish_purges(
+    database: Database,
+    author: str = "local",
+    progress: Callable[[str], None] | None = None,
+    cache_dir: str = "",
+) -> int:
+    """Remove what is left of documents that are being purged; answers how many there were."""
+    with database.read() as tx:
+        begun = tx.purging.unfinished()
+    for key, uuid in begun:
+        while database.reserve.spend(lambda key=key: _remove_tracks(database, key, author)):  # type: ignore[misc]
+            pass
+        database.reserve.spend(lambda key=key, uuid=uuid: _finish(database, key, uuid, author))  # type: ignore[misc]
+        if progress is not None:
+            progress(uuid)
+    if begun:
+        database.reserve.spend(lambda: _settle(database))
+        database.reserve.keep()
+        forget(database, cache_dir)
+    return len(begun)
+
+
+def _remove_tracks(database: Database, key: int, author: str) -> bool:
+    with database.write(author) as tx:
+        tx.dialect.erase_what_goes(tx.connection)
+        return tx.purging.remove_tracks(key)
+
+
+def _finish(database: Database, key: int, uuid: str, author: str) -> None:
+    with database.write(author) as tx:
+        tx.dialect.erase_what_goes(tx.connection)
+        tx.purging.finish(key, uuid)
+
+
+def _settle(database: Database) -> None:
+    with in_words(database.dialect):
+        database.dialect.settle()

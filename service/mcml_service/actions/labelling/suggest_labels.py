@@ -1,0 +1,64 @@
+"""Motion names for a document, from its motion."""
+
+from __future__ import annotations
+
+from mcml.errors import ConflictError, ConversionError, DocumentError
+from mcml.language.motion_names import MotionName
+from mcml.motion.hub import HubReader
+from mcml.motion.movement_names import suggest_movements
+from mcml.motion.skeleton import Convention
+from mcml_schemas.labels import SuggestedLabel
+from mcml_service.actions.checking.check_timed import seconds_of
+from mcml_service.actions.editing.change_document import add_labels
+from mcml_service.actions.editing.reshape_motion import read_whole
+from mcml_service.storage.database import Database
+from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.transaction import Transaction
+
+
+def suggest_labels(
+    tx: Transaction, stored: StoredDocument, confidence: float, facing: str | None = None
+) -> list[SuggestedLabel]:
+    """Anatomical movements of at least that confidence, in order. Nothing is written.
+
+    facing: the axis along which the body faces where it stands upright, for rigs whose names tell no sides. Raises
+    DocumentError for markers and without a frame time, ConversionError where nothing tells left from right.
+    """
+    seconds = seconds_of(stored)
+    whole = read_whole(tx, stored)
+    skeleton = whole.head.skeleton
+    if any(joint.convention is Convention.MARKER for joint in skeleton.joints):
+        raise DocumentError("Markers have no joint angles.", remedy="Choose a document of a body.")
+    reader = HubReader(skeleton, whole.reading)
+    hub = reader.read(whole.block)
+    try:
+        found = suggest_movements(
+            skeleton, reader.rest, hub.translations, hub.rotations, seconds, whole.up, facing=facing
+        )
+    except ConversionError as error:
+        error.remedy = "Say where the body faces, across the axis up: `facing` (`--facing` of the command), Z or -X …"
+        raise
+    return [
+        SuggestedLabel(
+            name=str(MotionName(one.side, one.part, one.movement)),
+            first=one.first + 1,
+            last=one.last + 1,
+            degrees=one.degrees,
+            confidence=one.confidence,
+        )
+        for one in found
+        if one.confidence >= confidence
+    ]
+
+
+def accept_labels(database: Database, uuid: str, confidence: float, author: str) -> int:
+    """Name frames as suggested, as one revision; answers how many labels were added. Raises as `suggest_labels`."""
+    with database.read() as tx:
+        stored = tx.documents.get(uuid)
+        found = suggest_labels(tx, stored, confidence)
+    with database.write(author) as tx:
+        tx.documents.lock(stored.key)
+        current = tx.documents.get(uuid)
+        if current.revision != stored.revision:
+            raise ConflictError(f"{stored.name} was edited meanwhile.", remedy="Repeat the request.")
+        return len(add_labels(tx, current, [(item.name, item.first, item.last) for item in found], strict=True))

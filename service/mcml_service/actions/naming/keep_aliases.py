@@ -1,0 +1,62 @@
+"""Names of joints that a project adds: checked, kept, and changed by who knows the present version."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from difflib import get_close_matches
+
+from mcml.errors import DocumentError
+from mcml.language.joint_names import alias_key, table
+from mcml_schemas.names import Alias, AliasTable
+from mcml_service.actions.checking.preconditions import check_match
+from mcml_service.storage.aliases import StoredAliases
+from mcml_service.storage.transaction import Transaction
+
+
+def keep_aliases(
+    tx: Transaction, project: str, items: Sequence[Alias], if_match: str | None, author: str
+) -> StoredAliases:
+    """Save the aliases of a project. DocumentError for names that are not MCML's, or that say the same twice."""
+    known = [row.name for row in table()]
+    seen: dict[str, str] = {}
+    for item in items:
+        if item.name not in known:
+            near = get_close_matches(item.name, known, 1)
+            raise DocumentError(
+                f"{item.name!r} is no joint of MCML.",
+                remedy=f"Did you mean {near[0]!r}?" if near else "GET /joint-names lists all 53.",
+            )
+        key = alias_key(item.source)
+        if not key or "\0" in item.source:
+            raise DocumentError(f"{item.source!r} is no name of a joint.", remedy="Give letters or digits.")
+        if key in seen:
+            raise DocumentError(
+                f"{seen[key]!r} and {item.source!r} are the same name: case and punctuation do not count.",
+                remedy="Say each one once.",
+            )
+        seen[key] = item.source
+    tx.dialect.order_commits(tx.connection)
+    present = tx.aliases.of(project)
+    if present.version:
+        check_match(if_match, present.version, "table of aliases", "version")
+    return tx.aliases.put(project, tuple((item.source, item.name) for item in items), author)
+
+
+def remove_aliases(tx: Transaction, project: str, if_match: str | None) -> None:
+    """Take all aliases of a project away. Documents keep the names that they have."""
+    tx.dialect.order_commits(tx.connection)
+    tx.projects.get(project)
+    present = tx.aliases.of(project)
+    if present.version:
+        check_match(if_match, present.version, "table of aliases", "version")
+        tx.aliases.remove(project)
+
+
+def alias_table(stored: StoredAliases) -> AliasTable:
+    return AliasTable(
+        project=stored.project,
+        version=stored.version,
+        author=stored.author,
+        changed=stored.changed,
+        items=[Alias(source=source, name=name) for source, name in stored.pairs],
+    )

@@ -1,0 +1,59 @@
+"""Quantities of the body of a document (`height:left_hand`) as columns of numbers, for some of its frames."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcml.files.read_numbers import Numbers
+from mcml.motion.bodies.quantities import AskedQuantity, compute, halo_of
+from mcml.motion.skeleton import Array
+from mcml_service.clips.bodies import Body, read_turned
+from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.transaction import Transaction
+
+
+def quantity_columns(
+    tx: Transaction, stored: StoredDocument, body: Body, asked: Sequence[AskedQuantity], first: int, last: int
+) -> Array:
+    """(frames first to last, quantities), positions from 1, float64; NaN where unknown.
+
+    Only as many frames around these are looked at as give the values of the whole document. NotFoundError for joints
+    that the document has not.
+    """
+    found = np.empty((max(0, last - first + 1), len(asked)))
+    for place, one in enumerate(asked):
+        one.check_joints(body.names)
+        if one.needs_rotations:
+            found[:, place] = read_turned(tx, stored, one.arguments[0], body)[first - 1 : last]
+        else:
+            found[:, place] = _stretch(one, body, first, last)
+    return found
+
+
+def _stretch(asked: AskedQuantity, body: Body, first: int, last: int) -> Array:
+    halo = halo_of(asked.name, asked.arguments, body.frame_time)
+    low = 0 if halo is None else max(0, first - 1 - halo)
+    high = body.frames if halo is None else min(body.frames, last + halo)
+    stretch = body.stretch(asked.joints(body.names), low, high)
+    values: Array = compute(asked.name, asked.arguments, stretch)[first - 1 - low : last - low]
+    return values
+
+
+def with_quantities(numbers: Numbers, asked: Sequence[AskedQuantity], values: Array, *, alone: bool) -> Numbers:
+    """Channels of frames with quantities (frames, quantities) after them. alone: without the channels."""
+
+    def blocks() -> Iterator[tuple[Array, NDArray[np.int64] | list[str]]]:
+        done = 0
+        for channels, ids in numbers.blocks():
+            part = values[done : done + len(channels)]
+            done += len(channels)
+            yield part if alone else np.concatenate([channels, part], axis=1), ids
+
+    columns = [] if alone else numbers.columns
+    units = [*[""] * len(columns), *(one.unit for one in asked)]
+    columns = [*columns, *(one.text for one in asked)]
+    return replace(numbers, columns=columns, shape=(len(columns),), blocks=blocks, units=units)

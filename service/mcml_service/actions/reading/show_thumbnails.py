@@ -1,0 +1,58 @@
+"""Thumbnails as they are asked for: those that are kept, and those that are made now and kept from then on."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+
+from mcml.errors import ConflictError, McmlError, StoreError
+from mcml_service.actions.reading.make_thumbnail import read_thumbnail
+from mcml_service.storage.database import Database
+from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.thumbnails import StoredThumbnail
+from mcml_service.storage.transaction import Transaction
+
+LIST_SECONDS = 0.3
+"""That a list may take longer to make thumbnails; those that are still missing come with the next one."""
+
+Pictures = dict[int, StoredThumbnail]
+"""By the keys of documents."""
+
+
+def pictures_of(
+    tx: Transaction, documents: Sequence[StoredDocument], seconds: float = LIST_SECONDS
+) -> tuple[Pictures, list[tuple[StoredDocument, StoredThumbnail]]]:
+    """Pictures of documents, as far as there was time for them; and those of them that no store keeps yet.
+
+    One that cannot be read has none: what is wrong with it is told by whoever reads more of it.
+    """
+    found = tx.thumbnails.of(documents)
+    made: list[tuple[StoredDocument, StoredThumbnail]] = []
+    until = time.monotonic() + seconds
+    for stored in documents:
+        if stored.key in found:
+            continue
+        if time.monotonic() > until:
+            break
+        with suppress(McmlError):
+            picture = picture_of(tx, stored)
+            found[stored.key] = picture
+            made.append((stored, picture))
+    return found, made
+
+
+def picture_of(tx: Transaction, stored: StoredDocument) -> StoredThumbnail:
+    """The picture of a document, made now."""
+    thumbnail = read_thumbnail(tx, stored)
+    return StoredThumbnail(b"", {}) if thumbnail is None else StoredThumbnail(thumbnail.data, thumbnail.facts)
+
+
+def keep_pictures(database: Database, made: Sequence[tuple[StoredDocument, StoredThumbnail]]) -> None:
+    """Keep pictures. Where that cannot be now, they are made again."""
+    if not made:
+        return
+    with suppress(StoreError, ConflictError), database.write() as tx:
+        for stored, picture in made:
+            if not tx.thumbnails.has(stored.key, stored.revision):
+                tx.thumbnails.add(stored.key, stored.revision, picture.data, picture.facts)

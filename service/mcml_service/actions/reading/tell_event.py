@@ -1,0 +1,13 @@
+"""An event of the store as answers have it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mcml_schemas.activity import ActivityEvent
+from mcml_service.storage.activity import Event
+
+
+def told_event(event: Event) -> ActivityEvent:
+    facts: dict[str, Any] = dict(vars(event))
+    return ActivityEvent(id=facts.pop("number"), **facts)

@@ -1,0 +1,395 @@
+"""Three analyses for users: beats and bars, the graph of bars, a new dance. Specification: docs/analyses/dance.md."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from mcml.motion.skeleton import Array
+from mcml_schemas.analyses.dance import (
+    BeatsParameters,
+    DanceParameters,
+    EdgesWish,
+    GraphEdge,
+    GraphEdges,
+    GraphParameters,
+)
+from mcml_service.analysis.dance import tables
+from mcml_service.analysis.dance.assembly import Dance
+from mcml_service.analysis.dance.bar_graph import BarGraph, bar_graph
+from mcml_service.analysis.dance.choreography import MOST_OUT, Choice, Plan, Wish, check_pulse, dance_of, plan_dance
+from mcml_service.analysis.dance.figure import laid_back
+from mcml_service.analysis.dance.measured import measure
+from mcml_service.analysis.dance.motion_graph import strong_components
+from mcml_service.analysis.dance.music import check_bpm, music_grid
+from mcml_service.analysis.dance.pictures import BEATS_PICTURES, DANCE_PICTURES, GRAPH_PICTURES
+from mcml_service.analysis.dance.sources import Clip, Search, channels_of, on_one_skeleton, read_clip, upright_clip
+from mcml_service.analysis.dance.tempo import Tempo, tempo_of
+from mcml_service.analysis.dance.time_warp import even_grid
+from mcml_service.analysis.interface import (
+    Analysis,
+    AnalysisError,
+    Answer,
+    MadeClip,
+    Motion,
+    Part,
+    PartInfo,
+    Parts,
+    Progress,
+    ResultUse,
+)
+from mcml_service.analysis.pieces import each, spread_of
+
+
+def _search(parameters: BeatsParameters, document: str) -> Search:
+    """How one clip is read: the parameters, and what is known better about it."""
+    search = Search(
+        smooth=parameters.smooth,
+        difference=parameters.difference,
+        k2=parameters.k2,
+        k3=parameters.k3,
+        locate=parameters.locate,
+        source_bpm=parameters.source_bpm,
+        beats=parameters.beats_from,
+        interval_tolerance=parameters.interval_tolerance,
+        stride=parameters.stride,
+        lead_in=parameters.lead_in,
+        tempo=parameters.tempo,
+    )
+    for known in parameters.clips:
+        if known.document == document:
+            search = replace(
+                search,
+                own_beats=search.own_beats if known.beats is None else tuple(known.beats),
+                source_bpm=known.source_bpm or search.source_bpm,
+                beats=known.beats_from or search.beats,
+            )
+    return search
+
+
+def _read(motions: Sequence[Motion], parameters: BeatsParameters, progress: Progress, share: float) -> list[Clip]:
+    shared = None
+    if parameters.shared_music and parameters.tempo == "robust":
+        shared = tempo_of(each(motions, _channels, told=lambda done: progress("tempo", 0.1 * share * done)))
+    begun = 0.0 if shared is None else 0.1 * share
+    return each(
+        motions,
+        _clip,
+        (parameters, shared),
+        lambda done: progress("speed and beats", begun + (share - begun) * done),
+    )
+
+
+def _channels(motion: Motion) -> Array:
+    return channels_of(upright_clip(motion))
+
+
+def _clip(motion: Motion, parameters: BeatsParameters, shared: Tempo | None) -> Clip:
+    return read_clip(motion, _search(parameters, motion.document), shared)
+
+
+def run_beats(motions: Sequence[Motion], parameters: BeatsParameters, progress: Progress) -> Parts:
+    """Speed, candidates, beats, period and bars of each clip by itself."""
+    clips = _read(motions, parameters, progress, 0.95)
+    parts = {
+        "clips": tables.clips_table(clips),
+        "speed": tables.speed_curve(clips),
+        "candidates": tables.candidates_table(clips),
+        "beats": tables.beats_table(clips),
+        "bars": tables.bars_table(clips),
+        "warnings": tables.warnings_table([], clips),
+    }
+    if parameters.labels:
+        parts["labels"] = tables.source_labels(clips, parameters.labels)
+    progress("done", 1.0)
+    return parts
+
+
+def _graph(
+    motions: Sequence[Motion], parameters: GraphParameters, progress: Progress, shares: tuple[float, float]
+) -> tuple[list[Clip], BarGraph, list[str]]:
+    read_share, graph_share = shares
+    clips, warnings = on_one_skeleton(_read(motions, parameters, progress, read_share))
+    graph = bar_graph(
+        clips,
+        parameters.threshold,
+        parameters.coverage,
+        parameters.allow_repeat,
+        parameters.cloud_at,
+        lambda done: progress("distances of bars", read_share + graph_share * done),
+        spread_of(motions),
+    )
+    return clips, graph, [*warnings, *tables.graph_warnings(clips, graph)]
+
+
+def run_graph(motions: Sequence[Motion], parameters: GraphParameters, progress: Progress) -> Parts:
+    """The graph of the bars of all clips."""
+    clips, graph, warnings = _graph(motions, parameters, progress, (0.5, 0.45))
+    parts = {
+        "clips": tables.clips_table(clips),
+        "bars": tables.bars_table(clips),
+        "graph": tables.graph_part(clips, graph),
+        "warnings": tables.warnings_table(warnings, clips),
+    }
+    if parameters.labels:
+        parts["labels"] = tables.source_labels(clips, parameters.labels)
+    progress("done", 1.0)
+    return parts
+
+
+def edges(graph: Part, wish: EdgesWish) -> Answer:
+    """Edges and components of the graph with another threshold. Raises AnalysisError `old-result`."""
+    if "jumps" not in graph.arrays:
+        raise AnalysisError(
+            "old-result", "This graph does not hold the jumps beyond its threshold.", remedy="Make the graph again."
+        )
+    jumps, distances = graph.arrays["jumps"], graph.arrays["jump_distances"]
+    near = distances <= wish.threshold
+    steps = graph.arrays["pairs"][graph.arrays["natural"].astype(bool)]
+    pairs = np.concatenate([jumps[near], steps])
+    components = strong_components(len(graph.data["nodes"]), pairs[:, 0], pairs[:, 1])
+    listed = min(wish.most, int(near.sum()))
+    return Answer(
+        GraphEdges(
+            threshold=wish.threshold,
+            least=float(distances.min(initial=np.inf)) if len(distances) else None,
+            greatest=float(distances.max(initial=0.0)) if len(distances) else None,
+            edges_in_all=len(pairs),
+            edges=[
+                *(GraphEdge(first=int(a) + 1, second=int(b) + 1, distance=0.0, natural=True) for a, b in steps),
+                *(
+                    GraphEdge(first=int(a) + 1, second=int(b) + 1, distance=float(d), natural=False)
+                    for (a, b), d in zip(jumps[:listed], distances[:listed], strict=True)
+                ),
+            ],
+            components=components.tolist(),
+        )
+    )
+
+
+def run_dance(motions: Sequence[Motion], parameters: DanceParameters, progress: Progress) -> Parts:
+    """A new dance to a tempo or to beats of music."""
+    grid = _grid(parameters)
+    clips, graph, warnings = _graph(motions, parameters, progress, (0.4, 0.3))
+    progress("path", 0.72)
+    plan = plan_dance(clips, graph, grid, _choice(parameters, graph))
+    fps = parameters.fps or clips[0].fps
+    progress("motion", 0.76)
+    dance = _danced(clips, graph, plan, fps, parameters, parameters.blend)
+    progress("figures", 0.84)
+    classic = None
+    if parameters.blend != "classic":
+        classic = _danced(clips, graph, plan, fps, parameters, "classic")
+    search = _search(parameters, "")
+    measured = measure(clips, dance, classic, plan, fps, search)
+    parts: dict[str, Part] = {
+        "path": tables.path_table(clips, graph.bars, plan),
+        "transitions": measured.transitions,
+        "metrics": measured.metrics,
+        "warnings": tables.warnings_table(warnings, clips),
+    }
+    if not parameters.dry_run:
+        parts["clips"] = tables.clips_table(clips)
+        parts["graph"] = tables.graph_part(clips, graph)
+        parts["speed"] = tables.dance_curve(measured.watched.speed, measured.watched.beats, plan.grid, fps)
+        parts["clip"] = Part("clip", clip=_made(clips, graph, plan, dance, fps, parameters, motions))
+    progress("done", 1.0)
+    return parts
+
+
+def _grid(parameters: DanceParameters) -> Array:
+    if parameters.bars > MOST_OUT:
+        raise AnalysisError(
+            "too-many-bars",
+            f"{parameters.bars} bars were asked for; a dance may have {MOST_OUT}.",
+            remedy="Ask for fewer.",
+            most=MOST_OUT,
+        )
+    if parameters.music is not None and parameters.bpm is None:
+        music = parameters.music
+        return music_grid(
+            music.beats, parameters.bars, music.downbeat - 1, float(Fraction(music.factor)), music.beats_per_bar
+        )
+    if parameters.bpm is None or parameters.music is not None:
+        raise AnalysisError(
+            "bpm-out-of-range",
+            "The tempo is to be given either as bpm or by music.",
+            remedy="Give a bpm from 40 to 240, or the beats of music, not both.",
+        )
+    return even_grid(check_bpm(parameters.bpm), parameters.bars)
+
+
+def _check(parameters: BeatsParameters, documents: Sequence[str]) -> None:
+    """What is wrong with parameters whatever the clips are."""
+    named = [clip.document for clip in parameters.clips]
+    if isinstance(parameters, DanceParameters):
+        _grid(parameters)
+        if parameters.pulse is not None:
+            check_pulse(parameters.bars, Fraction(parameters.pulse))
+        named += [allowed.document for allowed in parameters.allowed if allowed.document is not None]
+    for document in named:
+        if document not in documents:
+            raise AnalysisError(
+                "unknown-clip",
+                f"The parameters name {document!r}, which is none of the documents.",
+                remedy="Name documents of the selection.",
+            )
+
+
+def _choice(parameters: DanceParameters, graph: BarGraph) -> Choice:
+    wishes = [
+        Wish(
+            None if allowed.position is None else allowed.position - 1,
+            tuple(bar - 1 for bar in allowed.bars),
+            allowed.document,
+            allowed.label,
+        )
+        for allowed in parameters.allowed
+    ]
+    if parameters.start is not None:
+        wishes.append(Wish(0, (parameters.start - 1,)))
+    return Choice(
+        None if parameters.pulse is None else Fraction(parameters.pulse),
+        parameters.max_stretch,
+        parameters.strategy,
+        parameters.seed,
+        parameters.repeat_cost,
+        parameters.max_run,
+        tuple(wishes),
+    )
+
+
+def _danced(
+    clips: Sequence[Clip], graph: BarGraph, plan: Plan, fps: float, parameters: DanceParameters, blend: Any
+) -> Dance:
+    return dance_of(
+        clips, graph.bars, plan, fps, blend, parameters.blend_beats, parameters.warp, parameters.placement
+    )  # fmt: skip
+
+
+def _made(
+    clips: Sequence[Clip],
+    graph: BarGraph,
+    plan: Plan,
+    dance: Dance,
+    fps: float,
+    parameters: DanceParameters,
+    motions: Sequence[Motion],
+) -> MadeClip:
+    """The new clip on the first clip's skeleton, with the axis up and the unit that clip has."""
+    first = clips[0].motion
+    original = min(motions, key=lambda motion: motion.document)
+    laid = laid_back(replace(first, translations=dance.translations, rotations=dance.rotations), original.up)
+    names = ", ".join(f"{clip.motion.name} (revision {clip.motion.revision})" for clip in clips)
+    tempo = f"{parameters.bpm:g} beats a minute" if parameters.bpm else "the beats of music"
+    return MadeClip(
+        parameters.name,
+        original.skeleton,
+        1 / fps,
+        laid.rotations,
+        laid.translations,
+        metres=original.metres,
+        up=original.up,
+        description=f"{parameters.bars} bars danced to {tempo}, made of {names}.",
+        properties=_properties(clips, plan, parameters),
+        labels=_labels(plan, fps, len(dance.rotations), parameters.labels),
+    )
+
+
+def _properties(clips: Sequence[Clip], plan: Plan, parameters: DanceParameters) -> tuple[tuple[str, str, str], ...]:
+    sources = " ".join(f"{clip.motion.document}@{clip.motion.revision}" for clip in clips)
+    tempo = (("tempo", f"{parameters.bpm:g}", "bpm"),) if parameters.bpm else ()
+    return (
+        *tempo,
+        ("pulse", str(plan.pulse), ""),
+        ("seed", str(parameters.seed), ""),
+        ("sources", sources, ""),
+        ("path", " ".join(str(bar + 1) for bar in plan.path), ""),
+        ("parameters", parameters.model_dump_json(exclude_defaults=True), ""),
+    )
+
+
+def _labels(plan: Plan, fps: float, frames: int, wanted: Sequence[str]) -> tuple[tuple[str, int, int], ...]:
+    """Motion names of bars and beats on the frames nearest to the grid, from 0, both ends included."""
+    edges = [min(frames, max(0, int(time * fps + 0.5))) for time in plan.grid]
+    labels: list[tuple[str, int, int]] = []
+    if "bars" in wanted:
+        bars = enumerate(zip(edges[:-1:4], edges[4::4], strict=True), start=1)
+        labels += [(f"bar-{number}", first, last - 1) for number, (first, last) in bars if first < last]
+    if "beats" in wanted:
+        labels += [("beat", frame, frame) for frame in edges[:-1] if frame < frames]
+    return tuple(labels)
+
+
+_CLIPS = PartInfo("table", "Each clip: rate, candidates, beats, period, bars, and which beats were used")
+_BARS = PartInfo("table", "Bars: four beats, lead-in, the beat after, tempo")
+_LABELS = PartInfo("table", "Motion names to write: document, name, first and last frame")
+_GRAPH = PartInfo("graph", "Bars and which may follow which, with distances in body sizes")
+_WARNINGS = PartInfo("table", "What to look at")
+
+_RULES = {"tempo": "2 (of the motion itself)"}
+
+BEATS = Analysis(
+    name="beats",
+    title="Beats and bars",
+    description="Motion beats of dance clips, where the body rests for a moment, their period, and bars of four.",
+    parameters=BeatsParameters,
+    parts={
+        "clips": _CLIPS,
+        "speed": PartInfo("curve", "Speed of the body over time, with its beats"),
+        "candidates": PartInfo("table", "Every minimum of the speed, and why it is a beat or is not"),
+        "beats": PartInfo("table", "The beats"),
+        "bars": _BARS,
+        "warnings": _WARNINGS,
+        "labels": _LABELS,
+    },
+    run=run_beats,
+    spreads=True,
+    check=_check,
+    rules=_RULES,
+    pictures=BEATS_PICTURES,
+)
+
+MOTION_GRAPH = Analysis(
+    name="motion-graph",
+    title="Motion graph",
+    description="Which bar of some dance clips may follow which: distances of poses and movement, and what is left "
+    "when bars that lead nowhere are taken away.",
+    parameters=GraphParameters,
+    parts={"clips": _CLIPS, "bars": _BARS, "graph": _GRAPH, "warnings": _WARNINGS, "labels": _LABELS},
+    run=run_graph,
+    spreads=True,
+    check=_check,
+    rules=_RULES,
+    pictures=GRAPH_PICTURES,
+    operations={
+        "edges": ResultUse("Which bar may follow which with another threshold", EdgesWish, GraphEdges, edges),
+    },
+    prepare=lambda parts: parts["graph"],
+)
+
+DANCE = Analysis(
+    name="dance",
+    title="Dance to a tempo",
+    description="A new dance of any length to a tempo or to music, made of bars of dance clips, beat on beat.",
+    parameters=DanceParameters,
+    parts={
+        "clip": PartInfo("clip", "The new dance"),
+        "path": PartInfo("table", "Its bars in order: which bar of which clip, when, and how it is reached"),
+        "transitions": PartInfo("table", "Its jumps: when, how far, how smooth, and the same for the classic blend"),
+        "metrics": PartInfo("table", "How well it keeps to the beat, and how smooth it is beside its sources"),
+        "speed": PartInfo("curve", "Speed of the new dance with its beats and the grid"),
+        "graph": _GRAPH,
+        "clips": _CLIPS,
+        "warnings": _WARNINGS,
+    },
+    run=run_dance,
+    spreads=True,
+    check=_check,
+    rules=_RULES,
+    pictures=DANCE_PICTURES,
+)

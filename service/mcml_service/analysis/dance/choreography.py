@@ -1,0 +1,235 @@
+"""From a graph of bars and a grid of music to a path: rate, constraints, choice. Dance.md 9, 10."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcml.motion.skeleton import Array
+from mcml_service.analysis.dance.assembly import Dance, assemble
+from mcml_service.analysis.dance.bar_graph import AllBars, BarGraph, keep_only, threshold_for_two
+from mcml_service.analysis.dance.blend import Blend, Placement
+from mcml_service.analysis.dance.motion_beats import half_up
+from mcml_service.analysis.dance.path import MAX_RUN, beam_path, feasible, first_impossible, random_path, successors
+from mcml_service.analysis.dance.sources import Clip
+from mcml_service.analysis.dance.time_warp import (
+    PULSES,
+    Warp,
+    choose_pulse,
+    divides,
+    frame_count,
+    motion_grid,
+    segments,
+)
+from mcml_service.analysis.interface import AnalysisError
+
+MOST_OUT = 512
+Strategy = Literal["beam", "random"]
+
+
+@dataclass(frozen=True)
+class Wish:
+    """Which bars may stand at a position (from 0; None: at all). bars: from 0. document, label: of the source."""
+
+    position: int | None = None
+    bars: tuple[int, ...] = ()
+    document: str | None = None
+    label: str | None = None
+
+
+@dataclass(frozen=True)
+class Choice:
+    """How a path is chosen. Fields as in dance.md 9, 10."""
+
+    pulse: Fraction | None = None
+    max_stretch: float = 2.0
+    strategy: Strategy = "beam"
+    seed: int = 0
+    repeat_cost: float = 1.0
+    max_run: int = MAX_RUN
+    wishes: tuple[Wish, ...] = ()
+
+
+@dataclass(frozen=True)
+class Plan:
+    """path: (M,) bars. natural: (M - 1,) whether the step to the next is. distances: (M - 1,), transforms: (M - 1, 3).
+
+    grid: (4 M + 1,) motion beats, seconds. kept: (B,) bars that could have been danced.
+    """
+
+    path: tuple[int, ...]
+    natural: tuple[bool, ...]
+    distances: Array
+    transforms: Array
+    pulse: Fraction
+    grid: Array
+    kept: NDArray[np.bool_]
+
+
+def check_pulse(music_bars: int, pulse: Fraction) -> None:
+    """Raises AnalysisError `bars-not-divisible` where bars of music are not whole bars of motion."""
+    if divides(pulse, music_bars):
+        return
+    whole = int(pulse)
+    lower = music_bars - music_bars % whole
+    fits = [count for count in (lower, lower + whole) if count]
+    raise AnalysisError(
+        "bars-not-divisible",
+        f"{music_bars} bars of music are not whole bars of motion with {pulse} music beats to a motion beat.",
+        remedy=f"Ask for {' or '.join(map(str, fits))} bars, or another pulse.",
+        nearest=min(fits, key=lambda count: abs(count - music_bars)),
+    )
+
+
+def plan_dance(clips: Sequence[Clip], graph: BarGraph, grid: Array, choice: Choice) -> Plan:
+    """A path for a grid of music beats (4 N + 1,). Raises AnalysisError where there is none."""
+    bars = graph.bars
+    music_bars = (len(grid) - 1) // 4
+    beat = float(np.median(np.diff(grid)))
+    pulse = choice.pulse or choose_pulse(beat, float(np.median(bars.seconds[graph.kept])), music_bars)
+    check_pulse(music_bars, pulse)
+    beats = motion_grid(grid, pulse)
+    length = (len(beats) - 1) // 4
+    if length > MOST_OUT:
+        raise AnalysisError(
+            "too-many-bars",
+            f"{length} bars of motion were asked for; a dance may have {MOST_OUT}.",
+            remedy="Ask for fewer.",
+            most=MOST_OUT,
+        )
+    stretch = float(pulse) * beat / bars.seconds
+    fits_tempo = graph.kept & (stretch <= choice.max_stretch + 1e-9) & (stretch >= 1 / choice.max_stretch - 1e-9)
+    if not fits_tempo.any():
+        raise _too_far(graph, choice)
+    if not fits_tempo[graph.kept].all():
+        graph = keep_only(graph, fits_tempo)
+    inside = graph.edges.among(graph.kept)
+    if length > 1 and not len(inside):
+        raise _no_edges(graph)
+    allowed = allowed_bars(clips, bars, graph.kept, length, choice.wishes)
+    reach = feasible(len(bars), inside, allowed)
+    if not reach[0].any():
+        position = first_impossible(inside, allowed)
+        place = length if position is None else position + 1
+        raise AnalysisError(
+            "no-path",
+            f"No path keeps to what is asked: nothing can stand at position {place} of {length}.",
+            remedy="Allow more bars there or before it, or raise the threshold.",
+            position=place,
+        )
+    ways = successors(len(bars), inside, graph.threshold)
+    if choice.strategy == "random":
+        path = random_path(ways, reach, np.random.default_rng(choice.seed))
+    else:
+        path = beam_path(ways, reach, choice.repeat_cost, max_run=choice.max_run)
+    steps = [_edge(inside.first, inside.second, a, b) for a, b in pairwise(path)]
+    return Plan(
+        tuple(path),
+        tuple(bool(natural) for natural in inside.natural[steps]),
+        inside.distances[steps],
+        inside.transforms[steps],
+        pulse,
+        beats,
+        graph.kept,
+    )
+
+
+def _edge(first: NDArray[np.intp], second: NDArray[np.intp], a: int, b: int) -> int:
+    low, high = np.searchsorted(first, [a, a + 1])
+    return int(low + np.searchsorted(second[low:high], b))
+
+
+def _too_far(graph: BarGraph, choice: Choice) -> AnalysisError:
+    pulses = [choice.pulse] if choice.pulse else list(PULSES)
+    own = graph.bars.seconds[graph.kept]
+    spans = sorted(
+        (60 * float(pulse) / (seconds * choice.max_stretch), 60 * float(pulse) * choice.max_stretch / seconds)
+        for seconds in own.tolist()
+        for pulse in pulses
+    )
+    merged: list[list[float]] = []
+    for low, high in spans:
+        low, high = max(low, 40.0), min(high, 240.0)
+        if low > high:
+            continue
+        if merged and low <= merged[-1][1]:
+            merged[-1][1] = max(merged[-1][1], high)
+        else:
+            merged.append([low, high])
+    words = ", ".join(f"{low:.1f} to {high:.1f}" for low, high in merged) or "none"
+    return AnalysisError(
+        "tempo-too-far",
+        f"No bar can be danced at this tempo without playing more than {choice.max_stretch:g} times faster or slower.",
+        remedy=f"Tempi that work: {words} beats a minute. Or raise max_stretch.",
+        ranges=merged,
+    )
+
+
+def _no_edges(graph: BarGraph) -> AnalysisError:
+    least = threshold_for_two(graph)
+    found = "no threshold gives two bars" if least is None else f"a threshold of {least:.4f} gives two bars"
+    return AnalysisError(
+        "no-edges",
+        f"No bar leads to another and back at the threshold {graph.threshold:.4f}; {found}.",
+        remedy="Raise the threshold, add clips, or allow_repeat." if least is None else f"Use threshold={least:.4f}.",
+        threshold=least,
+    )
+
+
+def allowed_bars(
+    clips: Sequence[Clip], bars: AllBars, kept: NDArray[np.bool_], length: int, wishes: Sequence[Wish]
+) -> NDArray[np.bool_]:
+    """(length, B) bars that may stand at each position. A bar has a label that covers at least half of it."""
+    allowed = np.tile(kept, (length, 1))
+    for wish in wishes:
+        fits = np.ones(len(bars), dtype=bool)
+        if wish.bars:
+            fits &= np.isin(np.arange(len(bars)), wish.bars)
+        if wish.document is not None:
+            owners = [index for index, clip in enumerate(clips) if clip.motion.document == wish.document]
+            fits &= np.isin(bars.owners, owners)
+        if wish.label is not None:
+            fits &= _labelled(clips, bars, wish.label)
+        if wish.position is None:
+            allowed &= fits
+        elif wish.position < length:
+            allowed[wish.position] &= fits
+    return allowed
+
+
+def _labelled(clips: Sequence[Clip], bars: AllBars, label: str) -> NDArray[np.bool_]:
+    found = np.zeros(len(bars), dtype=bool)
+    for bar in range(len(bars)):
+        first, last = half_up(bars.frames[bar, 0]), half_up(bars.frames[bar, 3])
+        covered = np.zeros(last - first + 1, dtype=bool)
+        for name, start, end in clips[bars.owners[bar]].motion.labels:
+            if name == label:
+                covered[max(0, start - first) : max(0, end + 1 - first)] = True
+        found[bar] = covered.mean() >= 0.5
+    return found
+
+
+def dance_of(
+    clips: Sequence[Clip],
+    bars: AllBars,
+    plan: Plan,
+    fps: float,
+    blend: Blend = "hold",
+    blend_beats: float = 1.0,
+    warp: Warp = "beats",
+    placement: Placement = "cloud",
+) -> Dance:
+    """The motion of a plan at a frame rate."""
+    runs = segments(
+        plan.path, plan.natural, bars.frames, bars.entries, bars.leaves, plan.grid, warp, blend == "classic"
+    )
+    owners = [int(bars.owners[plan.path[run.first]]) for run in runs]
+    jumps = plan.transforms[[not natural for natural in plan.natural]]
+    frames = frame_count(plan.grid, fps)
+    return assemble(clips, owners, runs, jumps, frames, fps, blend, blend_beats, placement)

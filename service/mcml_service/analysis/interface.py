@@ -1,0 +1,202 @@
+"""What an analysis gets and gives: motions in, parts of a result out. Knows neither HTTP nor SQL.
+
+Frames are 0-based in arrays; whoever answers users adds one. Quaternions are x, y, z, w.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal, Protocol
+
+from numpy.typing import NDArray
+from pydantic import BaseModel
+
+from mcml.errors import McmlError
+from mcml.motion.hub import walked
+from mcml.motion.skeleton import Array, Skeleton
+
+Kind = Literal["clip", "curve", "points", "graph", "table", "model"]
+
+
+class AnalysisError(McmlError):
+    """Clips or parameters that an analysis cannot use.
+
+    code: the name of the error in the specification of the analysis, such as "too-few-examples"; part of the answer.
+    """
+
+    def __init__(self, code: str, what: str, *, remedy: str | None = None, **details: Any) -> None:
+        super().__init__(what, remedy=remedy, code=code, **details)
+        self.code = code
+
+
+class Progress(Protocol):
+    """Told now and then how far the work is: a word for the stage and the share done, 0 to 1, of the whole.
+
+    Raises what ends the work when its user has cancelled it; an analysis lets that pass.
+    """
+
+    def __call__(self, stage: str, share: float) -> None: ...
+
+
+def silent(stage: str, share: float) -> None:
+    """Progress that nobody watches."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A stored clip at one revision, as analyses see it.
+
+    skeleton: joints of convention LISTED (clips of other conventions are converted), or MARKER for labelled points.
+    frame_time: seconds. rotations: (F, J, 4) local, the identity is the rest pose. translations: (F, J, 3) from the
+    parent in its axes (a root's and a marker's: in the world), in the clip's unit. present: (F, J), False where the
+    source has no sample (the arrays hold the last value there); None: all are present.
+    metres: of the clip's unit of length, None where nobody said it. up: "X", "Y" or "Z" if stated.
+    properties: name -> (text, unit). labels: (motion name, first, last), frames 0-based, both included.
+    """
+
+    document: str
+    revision: int
+    name: str
+    skeleton: Skeleton
+    frame_time: float
+    rotations: Array
+    translations: Array
+    present: NDArray[Any] | None = None
+    metres: float | None = None
+    up: str | None = None
+    properties: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    labels: tuple[tuple[str, int, int], ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.rotations)
+
+    @property
+    def fps(self) -> float:
+        return 1.0 / self.frame_time
+
+    def walk(self) -> tuple[Array, Array]:
+        """Positions (F, J, 3) and rotations (F, J, 4) of all joints in the world."""
+        return walked(self.skeleton, self.translations, self.rotations)
+
+
+@dataclass(frozen=True)
+class MadeClip:
+    """A motion that an analysis made, to be stored as a document or exported.
+
+    Fields as in `Motion`. description: one sentence for people. labels: (motion name, first, last), 0-based.
+    properties: (name, text, unit).
+    """
+
+    name: str
+    skeleton: Skeleton
+    frame_time: float
+    rotations: Array
+    translations: Array
+    present: NDArray[Any] | None = None
+    metres: float | None = None
+    up: str | None = None
+    description: str = ""
+    properties: tuple[tuple[str, str, str], ...] = ()
+    labels: tuple[tuple[str, int, int], ...] = ()
+
+
+@dataclass(frozen=True)
+class Part:
+    """One part of a result.
+
+    kind: how it is shown. data: plain JSON values, for people and programs; small. arrays: what is kept beside it in
+    full, by name; a client gets each as JSON or npy, operations get them as they are. clip: for kind "clip".
+    """
+
+    kind: Kind
+    data: Mapping[str, Any] = field(default_factory=dict)
+    arrays: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    clip: MadeClip | None = None
+
+
+Parts = Mapping[str, Part]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What an operation on a result gives: a value, and perhaps a clip, and perhaps parts to keep as a result of their
+    own, which then has operations of the same analysis too."""
+
+    value: BaseModel
+    clip: MadeClip | None = None
+    keep: Parts | None = None
+
+
+@dataclass(frozen=True)
+class PartInfo:
+    """A part that results have, for the catalogue."""
+
+    kind: Kind
+    description: str
+
+
+@dataclass(frozen=True)
+class ResultUse:
+    """What can be done with a finished result in milliseconds, such as making a motion with a fitted model.
+
+    parameters, answer: models of what comes in and goes out.
+    run: (what `Analysis.prepare` made of the result's parts, parameters) -> Answer; pure. Raises AnalysisError.
+    """
+
+    description: str
+    parameters: type[BaseModel]
+    answer: type[BaseModel]
+    run: Callable[[Any, Any], Answer]
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture of a finished result, for a page or a paper.
+
+    parts: what it is drawn of; those that a result lacks are left out, and without the first there is no picture.
+    draw: (parts, an empty figure of matplotlib) fills the figure. inches: width and height.
+    """
+
+    description: str
+    parts: tuple[str, ...]
+    draw: Callable[[Parts, Any], None]
+    inches: tuple[float, float] = (7.0, 4.5)
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """An entry of the catalogue.
+
+    name: in addresses and on the command line. title, description: for people. parameters: the model whose fields,
+    limits and descriptions make the API's documentation and forms. fewest, most: clips it takes.
+    parts: by name, those a result may have. operations: by name.
+    run: (motions sorted by document id, parameters, progress) -> parts. Raises AnalysisError. Deterministic.
+    prepare: (parts of a stored result) -> what its operations get as first argument, kept between calls.
+    proceed: (what is ready of a result, the parts that an operation on it kept) -> what is ready of those; shares
+    what is the same.
+    extend: (parts of a stored result, motions to add, parameters, progress) -> parts of a new one; None where a result
+    cannot grow.
+    check: (parameters, ids of the documents) raises AnalysisError for what is wrong on sight, before there is a job.
+    rules: the versions of its rules, by name, which results record: a rule whose results change gets a new one.
+    spreads: whether it does pieces of its work by `pieces.each` and `pieces.spread_of`, so that several workers can.
+    pictures: by name, the first is the one that is meant where none is named. Where there are none, each part is drawn
+    as its kind says.
+    """
+
+    name: str
+    title: str
+    description: str
+    parameters: type[BaseModel]
+    parts: Mapping[str, PartInfo]
+    run: Callable[[Sequence[Motion], Any, Progress], Parts]
+    operations: Mapping[str, ResultUse] = field(default_factory=dict)
+    prepare: Callable[[Parts], Any] = lambda parts: parts
+    proceed: Callable[[Any, Parts], Any] = lambda ready, parts: ready
+    extend: Callable[[Parts, Sequence[Motion], Any, Progress], Parts] | None = None
+    check: Callable[[Any, Sequence[str]], None] = lambda parameters, documents: None
+    rules: Mapping[str, str] = field(default_factory=dict)
+    spreads: bool = False
+    pictures: Mapping[str, Picture] = field(default_factory=dict)
+    fewest: int = 1
+    most: int = 2000

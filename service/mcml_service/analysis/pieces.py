@@ -1,0 +1,75 @@
+"""Independent pieces of an analysis, which other processors may do."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
+
+from mcml_service.analysis.interface import Motion
+
+
+class Spread(Protocol):
+    """Does pieces of work, and gives what comes of them in their order.
+
+    function: of a module, (piece, *shared) -> value; pure. shared: what all pieces need, such as large arrays.
+    told: called with the share of the pieces that are done. Raises what a piece raises.
+    """
+
+    def __call__(
+        self,
+        function: Callable[..., Any],
+        pieces: Sequence[Any],
+        shared: Sequence[Any] = (),
+        told: Callable[[float], None] = ...,
+    ) -> list[Any]: ...
+
+
+def spread_here(
+    function: Callable[..., Any],
+    pieces: Sequence[Any],
+    shared: Sequence[Any] = (),
+    told: Callable[[float], None] = lambda share: None,
+) -> list[Any]:
+    """One after the other."""
+    found = []
+    for number, piece in enumerate(pieces, 1):
+        found.append(function(piece, *shared))
+        told(number / len(pieces))
+    return found
+
+
+class ApartMotions(Sequence[Motion]):
+    """Clips of a job that several processors do: those who do pieces of the work read their clips by themselves, and
+    all are read here only when one is asked for."""
+
+    @abstractmethod
+    def each(self, function: Callable[..., Any], shared: Sequence[Any], told: Callable[[float], None]) -> list[Any]:
+        """See the function `each`."""
+
+    @abstractmethod
+    def spread(
+        self,
+        function: Callable[..., Any],
+        pieces: Sequence[Any],
+        shared: Sequence[Any] = (),
+        told: Callable[[float], None] = lambda share: None,
+    ) -> list[Any]:
+        """See `Spread`."""
+
+
+def each(
+    motions: Sequence[Motion],
+    function: Callable[..., Any],
+    shared: Sequence[Any] = (),
+    told: Callable[[float], None] = lambda share: None,
+) -> list[Any]:
+    """What a function of a module, (motion, *shared) -> value, gives for each clip, in the order of document ids."""
+    if isinstance(motions, ApartMotions):
+        return motions.each(function, shared, told)
+    return spread_here(function, sorted(motions, key=lambda motion: motion.document), shared, told)
+
+
+def spread_of(motions: Sequence[Motion]) -> Spread | None:
+    """How pieces of the work on these clips are done; None: there is nobody else to do them."""
+    return motions.spread if isinstance(motions, ApartMotions) else None

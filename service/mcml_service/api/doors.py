@@ -1,0 +1,185 @@
+"""Who may come in. What is kept decides, and where a request comes from; nothing that it says of itself opens a door.
+
+A proxy on the same machine looks like a local client: nginx's bare `proxy_pass` sends `Host: 127.0.0.1:8000` and no
+header that would betray it. So a store of several people is never open, whatever address is listened on.
+"""
+
+from __future__ import annotations
+
+import hmac
+from collections.abc import Callable, Mapping, MutableMapping
+from contextlib import suppress
+from http.cookies import CookieError, SimpleCookie
+from typing import Any
+from urllib.parse import urlsplit
+
+from starlette.datastructures import Headers
+
+from mcml.errors import McmlError, StoreError
+from mcml_service.api.problems import plain
+from mcml_service.local_secret import PREFIX
+from mcml_service.settings import Settings, is_loopback
+from mcml_service.storage.database import Database
+
+FORWARDING = frozenset(
+    {
+        "forwarded",
+        "via",
+        "x-real-ip",
+        "x-client-ip",
+        "x-cluster-client-ip",
+        "x-envoy-external-address",
+        "true-client-ip",
+        "cf-connecting-ip",
+        "fastly-client-ip",
+    }
+)
+"""Headers that proxies add, besides X-Forwarded-…."""
+
+COOKIE = "mcml_session"
+"""That carries a browser's session."""
+TLS_COOKIE = f"__Host-{COOKIE}"
+"""The same over https: browsers take one of this name from the server itself alone, not from pages without TLS or from
+its neighbours under the same domain."""
+
+SHARE_COOKIE = "mcml_share"
+"""That carries the session of who has a link to some documents; sent below SHARED alone."""
+
+SHARED = "/api/v1/shared"
+"""Below it stand the addresses of the API for who has a link to some documents, and for nobody else."""
+
+LOGIN = (
+    "Send `Authorization: Bearer mcml_…`; `mcml token add NAME` on the server's machine makes one. Browsers: /login."
+)
+
+PASSED_ON = "This server needs a token from whatever does not come directly from its own machine."
+
+
+def why_closed(settings: Settings, database: Database) -> str | None:
+    """Why a server needs a token from everybody, as far as its settings and the kind of its store say. None: they do
+    not."""
+    if settings.login == "always":
+        return "This server needs a token (MCML_LOGIN=always)."
+    if not database.dialect.personal:
+        return "This server needs a token: its store is one for several people."
+    if not settings.knows_host:
+        return "This server needs a token: it was not told that it listens on this machine alone (MCML_HOST)."
+    if not is_loopback(settings.host):
+        return "This server needs a token: it is open to other machines."
+    return None
+
+
+class Doors:
+    """secret: what commands on this machine send, read anew each time; None where there is none."""
+
+    def __init__(self, settings: Settings, database: Database, secret: Callable[[], str | None]) -> None:
+        self._database = database
+        self._secret = secret
+        self._closed = why_closed(settings, database)
+
+    def stand_open(self, scope: Mapping[str, Any], headers: Headers) -> bool:
+        """Whether who comes from here needs no token. Answers at once."""
+        try:
+            return self._closed is None and _is_direct(scope, headers) and not self._database.has_token()
+        except StoreError:
+            return False
+
+    def refusal(self, scope: MutableMapping[str, Any], headers: Headers) -> Any:
+        """The answer to who has no token and needs one, or None. May wait for the store.
+
+        Notes who comes in with a request in `scope["mcml.entry"]` (`storage.accounts.Entry`).
+        """
+        direct = _is_direct(scope, headers)
+        kind, _, given = headers.get("authorization", "").partition(" ")
+        visit = _cookie(headers, cookie_name(scope["scheme"])) if not kind else None
+        given = given.strip() if kind.lower() == "bearer" else ""
+        if direct and given.startswith(PREFIX):
+            secret = self._secret()
+            if secret is not None and hmac.compare_digest(given.encode(), secret.encode()):
+                return None
+        with self._database.look() as tx:
+            entry, is_noted = tx.tokens.came(given) if given else (None, False)
+            if visit is not None and entry is None:
+                entry = tx.sessions.entry(visit)
+        if visit is not None and entry is not None and _is_foreign(scope, headers):
+            return plain(403, "A session writes from pages of this server alone.", "Send the same Origin, or a token.")
+        if entry is None:
+            otherwise = "This server needs a token, since its store has one." if direct else PASSED_ON
+            return plain(401, self._closed or otherwise, LOGIN, {"www-authenticate": "Bearer"})
+        if given and not is_noted:
+            self._note_use(given)
+        scope["mcml.entry"] = entry
+        return None
+
+    def shared_refusal(self, scope: MutableMapping[str, Any], headers: Headers) -> Any:
+        """As `refusal`, of what stands below SHARED."""
+        visit = _cookie(headers, share_cookie_name(scope["scheme"]))
+        with self._database.read() as tx:
+            entry = None if visit is None else tx.sessions.share_entry(visit)
+        if entry is None:
+            return plain(401, "This link has ended, or was taken back.", "Open it again, or ask for another one.")
+        scope["mcml.entry"] = entry
+        return None
+
+    def _note_use(self, secret: str) -> None:
+        # That it cannot be noted keeps nobody out.
+        with suppress(McmlError), self._database.write("doors") as tx:
+            tx.tokens.note_use(secret)
+
+
+def _is_direct(scope: Mapping[str, Any], headers: Headers) -> bool:
+    """Whether a request comes from this machine, and no proxy says that it passed it on."""
+    client = scope.get("client")
+    passed_on = any(name in FORWARDING or name.startswith("x-forwarded") for name in headers)
+    return client is not None and is_loopback(client[0]) and not passed_on
+
+
+def cookie_name(scheme: str) -> str:
+    """Of the cookie that carries a browser's session."""
+    return TLS_COOKIE if scheme == "https" else COOKIE
+
+
+def share_cookie_name(scheme: str) -> str:
+    """Of the cookie that carries the session of who has a link. Its path is not that of a name with `__Host-`."""
+    return f"__Secure-{SHARE_COOKIE}" if scheme == "https" else SHARE_COOKIE
+
+
+def _cookie(headers: Headers, name: str) -> str | None:
+    """What a browser keeps under a name."""
+    try:
+        found: SimpleCookie = SimpleCookie(headers.get("cookie", ""))
+    except CookieError:
+        return None
+    return found[name].value if name in found else None
+
+
+def _is_foreign(scope: Mapping[str, Any], headers: Headers) -> bool:
+    """Whether a write does not say that it comes from this server's own pages."""
+    return scope["method"] not in ("GET", "HEAD", "OPTIONS") and not is_own_page(scope, headers)
+
+
+def is_own_page(scope: Mapping[str, Any], headers: Headers) -> bool:
+    """Whether a page of this server sends a request, as its Origin says.
+
+    A page without TLS is none where the server is reached by https. The other way round it may be: a proxy that is not
+    trusted cannot say that it was asked by https.
+    """
+    scheme, _, host = headers.get("origin", "").partition("://")
+    return host == headers.get("host") and (scheme == "https" or scope["scheme"] != "https")
+
+
+def foreign_name(headers: Headers) -> Any:
+    """The refusal of a name that is not of this machine: one that resolves to it would let any page read the
+    repository (DNS rebinding)."""
+    host = host_of(f"//{headers.get('host', '')}")
+    if is_loopback(host):
+        return None
+    return plain(403, f"{host!r} is not a name of this machine.", "Use http://127.0.0.1 or http://localhost.")
+
+
+def host_of(address: str) -> str:
+    """The host's name in lower case, "" where there is none or it makes no sense."""
+    try:
+        return urlsplit(address).hostname or ""
+    except ValueError:
+        return ""

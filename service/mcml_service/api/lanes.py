@@ -1,0 +1,173 @@
+"""Heavy requests in lanes of their own: some are worked on, some wait in turn, more are sent away.
+
+What is light never stands behind them: they take no thread that others need.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import ctypes
+import sys
+from collections.abc import AsyncIterator, Callable, Coroutine
+from concurrent.futures import Future
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from typing import Any, TypeVar
+
+from anyio import CapacityLimiter, to_thread
+from fastapi import Request
+
+from mcml.errors import BusyError, ShareError
+from mcml_service.operations.operation import Effect, Operation
+from mcml_service.processes.turns import Turns
+from mcml_service.settings import Settings
+
+Value = TypeVar("Value")
+
+M_ARENA_MAX, M_MMAP_THRESHOLD = -8, -3
+"""As malloc.h of glibc has them."""
+
+HEAPS = 2
+
+APART_BYTES = 1 << 18
+"""Memory of so many bytes and more is no part of a heap: it goes back to the system when it is freed. By itself the C
+library counts ever more as too little for that, up to 32 MiB, and heaps get holes."""
+
+LOOK_SECONDS = 0.25
+"""After so long, a request that is worked on ends when its client leaves; most are done before."""
+
+QUIET_SECONDS = 1.0
+"""After so long without heavy requests, memory that nothing uses goes back to the system."""
+
+BUSY_SECONDS = 10.0
+"""And at least so often where they never cease."""
+
+
+class Lane:
+    """places: how many requests are worked on at a time; one client holds all but one. most: how many may wait, half of
+    them of one client. seconds: how long. left: told when one is over."""
+
+    def __init__(self, places: int, most: int, seconds: float, left: Callable[[], None]) -> None:
+        self._turns = Turns(places)
+        # Who has a place finds a thread.
+        self._threads = CapacityLimiter(places)
+        self._most = most
+        self._seconds = seconds
+        self._left = left
+
+    @property
+    def is_empty(self) -> bool:
+        return not self._turns.held
+
+    @asynccontextmanager
+    async def place(self, http: Request, client: str) -> AsyncIterator[CapacityLimiter]:
+        """A place while the block lasts, and threads to work in. BusyError or ShareError where none is free in time."""
+        waiting = self._turns.waiting
+        if waiting[client] >= max(1, self._most // 2):
+            raise ShareError(waiting[client])
+        if waiting.total() >= self._most:
+            raise BusyError(f"{waiting.total()} requests wait already.")
+        turn = self._turns.ask(client)
+        try:
+            await self._come(turn, http)
+            yield self._threads
+        finally:
+            if not turn.cancel():
+                self._turns.give(client)
+                self._left()
+
+    async def _come(self, turn: Future[None], http: Request) -> None:
+        if turn.done():
+            return
+        coming = asyncio.wrap_future(turn)
+        async with _leaving(http) as leaving, _ending(http.app.state.stopping.wait()) as stopping:
+            await asyncio.wait({coming, leaving, stopping}, timeout=self._seconds, return_when=asyncio.FIRST_COMPLETED)
+        if turn.done():
+            return
+        if http.app.state.stopping.is_set():
+            raise BusyError("The server stops.")
+        raise BusyError(f"No place was free within {self._seconds:g} s.")
+
+
+class Lanes:
+    """One for what reads and one for what writes, which may wait for the store: neither stands behind the other."""
+
+    def __init__(self, settings: Settings) -> None:
+        places, most, seconds = settings.heavy_at_once, settings.heavy_waiting, settings.heavy_wait_seconds
+        self._reads, self._writes = (Lane(places, most, seconds, self._tidy_soon) for _ in range(2))
+        self._tidying: asyncio.TimerHandle | None = None
+        self._tidied = 0.0
+
+    def of(self, operation: Operation) -> Lane:
+        return self._writes if operation.effect is Effect.WRITES else self._reads
+
+    def _tidy_soon(self) -> None:
+        loop = asyncio.get_running_loop()
+        if self._tidying is not None:
+            self._tidying.cancel()
+        self._tidying = loop.call_at(min(loop.time() + QUIET_SECONDS, self._tidied + BUSY_SECONDS), self._tidy)
+
+    def _tidy(self) -> None:
+        loop = asyncio.get_running_loop()
+        self._tidying = None
+        if (self._reads.is_empty and self._writes.is_empty) or loop.time() >= self._tidied + BUSY_SECONDS:
+            self._tidied = loop.time()
+            loop.run_in_executor(None, give_memory_back)
+
+
+async def while_connected(
+    http: Request, cancel: Callable[[], None], ask: Callable[[], Value], threads: CapacityLimiter | None = None
+) -> Value:
+    """Runs something in a thread; cancels it when the client leaves, or the server stops."""
+    running = asyncio.ensure_future(to_thread.run_sync(ask, limiter=threads))
+    try:
+        await asyncio.wait({running}, timeout=LOOK_SECONDS)
+        if not running.done():
+            async with _leaving(http) as leaving:
+                await asyncio.wait({running, leaving}, return_when=asyncio.FIRST_COMPLETED)
+            if not running.done():
+                cancel()
+    except asyncio.CancelledError:
+        cancel()
+        raise
+    return await running
+
+
+def _leaving(http: Request) -> AbstractAsyncContextManager[asyncio.Task[None]]:
+    """A task that is done once the client has left. What it sent must have been read."""
+
+    async def left() -> None:
+        while (await http.receive())["type"] != "http.disconnect":
+            pass
+
+    return _ending(left())
+
+
+@asynccontextmanager
+async def _ending(waiting: Coroutine[Any, Any, Any]) -> AsyncIterator[asyncio.Task[Any]]:
+    """A task that ends with the block."""
+    task = asyncio.ensure_future(waiting)
+    try:
+        yield task
+    finally:
+        task.cancel()
+
+
+def give_memory_back() -> None:
+    """What is free and the C library keeps: of many threads at once it never gives it back by itself."""
+    trim = _of_c("malloc_trim")
+    if trim is not None:
+        trim(0)
+
+
+def share_heaps() -> None:
+    """To be called before there are threads: else each of them has a heap of its own, where what it freed stays while
+    others ask the system for more."""
+    option = _of_c("mallopt")
+    if option is not None:
+        option(M_ARENA_MAX, HEAPS)
+        option(M_MMAP_THRESHOLD, APART_BYTES)
+
+
+def _of_c(name: str) -> Any:
+    """A function of the C library, None where it has none."""
+    return getattr(ctypes.CDLL(None), name, None) if sys.platform == "linux" else None

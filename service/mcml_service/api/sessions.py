@@ -1,0 +1,280 @@
+"""Sessions of browsers: a name and password, a token, a link or an invitation, exchanged for a cookie. By hand: they
+are about HTTP itself."""
+
+from __future__ import annotations
+
+import html
+from typing import Annotated
+from urllib.parse import urlencode
+
+from fastapi import APIRouter, Form, Header, Query, Request, Response
+from fastapi.responses import HTMLResponse, RedirectResponse
+
+from mcml.errors import AccessError, AttemptsError, ConflictError, NotFoundError, RequestError
+from mcml_schemas.sessions import SessionOpened, SessionRequest
+from mcml_schemas.shares import Shared, SharedMotion, SharedRequest
+from mcml_service.api.doors import SHARED, cookie_name, share_cookie_name
+from mcml_service.api.page import page
+from mcml_service.passwords import checked_name, hashed, opens
+from mcml_service.settings import Settings
+from mcml_service.storage.attempts import count_attempt, forget_attempts
+from mcml_service.storage.database import Database
+from mcml_service.storage.visits import SESSION_HOURS
+
+LOGIN_PATH = "/login"
+NOTHING_SAID = SessionRequest()
+
+router = APIRouter(tags=["session"])
+pages = APIRouter(include_in_schema=False)
+
+FORM = """<h1>MCML Repository</h1><p>{why}</p>
+<form method="post" action="{path}"><input type="hidden" name="then" value="{then}">
+<p><label>Name <input name="name" autocomplete="username" size="24" autofocus></label></p>
+<p><label>Password <input name="password" type="password" autocomplete="current-password" size="24"></label>
+<button>Log in</button></p></form>{signing}
+<details><summary>With a token</summary><form method="post" action="{path}">
+<input type="hidden" name="then" value="{then}">
+<p><label>Token <input name="token" type="password" autocomplete="off" size="52"></label>
+<button>Open</button></p></form></details>
+<p>Whoever keeps the server invites people, and makes tokens: <code>mcml account invite</code>,
+<code>mcml token add NAME</code>.</p>"""
+
+JOIN = """<h1>MCML Repository</h1><p>{why}</p>
+<form method="post" action="{path}"><input type="hidden" name="{kind}" value="{code}">
+<p><label>Name <input name="name" autocomplete="username" size="24" maxlength="64" required autofocus></label></p>
+<p><label>Password <input name="password" type="password" autocomplete="new-password" size="24" minlength="10"
+maxlength="256" required></label> <button>Make the account</button></p></form>
+<p>A password has ten characters or more. Revisions carry the name.</p>"""
+
+FOLLOW = """<h1>MCML Repository</h1><p>This link opens the repository once, in this browser.</p>
+<form method="post" action="{path}"><input type="hidden" name="link" value="{link}">
+<button>Open</button></form>"""
+
+SIGN_IN = """<p class="other"><a href="{address}">Sign in with {name}</a></p>"""
+
+FIRST = "You keep this server, and nobody owns it yet: make its first account, an owner's."
+INVITED = "You are invited to this repository."
+
+
+@router.post("/session", status_code=201, operation_id="open_session")
+def open_session(
+    http: Request,
+    response: Response,
+    request: SessionRequest = NOTHING_SAID,
+    authorization: Annotated[str | None, Header(description="Bearer and a token", examples=["Bearer mcml_0"])] = None,
+) -> SessionOpened:
+    """Exchange a name and password, a token, or the code of a link or an invitation for a cookie that opens the
+    repository for some hours.
+
+    The token stands in the body, or in `Authorization`. Writes with the cookie need the same `Origin`. Revoking the
+    token ends the session.
+    """
+    scheme, _, given = (authorization or "").partition(" ")
+    if request.token is None and scheme.lower() == "bearer":
+        request = request.model_copy(update={"token": given.strip()})
+    author, secret = _opened(http, request)
+    begin_session(http, response, secret)
+    return SessionOpened(author=author, hours=SESSION_HOURS)
+
+
+@router.delete("/session", status_code=204, operation_id="close_session")
+def close_session(http: Request) -> Response:
+    """End the session of this browser."""
+    _end(http)
+    # What pages have kept of documents ends with it.
+    response = Response(status_code=204, headers={"clear-site-data": '"cache", "storage"'})
+    response.delete_cookie(cookie_name(http.url.scheme), secure=_by_tls(http), httponly=True, samesite="strict")
+    return response
+
+
+@router.post("/shared", status_code=201, operation_id="open_shared")
+def open_shared(http: Request, response: Response, request: SharedRequest) -> Shared:
+    """Exchange the secret of a link to some documents for a cookie, and learn what it shows.
+
+    The cookie opens the API's addresses of these documents below `/api/v1/shared`: their skeletons, frames, labels,
+    thumbnails, and exports in the formats that are named; `/api/v1/shared/documents/ID/frames` for example.
+    """
+    database: Database = http.app.state.repository.database
+    counted = {"address": http.client.host if http.client else ""}
+    count_attempt(database, counted)
+    with database.write("session") as tx:
+        shown = tx.shares.find(request.secret)
+        if shown is None:
+            raise AccessError("This link has ended, or was taken back.", remedy="Ask for another one.")
+        secret = tx.sessions.open_share(shown)
+        view = tx.shares.view(shown)
+        tx.attempts.forget(counted)
+    with database.for_call(view).read() as tx:
+        # What was deleted meanwhile, or is in another project now, is not there.
+        motions = [SharedMotion(**vars(one)) for one in tx.shares.motions(shown)]
+    named, lasts = share_cookie_name(http.url.scheme), SESSION_HOURS * 3600
+    response.set_cookie(
+        named, secret, max_age=lasts, path=SHARED, secure=_by_tls(http), httponly=True, samesite="strict"
+    )
+    return Shared(name=shown.name, expires=shown.expires, formats=sorted(shown.formats), documents=motions)
+
+
+@pages.get(LOGIN_PATH)
+def login(
+    http: Request,
+    link: Annotated[str | None, Query()] = None,
+    invitation: Annotated[str | None, Query()] = None,
+    then: Annotated[str, Query()] = "/",
+) -> HTMLResponse:
+    """A page that asks for a name and a password, or a token; or follows a link or an invitation."""
+    if invitation is not None:
+        return join_page(http, "invitation", invitation, INVITED)
+    if link is not None:
+        return page("MCML Repository", _followed(http, link), forms=True)
+    return login_page("An account opens it.", then=then, provider=_provider(http))
+
+
+@pages.post(LOGIN_PATH)
+def post_login(
+    http: Request,
+    token: Annotated[str | None, Form()] = None,
+    name: Annotated[str | None, Form()] = None,
+    password: Annotated[str | None, Form()] = None,
+    link: Annotated[str | None, Form()] = None,
+    invitation: Annotated[str | None, Form()] = None,
+    then: Annotated[str, Form()] = "/",
+) -> Response:
+    """What the forms send."""
+    try:
+        request = SessionRequest(token=token, name=name, password=password, link=link, invitation=invitation)
+        _, secret = _opened(http, request)
+    except (AccessError, AttemptsError, RequestError, ConflictError, NotFoundError) as error:
+        why = f"{error.what} {error.remedy or ''}"
+        if invitation or (link and name is not None):
+            return join_page(http, "invitation" if invitation else "link", invitation or link or "", why, status=403)
+        status = 429 if isinstance(error, AttemptsError) else 403
+        return login_page(why, status=status, then=then, provider=_provider(http))
+    response = RedirectResponse(safe_path(then), 303)
+    begin_session(http, response, secret)
+    return response
+
+
+def safe_path(then: str) -> str:
+    """Only a path of this server: what looks like another address is the front page."""
+    return then if then.startswith("/") and not then.startswith(("//", "/\\")) else "/"
+
+
+def login_page(why: str, *, status: int = 200, then: str = "/", provider: str | None = None) -> HTMLResponse:
+    """The page that lets a browser in. provider: with which one signs in, too."""
+    said = {"why": html.escape(why), "path": LOGIN_PATH, "then": html.escape(then)}
+    shown = FORM.format(**said, signing=_signing(provider, then=then))
+    return page("MCML Repository", shown, status=status, forms=True)
+
+
+def join_page(http: Request, kind: str, code: str, why: str, *, status: int = 200) -> HTMLResponse:
+    """The page on which an account is made."""
+    shown = JOIN.format(why=html.escape(why), path=LOGIN_PATH, kind=kind, code=html.escape(code))
+    shown += _signing(_provider(http), **{kind: code})
+    return page("MCML Repository", shown, status=status, forms=True)
+
+
+def _provider(http: Request) -> str | None:
+    settings: Settings = http.app.state.repository.settings
+    return settings.openid
+
+
+def _signing(provider: str | None, **carried: str) -> str:
+    """A way to the provider, with what comes back from there."""
+    if provider is None:
+        return ""
+    return SIGN_IN.format(address=html.escape(f"{LOGIN_PATH}/openid?{urlencode(carried)}"), name=html.escape(provider))
+
+
+def _followed(http: Request, link: str) -> str:
+    """What a link offers: the first account where there is none, and to open the repository without one."""
+    with http.app.state.repository.database.read() as tx:
+        first = not tx.accounts.have_owner()
+    follow = FOLLOW.format(path=LOGIN_PATH, link=html.escape(link))
+    if not first:
+        return follow
+    join = JOIN.format(why=FIRST, path=LOGIN_PATH, kind="link", code=html.escape(link))
+    join += _signing(_provider(http), link=link)
+    return join + follow.replace("<h1>MCML Repository</h1><p>", "<h2>Or without an account</h2><p>")
+
+
+def _opened(http: Request, request: SessionRequest) -> tuple[str, str]:
+    """(author, secret of a new session). AccessError for what opens nothing, AttemptsError for who tries too often."""
+    database: Database = http.app.state.repository.database
+    address, name = http.client.host if http.client else "", (request.name or "").strip()
+    # Tokens and links have no name, and lock nobody else out.
+    counted = {"address": address} | ({"name": name} if name else {})
+    count_attempt(database, counted)
+    if request.invitation is not None or (request.link is not None and request.name is not None):
+        opened = _joined(database.for_call(database.view, address), request)
+    elif request.link is not None:
+        opened = _linked(database, request.link)
+    elif request.name is not None:
+        opened = _logged_in(database, name, request.password or "")
+    else:
+        opened = _exchanged(database, request.token)
+    forget_attempts(database, counted)
+    return opened
+
+
+def _joined(database: Database, request: SessionRequest) -> tuple[str, str]:
+    """By an account that a link or an invitation becomes."""
+    name = checked_name(request.name or "")
+    password = hashed(request.password or "", name)
+    with database.write(name) as tx:
+        given: tuple[str, int | None] | None = None
+        if request.invitation is not None:
+            given = tx.accounts.accept(request.invitation)
+        elif request.link is not None and not tx.accounts.have_owner() and tx.sessions.follow(request.link) is not None:
+            given = "owner", None
+        if given is None:
+            raise AccessError("This link was used, or is too old.", remedy="Ask for another one.")
+        role, project = given
+        person = tx.accounts.add(name, role if project is None else "member", password)
+        if project is not None:
+            tx.members.put(project, name, role)
+        return person.name, tx.sessions.open_for(person)
+
+
+def _linked(database: Database, link: str) -> tuple[str, str]:
+    with database.write("session") as tx:
+        author = tx.sessions.follow(link)
+        if author is None:
+            raise AccessError("This link was used, or is too old.", remedy="Start the server again for another.")
+        return author, tx.sessions.open(author)
+
+
+def _logged_in(database: Database, name: str, password: str) -> tuple[str, str]:
+    with database.read() as tx:
+        person = tx.accounts.find(name)
+    # A name that is not there takes as long.
+    if not opens(password, None if person is None else person.password) or person is None or person.closed is not None:
+        raise AccessError("This is no name and password of an account.", remedy="Check both.")
+    with database.write("session") as tx:
+        return person.name, tx.sessions.open_for(person)
+
+
+def _exchanged(database: Database, token: str | None) -> tuple[str, str]:
+    with database.write("session") as tx:
+        entry = tx.tokens.entry(token) if token else None
+        if entry is None:
+            raise AccessError("This token opens nothing.", remedy="Check it; `mcml token list` shows the names of all.")
+        return entry.author, tx.sessions.open(entry.author, tx.tokens.name(token or ""))
+
+
+def begin_session(http: Request, response: Response, secret: str) -> None:
+    """Let the browser have a new session, and no other."""
+    _end(http)
+    named, lasts = cookie_name(http.url.scheme), SESSION_HOURS * 3600
+    response.set_cookie(named, secret, max_age=lasts, path="/", secure=_by_tls(http), httponly=True, samesite="strict")
+
+
+def _end(http: Request) -> None:
+    """End the session that a browser has."""
+    secret = http.cookies.get(cookie_name(http.url.scheme))
+    if secret is not None:
+        with http.app.state.repository.database.write("session") as tx:
+            tx.sessions.close(secret)
+
+
+def _by_tls(http: Request) -> bool:
+    return http.url.scheme == "https"

@@ -1,0 +1,5 @@
+"""`python -m mcml_service.cli` is `mcml`."""
+
+from mcml_service.cli import main
+
+main()

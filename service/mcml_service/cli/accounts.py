@@ -1,0 +1,114 @@
+"""`mcml account`: people of a repository."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, TypeAlias
+
+import typer
+
+from mcml_schemas.shares import ShareRequest
+from mcml_service.cli.shared import DatabaseOption, ServerOption, chosen_settings, console, open_database, opened
+
+Role: TypeAlias = Literal["member", "reader", "editor", "owner"]
+ProjectRole: TypeAlias = Literal["reader", "editor", "owner"]
+RoleOption: TypeAlias = Annotated[
+    Role, typer.Option(help="What they may do in all projects; a member: in some, see `mcml project`")
+]
+Name: TypeAlias = Annotated[str, typer.Argument(help="Name of the account")]
+
+
+def invite(
+    role: RoleOption = "editor",
+    project: Annotated[str | None, typer.Option(help="Give the role in this project alone")] = None,
+    hours: Annotated[int, typer.Option(min=1, help="How long the invitation can be accepted")] = 72,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Make a link by which somebody makes an account. It is shown once."""
+    made = opened(database, server).call("invite", request={"role": role, "project": project, "hours": hours})
+    home = (server or f"http://127.0.0.1:{chosen_settings(database).port}").rstrip("/")
+    print(f"{home}{made.path}")
+    where = "" if project is None else f" of the project {project}"
+    console.print(f"for one {role}{where}, within {made.hours} hours", style="dim")
+
+
+def add(name: Name, role: RoleOption = "editor", database: DatabaseOption = None) -> None:
+    """Make an account on this machine; its password is asked for."""
+    from mcml_service.passwords import checked_name, hashed
+
+    name = checked_name(name)
+    made = hashed(_asked(), name)
+    with open_database(chosen_settings(database)).write() as tx:
+        tx.accounts.add(name, role, made)
+    console.print(f"{name} is {'an' if role[0] in 'eo' else 'a'} {role}")
+
+
+def password(name: Name, database: DatabaseOption = None) -> None:
+    """Give an account of a store on this machine another password, if it was forgotten; its sessions end."""
+    from mcml_service.passwords import hashed
+
+    store = open_database(chosen_settings(database))
+    with store.read() as tx:
+        person = tx.accounts.get(name)
+    made = hashed(_asked(), person.name)
+    with store.write() as tx:
+        tx.sessions.end_all(tx.accounts.change(name, password=made).key)
+    console.print(f"{name} has another password")
+
+
+def role(
+    name: Name,
+    role: Annotated[Role, typer.Argument(help="What they may do from now on, in all projects")],
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Give somebody another role."""
+    opened(database, server).call("change_account", name=name, change={"role": role})
+    console.print(f"{name}: {role}")
+
+
+def add_member(
+    project: Annotated[str, typer.Argument(help="Name of the project")],
+    name: Name,
+    role: Annotated[ProjectRole, typer.Option(help="What they may do there")] = "editor",
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Let somebody belong to a project, or give them another role there."""
+    opened(database, server).call("set_member", name=name, change={"role": role}, project=project)
+    console.print(f"{name} is {'an' if role[0] in 'eo' else 'a'} {role} of {project}")
+
+
+def share(
+    documents: Annotated[list[str], typer.Argument(help="Ids of documents of one project")],
+    name: Annotated[str, typer.Option(help="Whom it is for")] = "guest",
+    days: Annotated[int, typer.Option(min=1, max=365, help="How long it opens them")] = 14,
+    format: Annotated[list[str] | None, typer.Option(help="What they may be exported as; may be repeated")] = None,
+    fixed: Annotated[bool, typer.Option("--fixed", help="As they are now, without later edits")] = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Make a link by which somebody without an account sees some documents. It is shown once."""
+    asked = {"name": name, "documents": documents, "days": days, "formats": format or [], "latest": not fixed}
+    made = opened(database, server).call("add_share", request=ShareRequest.model_validate(asked))
+    home = (server or f"http://127.0.0.1:{chosen_settings(database).port}").rstrip("/")
+    print(f"{home}{made.path}")
+    console.print(f"link {made.number}, until {made.expires[:10]}", style="dim")
+
+
+def close(name: Name, database: DatabaseOption = None, server: ServerOption = None) -> None:
+    """Close an account: it opens nothing from then on, nor do its tokens."""
+    opened(database, server).call("change_account", name=name, change={"closed": True})
+    console.print(f"{name} is closed")
+
+
+def reopen(name: Name, database: DatabaseOption = None, server: ServerOption = None) -> None:
+    """Open a closed account again."""
+    opened(database, server).call("change_account", name=name, change={"closed": False})
+    console.print(f"{name} is open")
+
+
+def _asked() -> str:
+    """A password, typed twice, or read from what is piped in."""
+    answer: str = typer.prompt("Password", hide_input=True, confirmation_prompt=True)
+    return answer

@@ -1,0 +1,90 @@
+"""Bodies of documents for questions about motion: `mcml db derive`, and what `mcml import` does at its end."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import Counter
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rich.text import Text
+
+from mcml.errors import McmlError
+from mcml_service.cli.bar import Bar
+from mcml_service.cli.shared import DatabaseOption, JsonOption, chosen_settings, console, open_database, print_json
+from mcml_service.clips.bodies import Body
+from mcml_service.clips.derive import derive_missing
+
+if TYPE_CHECKING:
+    from mcml.client.client import Client
+    from mcml_schemas.documents import ImportedDocument
+    from mcml_service.storage.columns import Listed
+    from mcml_service.storage.database import Database
+
+FEW = 8
+"""Documents of an import of which each is told what is known of its body; of more, how many are known how well."""
+CALIBRATED = {"unit": "metres", "up": "up", "floor": "floor", "leg": "leg"}
+"""What is told, and what it rests on."""
+
+
+def derive(database: DatabaseOption = None, as_json: JsonOption = False) -> None:
+    """Work out the bodies of documents that have none yet, so that questions about motion find them. It may be stopped
+    and begun again at any time."""
+    store = open_database(chosen_settings(database))
+    started = time.monotonic()
+    done, failed = _derived(store, None, quiet=as_json)
+    if as_json:
+        print_json({"derived": done, "failed": failed})
+    elif done or failed:
+        console.print(f"derived the bodies of {done:,} documents in {time.monotonic() - started:.1f} s")
+    else:
+        console.print("every document has its body, nothing to do")
+
+
+def derive_stored(store: Database, ids: set[str], *, quiet: bool) -> None:
+    """Derive the bodies of what an import stored, which stays stored whatever happens here."""
+    try:
+        _derived(store, ids, quiet=quiet)
+    except KeyboardInterrupt:
+        console.print("All is stored. Bodies are missing: mcml db derive goes on with them.", style="dim")
+        raise
+
+
+def tell_calibrations(client: Client, documents: Sequence[ImportedDocument]) -> None:
+    """One line for each of a few documents: unit, up axis, floor, leg, and where each is from."""
+    for document in documents:
+        try:
+            found = client.call("get_calibration", id=document.id)
+        except McmlError as error:
+            console.print(Text(f"body     {document.name}: {error.what}"), style="yellow")
+            continue
+        parts = []
+        for name in CALIBRATED:
+            one = getattr(found, name)
+            value = f"{one.value:.4g}" if isinstance(one.value, float) else one.value
+            parts.append(f"{name} {one.origin}" if value is None else f"{name} {value} ({one.origin})")
+        console.print(Text(f"body     {document.name}: {', '.join(parts)}"))
+
+
+def tell_origins(store: Database, ids: set[str]) -> None:
+    """Of how many documents unit, up axis, floor and leg are stated, measured, guessed, unknown."""
+    with store.read() as tx:
+        kept = tx.bodies.of([listed for listed in tx.columns.documents() if listed.uuid in ids])
+    known = [body.calibration.origins for one in kept.values() if (body := Body.restored(one)) is not None]
+    for name, source in CALIBRATED.items():
+        counts = Counter(origins[source].kind for origins in known)
+        told = ", ".join(f"{count:,} {kind}" for kind, count in counts.most_common())
+        console.print(Text(f"{name:<8} {told}"), style="dim")
+
+
+def _derived(store: Database, ids: set[str] | None, *, quiet: bool) -> tuple[int, int]:
+    """How many bodies were derived, and how many could not be."""
+    failed: list[str] = []
+
+    def note(listed: Listed, error: Exception) -> None:
+        failed.append(listed.uuid)
+        console.print(Text.assemble(("no body", "yellow"), f"  {listed.name}  {listed.uuid}: {error}"))
+
+    with Bar("deriving", "documents", disable=quiet or not sys.stderr.isatty()) as bar:
+        return derive_missing(store, lambda done, of: bar.tell(done, of, "deriving"), note, ids), len(failed)

@@ -1,0 +1,86 @@
+"""`mcml export`: documents as files of any format."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from mcml.files.convert_files import files_to_write
+from mcml.files.on_disk import write_file
+from mcml_service.cli.choosing import IdsArgument, MotionNameOption, ProjectOption, XPathOption, chosen, for_each
+from mcml_service.cli.shared import (
+    DatabaseOption,
+    ForceOption,
+    RawOption,
+    ServerOption,
+    console,
+    opened,
+    write_to_the_end,
+)
+
+
+def export(
+    ids: IdsArgument = None,
+    project: ProjectOption = None,
+    motion_name: MotionNameOption = None,
+    xpath: XPathOption = None,
+    format: Annotated[
+        str, typer.Option(help="bvh, asf-amc, asf, amc, htr, c3d, trc, glb, usd, usda, mot, sto, mcml or csv")
+    ] = "bvh",
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="File or folder; default this folder, - prints")
+    ] = None,
+    force: ForceOption = False,
+    first: Annotated[int, typer.Option(min=1, help="First frame, from 1")] = 1,
+    last: Annotated[int | None, typer.Option(min=1, help="Last frame, included")] = None,
+    names: Annotated[str | None, typer.Option(help="Joint names: mcml, bvh1, bvh2, asf or htr")] = None,
+    unit: Annotated[str | None, typer.Option(help="Scale lengths to this unit")] = None,
+    up: Annotated[str | None, typer.Option(help="Turn so that this axis points up")] = None,
+    frame_time: Annotated[str | None, typer.Option(help="Seconds a frame, where the document does not say")] = None,
+    raw: RawOption = False,
+    original: Annotated[bool, typer.Option(help="The kept bytes of documents that were not edited")] = True,
+    revision: Annotated[int | None, typer.Option(min=1, help="As this revision left it")] = None,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Write documents as files of any format. Two of one name become two files, the second with the end of its id."""
+    write_to_the_end()
+    client = opened(database, server)
+    found = chosen(client, ids, project, motion_name, xpath)
+    written: set[Path] = set()
+    stated: dict[str, Any] = {"first": first, "last": last, "names": names, "unit": unit, "up": up}
+    stated |= {"frame_time": frame_time, "raw": raw}
+
+    def export_one(item: Any) -> None:
+        to_name = output is not None and str(output) != "-" and not output.is_dir() and len(found) == 1
+        for path, form in files_to_write(output, format) if to_name and output is not None else [(output, format)]:
+            write_one(item, path, form)
+
+    def write_one(item: Any, output: Path | None, form: str) -> None:
+        file = client.call("export_document", id=item.id, format=form, revision=revision, original=original, **stated)
+        if output is not None and str(output) == "-":
+            for block in file.blocks:
+                sys.stdout.buffer.write(block)
+            sys.stdout.buffer.flush()
+            return
+        target = output if output is not None else Path(".")
+        target = target / local_name(file.name or item.id) if target.is_dir() or len(found) > 1 else target
+        if target in written:
+            target = target.with_stem(f"{target.stem}-{item.id[-6:]}")
+        write_file(target, file.blocks, force=force)
+        written.add(target)
+        console.print(f"wrote    {target}")
+        for notice in file.notices:
+            console.print(f"         {notice.what}", style="yellow")
+
+    for_each(found, export_one)
+
+
+def local_name(said: str) -> str:
+    """Only a name: whatever a server says, nothing is written outside the folder that was asked for."""
+    from mcml.files.check_names import file_name
+
+    return file_name(said) or "document"

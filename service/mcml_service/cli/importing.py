@@ -1,0 +1,141 @@
+"""`mcml import`: files and folders stored, with progress; by hand, since a folder is many calls."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.text import Text
+
+from mcml.client.choosing import id_of
+from mcml.client.client import Client
+from mcml.client.folders import import_paths
+from mcml_schemas.documents import ImportedDocument
+from mcml_service.cli.bar import Bar
+from mcml_service.cli.deriving import FEW, derive_stored, tell_calibrations, tell_origins
+from mcml_service.cli.shared import (
+    DatabaseOption,
+    JsonOption,
+    ServerOption,
+    console,
+    opened,
+    print_json,
+    write_to_the_end,
+)
+from mcml_service.local_store import Local
+
+
+def import_(
+    paths: Annotated[list[Path], typer.Argument(help="Files, folders or zips")],
+    project: Annotated[str, typer.Option(help="Project to store into; made if new")] = "default",
+    name: Annotated[str | None, typer.Option(help="Name of the document, for a single one")] = None,
+    description: Annotated[str | None, typer.Option(help="What it is")] = None,
+    label: Annotated[list[str] | None, typer.Option(help="Motion name: NAME or NAME:FIRST-LAST")] = None,
+    property: Annotated[list[str] | None, typer.Option(help="Property: age=23 or 'age=23 year'")] = None,
+    encoding: Annotated[str | None, typer.Option(help="Text encoding, if it is not UTF-8")] = None,
+    repair: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Repair first: split-numbers, decimal-commas, missing-samples, stated-dof, three-dof, whole-frames; "
+            "may be repeated"
+        ),
+    ] = None,
+    translation: Annotated[
+        str | None, typer.Option(help="auto, absolute or relative: whether translations stand for offsets or add")
+    ] = None,
+    unit: Annotated[str | None, typer.Option(help="Length unit of the files")] = None,
+    up: Annotated[str | None, typer.Option(help="Axis that points up")] = None,
+    frame_time: Annotated[str | None, typer.Option(help="Seconds a frame, where the files do not say")] = None,
+    skeleton: Annotated[str | None, typer.Option(help="Stored document whose ASF an AMC alone shall use")] = None,
+    strict_names: Annotated[
+        bool, typer.Option("--strict-names", help="Refuse labels that are no anatomical movement")
+    ] = False,
+    movements: Annotated[
+        float | None,
+        typer.Option(min=0, max=1, help="Name anatomical movements found in the motion with this confidence or more"),
+    ] = None,
+    again: Annotated[bool, typer.Option("--again", help="Store files again that are stored already")] = False,
+    no_derive: Annotated[
+        bool, typer.Option("--no-derive", help="Leave the bodies of what was stored to a server, or to mcml db derive")
+    ] = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Store files. Files that are stored already are skipped, so an interrupted import goes on where it stopped."""
+    write_to_the_end()
+    client = opened(database, server)
+    options: dict[str, Any] = {
+        "project": project,
+        "name": name,
+        "description": description,
+        "label": label,
+        "property": property,
+        "encoding": encoding,
+        "repair": repair or None,
+        "translation": translation,
+        "unit": unit,
+        "up": up,
+        "frame_time": frame_time,
+        "skeleton": skeleton and id_of(client, skeleton),
+        "strict_names": strict_names,
+        "movements": movements,
+        "on_duplicate": "new" if again else "skip",
+    }
+    stored, failed, answers = 0, 0, []
+    with Bar("importing", disable=as_json or not sys.stderr.isatty()) as bar:
+        for answer in import_paths(client, paths, options, bar.tell):
+            answers.append(answer)
+            for document in answer.documents:
+                stored += not document.skipped
+                if not as_json:
+                    _print_imported(document)
+            for problem in answer.problems:
+                failed += 1
+                if not as_json:
+                    remedy = f"\n         {problem.problem.remedy}" if problem.problem.remedy else ""
+                    line = problem.problem.where.line if problem.problem.where else None
+                    place = f"{problem.file}:{line}" if line else problem.file
+                    console.print(Text.assemble(("failed", "red"), f"   {place}: {problem.problem.detail}{remedy}"))
+    documents = [document for answer in answers for document in answer.documents]
+    if as_json:
+        problems = [item.model_dump(exclude_none=True) for answer in answers for item in answer.problems]
+        print_json({"documents": [item.model_dump() for item in documents], "problems": problems})
+    else:
+        console.print(f"{stored} stored, {failed} failed")
+    _derive(client, documents, no_derive=no_derive, quiet=as_json)
+    if failed:
+        raise typer.Exit(3 if stored else 1)
+
+
+def _derive(client: Client, documents: list[ImportedDocument], *, no_derive: bool, quiet: bool) -> None:
+    """Derive bodies in a store here; a server does so by itself. Tell what is known of them."""
+    stored = [document for document in documents if not document.skipped]
+    here = isinstance(client, Local) and client.repository.settings.derive and not no_derive
+    if isinstance(client, Local) and here:
+        # Those that were here before, too: their import may have been stopped while it derived.
+        derive_stored(client.repository.database, {document.id for document in documents}, quiet=quiet)
+    if quiet:
+        return
+    if len(stored) <= FEW:
+        tell_calibrations(client, stored)
+    elif isinstance(client, Local) and here:
+        tell_origins(client.repository.database, {document.id for document in stored})
+
+
+def _print_imported(document: ImportedDocument) -> None:
+    if document.skipped:
+        console.print(f"skipped  {document.name}  {document.id} (stored already)")
+        return
+    facts = document.receipt
+    rate = f"{facts.frame_rate.frames_per_second:.6g} Hz" if facts.frame_rate.frames_per_second else "rate unknown"
+    mapped = "" if facts.naming is None else f", {len(facts.naming.mapped)} of {facts.joints} joints mapped"
+    unit = facts.unit.value or "unit unknown"
+    console.print(f"stored   {document.name}  {document.id}\n         {facts.frames:,} frames, {rate}, {unit}{mapped}")
+    if document.movements is not None:
+        console.print(f"         {document.movements} movements named")
+    for notice in facts.notices:
+        if notice.kind in ("repair", "warning"):
+            console.print(f"         {notice.kind}: {notice.what}", style="yellow")

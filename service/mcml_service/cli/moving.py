@@ -1,0 +1,87 @@
+"""`mcml project`: archives, quotas, and whole projects as files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, TypeAlias
+
+import typer
+
+from mcml.files.on_disk import write_file
+from mcml.formats.format import SourceFile
+from mcml_schemas.jobs import Selection
+from mcml_schemas.selections import ManyCopies
+from mcml_service.cli.shared import DatabaseOption, ForceOption, ServerOption, console, opened
+
+Project: TypeAlias = Annotated[str, typer.Argument(help="Name of the project")]
+
+
+def archive(project: Project, database: DatabaseOption = None, server: ServerOption = None) -> None:
+    """Let nothing in a project change from now on."""
+    opened(database, server).call("change_project", project=project, change={"archived": True})
+    console.print(f"{project} is archived")
+
+
+def open_(project: Project, database: DatabaseOption = None, server: ServerOption = None) -> None:
+    """Let an archived project change again."""
+    opened(database, server).call("change_project", project=project, change={"archived": False})
+    console.print(f"{project} is open")
+
+
+def quota(
+    project: Project,
+    documents: Annotated[int | None, typer.Option(min=0, help="Most documents; 0: no bound")] = None,
+    megabytes: Annotated[
+        int | None, typer.Option(min=0, help="Most MB of uploaded files and media; 0: no bound")
+    ] = None,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Say how much a project may hold; without options, how much it holds and may."""
+    client = opened(database, server)
+    size = None if megabytes is None else megabytes * 1_000_000
+    if documents is None and size is None:
+        told = client.call("get_project", project=project)
+    else:
+        change = {"most_documents": documents, "most_bytes": size}
+        told = client.call("change_project", project=project, change=change)
+    of = [f" of {most:,}" if most else "" for most in (told.most_documents, (told.most_bytes or 0) // 1_000_000)]
+    console.print(f"{told.documents:,}{of[0]} documents, {told.bytes / 1e6:,.1f}{of[1]} MB")
+
+
+def copy(
+    project: Annotated[str, typer.Argument(help="Where the copies go")],
+    ids: Annotated[list[str], typer.Argument(help="Ids of documents")],
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Copy documents with their whole histories into a project."""
+    request = ManyCopies(selection=Selection(documents=ids), project=project)
+    for made in opened(database, server).call("copy_documents", request=request).documents:
+        print(made)
+
+
+def export(
+    project: Project,
+    file: Annotated[Path | None, typer.Argument(help="File to write; default PROJECT.project.zip")] = None,
+    force: ForceOption = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Write a whole project with every revision as one file."""
+    answer = opened(database, server).call("export_project", project=project)
+    target = file or Path(answer.name or f"{project}.project.zip")
+    write_file(target, answer.blocks, force=force)
+    console.print(f"wrote    {target}")
+
+
+def import_(
+    file: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="What `mcml project export` wrote")],
+    name: Annotated[str | None, typer.Option(help="Default: as the project was called")] = None,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Make a project of such a file, with every revision, or nothing at all."""
+    with file.open("rb") as stream:
+        made = opened(database, server).call("import_project", file=SourceFile(file.name, stream), name=name)
+    console.print(f"{made.project}: {made.documents} documents")

@@ -1,0 +1,55 @@
+"""`mcml numbers`: frames of a document as a table or arrays."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mcml.client.choosing import id_of
+from mcml.errors import RequestError
+from mcml_service.cli.shared import DatabaseOption, ForceOption, RawOption, ServerOption, opened, write_blocks
+
+_FORMS = ("csv", "npz", "npy", "arrow", "parquet")
+
+
+def numbers(
+    id: Annotated[str, typer.Argument(help="Document")],
+    output: Annotated[
+        Path | None, typer.Argument(help=".csv, .npz, .npy, .arrow or .parquet; default CSV to the terminal")
+    ] = None,
+    quantity: Annotated[
+        list[str] | None,
+        typer.Option(help="Of the body, such as angle:left-knee-flexion or speed:right_hand,Root; may be repeated"),
+    ] = None,
+    bone: Annotated[
+        list[str] | None, typer.Option(help="Channels of this bone; may be repeated; default all, or none")
+    ] = None,
+    first: Annotated[int, typer.Option(help="First frame, a position from 1")] = 1,
+    last: Annotated[int | None, typer.Option(help="Last frame, included")] = None,
+    step: Annotated[int, typer.Option(help="Every step-th frame")] = 1,
+    raw: RawOption = False,
+    force: ForceOption = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Frames of a document as a table: channels, and quantities of the body in metres, seconds and degrees."""
+    form = "csv" if output is None else output.suffix.removeprefix(".")
+    if form not in _FORMS:
+        raise RequestError(
+            f"{output} is no table or array by its name.", remedy=f"End it in one of: .{', .'.join(_FORMS)}."
+        )
+    client = opened(database, server)
+    answer = client.call(
+        "get_frames",
+        id=id_of(client, id),
+        quantity=quantity or None,
+        bone=bone or None,
+        first=first,
+        last=last,
+        step=step,
+        format=form,
+        raw=raw,
+    )
+    write_blocks(answer.blocks, output, force=force)

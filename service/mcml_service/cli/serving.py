@@ -1,0 +1,260 @@
+"""`mcml serve`, `mcml demo`, `mcml doctor`."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import platform
+import shutil
+import socket
+import sqlite3
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.text import Text
+
+from mcml.errors import McmlError
+from mcml.files.on_disk import write_file
+from mcml.resources import dtd_path
+from mcml_service.cli.shared import (
+    DatabaseOption,
+    ForceOption,
+    chosen_settings,
+    console,
+    find_database,
+    open_database,
+    upgrade_database,
+)
+from mcml_service.resources import migrations_path
+from mcml_service.settings import unknown_variables
+from mcml_service.storage.filtering import DocumentFilter
+
+OPEN = "Open to everything on this machine, a proxy included, until the first account or token is made"
+
+KEPT_SECONDS = 75
+"""How long a connection may rest. Longer than proxies and clients let it (60 s is usual): who asks just as it is closed
+gets no answer. Where there are too many, the one that has rested longest makes room."""
+
+
+def serve(
+    host: Annotated[
+        str | None, typer.Option(help="Address to listen on; other than loopback needs an account or a token")
+    ] = None,
+    port: Annotated[int | None, typer.Option(help="Port to listen on")] = None,
+    database: DatabaseOption = None,
+    workers: Annotated[int, typer.Option(min=1, help="Processes that serve; they share the machine's cores")] = 1,
+    with_demo: Annotated[bool, typer.Option("--demo", help="Load the demo library if the store is empty")] = False,
+) -> None:
+    """Serve the repository over HTTP."""
+    # Imported late: other commands need not wait for the web.
+    import uvicorn
+
+    from mcml_service.api.connections import BACKLOG, connections_of
+    from mcml_service.api.doors import why_closed
+    from mcml_service.api.lanes import share_heaps
+    from mcml_service.api.logs import keep_log
+
+    for fault in unknown_variables(os.environ):
+        console.print(Text(f"mcml: {fault}", style="yellow"))
+    settings = chosen_settings(database, port=port)
+    settings = settings.model_copy(update={"host": host or settings.host})
+    _check_port(settings.host, settings.port)
+    store = upgrade_database(settings)
+    if with_demo:
+        with store.read() as tx:
+            empty = not tx.documents.page(DocumentFilter(), after=None, limit=1)
+        if empty:
+            _load_demo(database)
+    reason = why_closed(settings, store)
+    with store.read() as tx:
+        has_people = tx.accounts.exist()
+        has_owner = tx.accounts.have_owner()
+        has_token = tx.tokens.exist()
+    link = None
+    if reason or has_token or has_people:
+        with store.write() as tx:
+            link = tx.sessions.link("local")
+    store.close()
+    name = f"[{settings.host}]" if ":" in settings.host else settings.host
+    console.print(Text.assemble("MCML Repository on ", (f"http://{name}:{settings.port}/", "bold"), "  (Ctrl+C stops)"))
+    console.print(Text("Closed: requests need an account or a token." if link else OPEN, style="dim"))
+    if link:
+        words = "opens it once in a browser" if has_owner else "opens it once in a browser, to make the first account"
+        console.print(f"This link {words}:  http://{name}:{settings.port}/login?link={link}")
+    os.environ["MCML_HOST"], os.environ["MCML_PORT"] = settings.host, str(settings.port)
+    os.environ["MCML_DATABASE"] = settings.database_url
+    keep_log(settings)
+    share_heaps()
+    if workers > 1:
+        os.environ["MCML_JOB_WORKERS"] = str(max(1, settings.jobs_at_a_time // workers))
+        os.environ["MCML_HEAVY_PLACES"] = str(max(2, settings.heavy_at_once // workers))
+        os.environ["MCML_IMPORT_PROCESSES"] = str(max(1, settings.import_processes_at_a_time // workers))
+    uvicorn.run(
+        "mcml_service.cli.serving:app_of_a_worker" if workers > 1 else "mcml_service.app:app_from_environment",
+        factory=True,
+        workers=workers,
+        host=settings.host,
+        port=settings.port,
+        http=connections_of(settings),  # type: ignore[arg-type]  # whatever makes one
+        backlog=BACKLOG,
+        log_config=None,
+        access_log=False,
+        timeout_graceful_shutdown=settings.stop_seconds,
+        timeout_keep_alive=KEPT_SECONDS,
+        # The service reads such headers itself, of proxies that it trusts.
+        proxy_headers=False,
+    )
+
+
+def app_of_a_worker() -> Any:
+    """The service in one of several processes, each of which keeps the log."""
+    from mcml_service.api.lanes import share_heaps
+    from mcml_service.api.logs import keep_log
+    from mcml_service.app import app_from_environment
+
+    share_heaps()
+    keep_log(chosen_settings())
+    return app_from_environment()
+
+
+def _check_port(host: str, port: int) -> None:
+    """McmlError where nothing can listen there."""
+    if not 0 <= port <= 65535:
+        raise McmlError(f"{port} is no port.", remedy="Ports are 0 to 65535.")
+    try:
+        family = socket.AF_INET6 if ":" in host else socket.AF_INET
+        with socket.create_server((host, port), family=family):
+            pass
+    except OSError as error:
+        why = (error.strerror or str(error)).lower()
+        raise McmlError(
+            f"Nothing can listen at {host}:{port}: {why}.", remedy="Choose another with --port, or end what uses it."
+        ) from None
+
+
+def demo(
+    database: DatabaseOption = None,
+    seed: Annotated[int, typer.Option(help="Another seed makes other clips")] = 1,
+    files: Annotated[
+        Path | None, typer.Option(help="Instead: write walk.bvh, reach.asf and reach.amc into this folder, to try with")
+    ] = None,
+    force: ForceOption = False,
+) -> None:
+    """Add a small library of generated clips: walks, reaches, dances, faces, with their motion names and properties."""
+    if files is not None:
+        from mcml_service.actions.importing.load_demo import demo_files
+
+        for name, content in demo_files(seed).items():
+            write_file(files / name, [content], force=force)
+            console.print(f"wrote    {files / name}")
+        return
+    count = _load_demo(database, seed)
+    console.print(f"Added {count} generated clips to the projects demo, demo-reach, demo-dance and demo-face.")
+
+
+def _load_demo(database: str | None, seed: int = 1) -> int:
+    from mcml_service.actions.importing.load_demo import load_demo
+
+    settings = chosen_settings(database)
+    store = open_database(settings)
+    try:
+        return load_demo(store, settings, seed)
+    finally:
+        store.close()
+
+
+EXTRAS = {"arrow": "pyarrow", "audio": "librosa", "plots": "matplotlib", "usd": "pxr", "xpath2": "saxonche"}
+"""What can be installed beside the program, and a module of it."""
+
+
+def doctor(
+    database: DatabaseOption = None,
+    project: Annotated[
+        str | None, typer.Option(help="Look at the documents of this project alone, for what would be read otherwise")
+    ] = None,
+) -> None:
+    """Say what this installation has, what it lacks, and how to mend it."""
+    from mcml_service.cli.differing import tell_differing
+    from mcml_service.clips.bodies import MADE
+    from mcml_service.storage.replica import Replica
+    from mcml_service.xpath.library.part_file import path_of, why_not
+
+    settings = chosen_settings(database)
+    faults = 0
+
+    def line(what: str, fact: str, good: bool = True, remedy: str = "") -> None:
+        nonlocal faults
+        faults += not good
+        console.print(f"{'ok  ' if good else 'LACK'} {what:<16} {fact}" + (f"\n     {remedy}" if remedy else ""))
+
+    line(
+        "python",
+        platform.python_version(),
+        sys.version_info >= (3, 11),
+        "" if sys.version_info >= (3, 11) else "Use 3.11+.",
+    )
+    line("sqlite", sqlite3.sqlite_version)
+    for fault in unknown_variables(os.environ):
+        name, _, told = fault.partition(" ")
+        line("environment", f"{name} {told.partition('. ')[0]}", False, told.partition(". ")[2])
+    line("mcml.dtd", str(dtd_path()))
+    line("migrations", str(migrations_path()))
+    for module, need in (("pcodec", True), ("simdjson", True), ("psycopg", False)):
+        found = importlib.util.find_spec(module) is not None
+        line(module, "installed" if found else "not installed", found or not need)
+    for extra, module in EXTRAS.items():
+        there = importlib.util.find_spec(module) is not None
+        line(f"extra {extra}", "installed" if there else f"not installed: pip install 'mcml-repository[{extra}]'")
+    store = find_database(settings)
+    address = store.dialect.engine.url.render_as_string(hide_password=True)
+    try:
+        version, wanted = store.schema_versions()
+    except Exception as error:  # any driver's own error: the doctor reports it and goes on
+        line("store", f"{address}: {error}", False, "Check the address and that the server runs.")
+    else:
+        line("store", address)
+        try:
+            store.require_schema()
+        except McmlError as error:
+            line("schema", error.what, False, error.remedy or "")
+        else:
+            line("schema", f"{version} of {wanted}")
+            sizes = store.size()
+            with store.read() as tx:
+                count, missing = tx.documents.count(DocumentFilter()), len(tx.bodies.without(MADE))
+            line(
+                "documents",
+                f"{count:,} in {sizes['total'] / 1e6:,.1f} MB, {sizes['uploads'] / 1e6:,.1f} MB of it uploads",
+            )
+            if settings.database_read_url:
+                behind = Replica(settings.database_read_url, store.dialect).behind()
+                away = "Servers read the primary meanwhile. Look whether it runs, and MCML_DATABASE_READ_URL."
+                fact = "does not answer" if behind is None else f"{behind:,} bytes behind"
+                line("replica", fact, behind is not None, away if behind is None else "")
+            way = "A server derives the others" if settings.derive else "Derive the others"
+            line(
+                "bodies",
+                f"{count - missing:,} of {count:,} documents have theirs",
+                remedy=f"{way}: mcml {'serve, or mcml ' * settings.derive}db derive." if missing else "",
+            )
+            with store.read() as tx:
+                listed = len(tx.documents.uuids(DocumentFilter(project=project)))
+            tell_differing(store, project, listed)
+            place = path_of(store, settings.cache_dir)
+            trouble = "" if place is None else why_not(place)
+            if place is None:
+                line("query columns", "in memory alone: MCML_CACHE_DIR is none")
+            else:
+                size = f"{place.stat().st_size / 1e6:,.1f} MB in {place}" if not trouble else f"{place}: {trouble}"
+                remedy = "Queries serve from memory alone; let the folder be written, or name one in MCML_CACHE_DIR."
+                line("query columns", size, not trouble, remedy if trouble else "")
+    path = settings.database_url.removeprefix("sqlite:///")
+    if path != settings.database_url:
+        folder = os.path.dirname(path) or "."
+        if os.path.isdir(folder):
+            free = shutil.disk_usage(folder).free
+            line("free disk", f"{free / 1e9:,.1f} GB", free > 1e9, "" if free > 1e9 else "Make room.")
+    if faults:
+        raise typer.Exit(1)

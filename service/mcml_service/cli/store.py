@@ -1,0 +1,172 @@
+"""`mcml db` and `mcml token`: the store itself."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from datetime import timedelta
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from mcml.errors import McmlError
+from mcml_service.actions.keeping.check_uploads import compare_all
+from mcml_service.actions.keeping.keep_room import compact_store, forget_activity, prune_history
+from mcml_service.actions.keeping.keep_store import backup, restore
+from mcml_service.cli.shared import (
+    DatabaseOption,
+    JsonOption,
+    chosen_settings,
+    console,
+    find_database,
+    open_database,
+    print_json,
+    table,
+    upgrade_database,
+)
+from mcml_service.storage.identifiers import now
+
+
+def upgrade(database: DatabaseOption = None) -> None:
+    """Bring the store's schema to this program's version; an SQLite store is copied beside itself before."""
+    settings = chosen_settings(database)
+    before, wanted = find_database(settings).schema_versions()
+    upgrade_database(settings)
+    if before is None:
+        console.print(f"schema none -> {wanted}")
+    elif before == wanted:
+        console.print(f"schema {wanted}, nothing to do")
+
+
+def backup_(output: Annotated[Path, typer.Argument(help="File to write")], database: DatabaseOption = None) -> None:
+    """Copy the whole store into one file while it is in use."""
+    size = backup(open_database(chosen_settings(database)), output)
+    console.print(f"wrote {output} ({size / 1e6:,.1f} MB)")
+
+
+def restore_(
+    source: Annotated[Path, typer.Argument(help="A file that `mcml db backup` wrote")],
+    database: DatabaseOption = None,
+) -> None:
+    """Fill an empty store from a backup."""
+    settings = chosen_settings(database)
+    documents = restore(open_database(settings), source)
+    console.print(f"restored {documents:,} documents")
+
+
+def check(
+    database: DatabaseOption = None,
+    deep: Annotated[
+        bool, typer.Option("--deep", help="Read the kept files again and compare the numbers; past revisions too")
+    ] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Compare every row with its checksum, read every kept upload once, and say what does not fit."""
+    settings = chosen_settings(database)
+    store = open_database(settings)
+    found, unread = store.check(past=deep), []
+    if deep:
+        with store.read() as tx:
+            for compared in compare_all(tx, settings):
+                found += [f"{compared.name}: {fault}" for fault in compared.faults]
+                unread += [f"{compared.name}: {compared.unread}"] if compared.unread else []
+    if as_json:
+        print_json({"faults": found, "not_compared": unread} if deep else {"faults": found})
+    else:
+        for note in unread:
+            console.print(f"not compared    {note}")
+        for fault in found:
+            console.print(f"fault    {fault}")
+        console.print("the store is sound" if not found else f"{len(found)} faults")
+    if found:
+        raise typer.Exit(1)
+
+
+def prune(
+    older_than: Annotated[float, typer.Option(min=0, help="Days of history to keep")],
+    yes: Annotated[bool, typer.Option("--yes", help="Do it; without, what would go is shown")] = False,
+    database: DatabaseOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Forget history: each document as it was so many days ago stays, and all after it. Activity older than
+    MCML_ACTIVITY_DAYS goes, too."""
+    settings = chosen_settings(database)
+    store = open_database(settings)
+    found = prune_history(store, older_than, do=yes)
+    if yes:
+        forget_activity(store, settings.activity_days)
+        from mcml_service.xpath.library.part_file import forget
+
+        forget(store, settings.cache_dir)
+    if as_json:
+        print_json({"pruned": yes, **asdict(found)})
+        return
+    what = f"{found.revisions:,} revisions of {found.documents:,} documents, {found.bytes / 1e6:,.1f} MB"
+    console.print(f"forgot {what}" if yes else f"would forget {what}; --yes does it, and nothing brings them back")
+
+
+def compact(
+    yes: Annotated[bool, typer.Option("--yes", help="Also where it stops writers")] = False,
+    database: DatabaseOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Give room that nothing uses back to the disk, while a server goes on working."""
+    store = open_database(chosen_settings(database))
+    plan = store.dialect.compaction()
+    if plan.stops_writers and not yes:
+        raise McmlError(
+            "This store can only be compacted as a whole, once: writers wait until it is done, "
+            f"and it needs {plan.room / 1e6:,.0f} MB of room meanwhile (about {plan.room / 1e8:,.0f} s).",
+            remedy="Run it with --yes. Afterwards it is done in small steps.",
+        )
+    freed = compact_store(store, lambda left: None if as_json else console.print(f"{left / 1e6:,.1f} MB to go"))
+    if as_json:
+        print_json({"bytes": freed})
+    else:
+        console.print(f"gave back {freed / 1e6:,.1f} MB")
+
+
+def token_add(
+    name: Annotated[str, typer.Argument(help="Who or what uses it; revisions carry this name")],
+    days: Annotated[int, typer.Option(help="Days until it expires; 0: never")] = 90,
+    scope: Annotated[
+        Literal["read", "edit", "operate"], typer.Option(help="What it may do; operate: all, accounts too")
+    ] = "operate",
+    account: Annotated[str | None, typer.Option(help="Whose it is: it may do no more than this account")] = None,
+    project: Annotated[list[str] | None, typer.Option(help="Where alone it opens something; may be repeated")] = None,
+    database: DatabaseOption = None,
+) -> None:
+    """Make a token. It is shown once."""
+    expires = None
+    if days:
+        expires = now(timedelta(days=days))
+    with open_database(chosen_settings(database)).write() as tx:
+        owner = None if account is None else tx.accounts.get(account)
+        projects = [tx.projects.get(one) for one in project or ()]
+        secret = tx.tokens.add(name, expires, scope=scope, owner=owner, projects=projects)
+    print(secret)
+    console.print(
+        f"curl -H 'Authorization: Bearer {secret}' …\nMCML_TOKEN={secret} mcml ls --server http://…", style="dim"
+    )
+
+
+def token_list(database: DatabaseOption = None, as_json: JsonOption = False) -> None:
+    """List tokens: their names, first characters and dates."""
+    with open_database(chosen_settings(database)).read() as tx:
+        found = tx.tokens.all()
+    if as_json:
+        print_json({"items": [vars(item) for item in found]})
+        return
+    rows = table("name", "begins with", "may", "in", "whose", "made", "expires", "used")
+    for item in found:
+        whose, expires, used = item.account or "", item.expires or "never", item.used or "never"
+        where = ", ".join(item.projects) or "all"
+        rows.add_row(item.name, item.hint + "…", item.scope, where, whose, item.created, expires, used)
+    console.print(rows)
+
+
+def token_revoke(name: Annotated[str, typer.Argument(help="Token")], database: DatabaseOption = None) -> None:
+    """Make a token useless at once."""
+    with open_database(chosen_settings(database)).write() as tx:
+        tx.tokens.remove(name)
+    console.print(f"revoked {name}")

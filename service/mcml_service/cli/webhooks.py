@@ -1,0 +1,26 @@
+"""`mcml webhook add`: an address that a server tells of events."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from mcml_schemas.webhooks import WebhookRequest
+from mcml_service.cli.shared import DatabaseOption, ServerOption, console, opened
+
+
+def add(
+    url: Annotated[str, typer.Argument(help="Where messages are sent, with https")],
+    project: Annotated[str | None, typer.Option(help="Tell of this project alone")] = None,
+    kind: Annotated[
+        list[str] | None, typer.Option(help="Tell of this kind of events, such as comment; may be repeated")
+    ] = None,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Have a server tell an address of events. The secret that messages are signed with is shown once."""
+    asked = WebhookRequest.model_validate({"url": url, "project": project, "kinds": kind or []})
+    made = opened(database, server).call("add_webhook", request=asked)
+    print(made.secret)
+    console.print(f"webhook {made.number}", style="dim")

@@ -1,0 +1,160 @@
+"""The body of a stored document in space: where its joints are in every frame, and what is known of the clip."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+from mcml.motion.bodies.calibration import Calibration, calibrate, calibration_frames
+from mcml.motion.bodies.clip_body import ClipBody, body_at, pose_of_frame, turned_degrees
+from mcml.motion.bodies.positions import clip_positions, filled
+from mcml.motion.bodies.stretch import Stretch
+from mcml.motion.clip import Reference
+from mcml.motion.skeleton import Array
+from mcml.motion.units import Reading, reading_of
+from mcml_service.clips.read_clip import Skeletons, read_clip
+from mcml_service.storage.bodies import StoredBody
+from mcml_service.storage.columns import Listed
+from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.steps import pack, unpack
+from mcml_service.storage.transaction import Transaction
+
+FRAMES_TOGETHER = 8192
+"""Frames of documents whose joints are placed together."""
+MOST_LOOKED_AT = 8
+"""Clips of a skeleton, where a reference pose is looked for."""
+MADE = 2
+"""Counts on when positions or calibrations come to be made in another way: what was kept before is derived again."""
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """names: of the joints, MCML's where they are known. frame_time: seconds, None where unknown. blocks: rounded
+    positions in the document's order of frames, as `steps.pack` makes them."""
+
+    names: tuple[str, ...]
+    frames: int
+    calibration: Calibration
+    frame_time: float | None
+    blocks: tuple[bytes, ...]
+
+    @property
+    def nbytes(self) -> int:
+        return sum(map(len, self.blocks)) + 2000
+
+    def stretch(self, joints: Collection[str], first: int = 0, end: int | None = None) -> Stretch:
+        """The frames from `first` (from 0) to before `end`, by default all, with the joints of these names that it
+        has."""
+        frames = range(self.frames)[first:end]
+        own = [place for place, name in enumerate(self.names) if name in joints]
+        steps = unpack(self.blocks, own)
+        places = {self.names[place]: found[first:end] for place, found in zip(own, steps, strict=True)}
+        return Stretch(places, len(frames), self.frame_time, self.calibration, first=first)
+
+    def facts(self) -> dict[str, Any]:
+        """All but the positions, as plain values for JSON."""
+        known = self.calibration.to_json()
+        told = {"names": self.names, "frames": self.frames, "calibration": known, "frame_time": self.frame_time}
+        return {**told, "blocks": len(self.blocks), "made": MADE}
+
+    @classmethod
+    def packed(cls, body: ClipBody) -> Body:
+        """The body of a clip as it is kept."""
+        return cls(body.names, len(body.steps), body.calibration, body.frame_time, tuple(pack(body.steps)))
+
+    @classmethod
+    def restored(cls, stored: StoredBody) -> Body | None:
+        """What was kept; None where it was made in another way."""
+        facts = stored.facts
+        if facts["made"] != MADE:
+            return None
+        calibration = Calibration.from_json(facts["calibration"])
+        return cls(tuple(facts["names"]), facts["frames"], calibration, facts["frame_time"], stored.blocks)
+
+
+def derive_bodies(tx: Transaction, documents: Sequence[Listed], skeletons: Skeletons) -> Iterator[Body]:
+    """The body of each document, worked out from its frames. skeletons: as `read_clip` takes them."""
+    first = 0
+    while first < len(documents):
+        # Kinematics of short clips takes as long for one as for ten.
+        last, frames = first + 1, documents[first].frames
+        while last < len(documents) and frames + documents[last].frames <= FRAMES_TOGETHER:
+            frames += documents[last].frames
+            last += 1
+        yield from _derived(tx, documents[first:last], skeletons)
+        first = last
+
+
+def _derived(tx: Transaction, documents: Sequence[Listed], skeletons: Skeletons) -> list[Body]:
+    clips = [read_clip(tx, listed, bare=True, skeletons=skeletons) for listed in documents]
+    same: dict[tuple[int, Reading], list[int]] = {}
+    for place, clip in enumerate(clips):
+        same.setdefault((id(clip.clip.head.skeleton), reading_of(clip.clip.head)), []).append(place)
+    references = References(tx)
+    found: dict[int, Body] = {}
+    for (_, reading), places in same.items():
+        skeleton = clips[places[0]].clip.head.skeleton
+        frames = [filled(skeleton, clips[place].clip.blocks()) for place in places]
+        for place, own, positions in zip(places, frames, clip_positions(skeleton, frames, reading), strict=True):
+            shared = partial(references.of, documents[place])
+            found[place] = Body.packed(body_at(clips[place].clip.head, positions, own.values, shared))
+    return [found[place] for place in range(len(clips))]
+
+
+class References:
+    """The reference poses of skeletons, found once each."""
+
+    def __init__(self, tx: Transaction) -> None:
+        self._tx = tx
+        self._found: dict[tuple[int, str | None], Reference | None] = {}
+
+    def of(self, listed: Listed | StoredDocument, stated: str | None) -> Reference | None:
+        """The reference of the skeleton of a document: the one that is kept with the body of a clip of it, else that of
+        its first clip that shows one, as that clip was at first. stated: the up axis, None for a guess."""
+        key = listed.skeleton, stated
+        if key not in self._found:
+            self._found[key] = self._kept(*key) or self._first(*key)
+        return self._found[key]
+
+    def _kept(self, skeleton: int, stated: str | None) -> Reference | None:
+        for facts in self._tx.bodies.facts_of_skeleton(skeleton, MOST_LOOKED_AT):
+            known = facts["calibration"] if facts["made"] == MADE else None
+            if known is not None and known["origins"]["reference"][0] == "measured" and known["start"]["of"]:
+                reference = Reference.from_json(known["start"])
+                if reference.stated == stated:
+                    return reference
+        return None
+
+    def _first(self, skeleton: int, stated: str | None) -> Reference | None:
+        for commit, listed in self._tx.heads.clips_of_skeleton(skeleton, MOST_LOOKED_AT):
+            clip = read_clip(self._tx.at_commit(commit), listed, bare=True).clip
+            head, frames = clip.head, filled(clip.head.skeleton, clip.blocks())
+            (positions,) = clip_positions(head.skeleton, [frames], reading_of(head))
+            rows = calibration_frames(len(positions))
+            found = calibrate(
+                head,
+                positions[rows],
+                {} if stated is None else {"up": stated},
+                rows,
+                pose_at=partial(pose_of_frame, head, frames.values),
+            )
+            if found.origins["reference"].kind == "measured" and found.start.stated == stated:
+                return replace(found.start, of=listed.name if found.start.frame is not None else "")
+        return None
+
+
+def read_bodies(tx: Transaction, documents: Sequence[Listed]) -> dict[int, Body]:
+    """By the keys of documents: what is kept of them, else worked out now."""
+    restored = {key: Body.restored(stored) for key, stored in tx.bodies.of(documents).items()}
+    found = {key: body for key, body in restored.items() if body is not None}
+    missing = [listed for listed in documents if listed.key not in found]
+    made = zip(missing, derive_bodies(tx, missing, {}), strict=True)
+    return found | {listed.key: body for listed, body in made}
+
+
+def read_turned(tx: Transaction, stored: StoredDocument | Listed, name: str, body: Body) -> Array:
+    """(n,) degrees of an angle that takes rotations (`limb_angles.turn_named`), NaN where unknown. body: of the
+    document."""
+    return turned_degrees(read_clip(tx, stored, labelled=False).clip, name, body.calibration)

@@ -1,0 +1,102 @@
+"""What a worker does: reads clips from the store, runs an analysis, gives its parts back. It writes nothing."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from mcml.errors import McmlError
+from mcml_service.actions.analysing.save_results import load_parts
+from mcml_service.actions.analysing.start_analysis import EXTENDS, LEFT_OUT, SKELETON, checked_parameters, find_analysis
+from mcml_service.actions.checking.describe_problem import problem_of
+from mcml_service.actions.composing.load_motions import Input, load_motions
+from mcml_service.analysis.interface import Motion, Parts, Progress
+from mcml_service.jobs.apart import StoredMotions, Urls, database_of
+from mcml_service.storage.database import Database
+from mcml_service.storage.views import WHOLE
+
+TELL_SECONDS = 0.2
+"""Least time between two reports of progress."""
+
+LOADING = 0.1
+"""Share of the work that reading the clips counts for."""
+
+
+@dataclass(frozen=True)
+class Refused:
+    """Clips or parameters did not fit; problem: as plain values."""
+
+    problem: dict[str, Any]
+
+
+Outcome = Parts | Refused
+
+
+class CancelledError(Exception):
+    """The user no longer wants the job."""
+
+
+def perform(
+    database: Database,
+    analysis: str,
+    inputs: list[dict[str, Any]],
+    parameters: dict[str, Any],
+    progress: Progress,
+    apart: Callable[[list[Input], Input | None], Sequence[Motion]] | None = None,
+) -> Outcome:
+    """The parts of the result; or why there is none.
+
+    apart: gives the clips, by inputs and skeleton, to an analysis that spreads its work; None: it does it here.
+    Raises whatever `progress` raises.
+    """
+    chosen = find_analysis(analysis)
+    try:
+
+        def loading(stage: str, share: float) -> None:
+            progress(stage, LOADING * share)
+
+        motions: Sequence[Motion]
+        if apart is not None and chosen.spreads:
+            motions = apart(inputs, parameters.get(SKELETON))
+        else:
+            motions = database.ask(lambda tx: load_motions(tx, inputs, loading, parameters.get(SKELETON)))
+        given = {name: value for name, value in parameters.items() if name not in (EXTENDS, LEFT_OUT, SKELETON)}
+        # A job may have waited while the program, and with it what parameters may be, became another.
+        checked = chosen.parameters.model_validate(checked_parameters(chosen.parameters, given))
+
+        def told(stage: str, share: float) -> None:
+            progress(stage, LOADING + (1 - LOADING) * share)
+
+        if EXTENDS not in parameters or chosen.extend is None:
+            return chosen.run(motions, checked, told)
+        parts = database.ask(lambda tx: load_parts(tx, tx.results.get(parameters[EXTENDS]).key))
+        return chosen.extend(parts, motions, checked, told)
+    except McmlError as error:
+        return Refused(problem_of(error).model_dump(exclude_none=True))
+
+
+def on_dask(urls: Urls, uuid: str, analysis: str, inputs: list[dict[str, Any]], parameters: dict[str, Any]) -> Outcome:
+    """`perform` in a worker of Dask: news go to the topic `uuid`; whether to go on stands in the row of the job.
+
+    urls: of the store, and of its replica.
+    """
+    from distributed import get_worker
+
+    database, worker = database_of(*urls), get_worker()
+    told = 0.0
+
+    def progress(stage: str, share: float) -> None:
+        nonlocal told
+        if time.monotonic() - told < TELL_SECONDS:
+            return
+        told = time.monotonic()
+        worker.log_event(uuid, {"stage": stage, "share": share})
+        with database.read() as tx:
+            if tx.jobs.get(uuid).cancel:
+                raise CancelledError
+
+    reader = database.for_call(WHOLE, from_replica=True)
+    return perform(reader, analysis, inputs, parameters, progress, partial(StoredMotions, urls))

@@ -1,0 +1,50 @@
+"""What the list of documents can be narrowed by."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from mcml_schemas.facets import Count, FacetList, Histogram, PropertyCounts, RateCount, SkeletonCount
+from mcml_service.operations.call import Call
+from mcml_service.operations.documents import Wanted
+from mcml_service.storage.facets import Bins, Counts
+
+
+def get_facets(
+    call: Call,
+    wanted: Wanted,
+    limit: Annotated[int, Field(ge=1, le=1000, description="Most values of each facet", examples=[50])] = 100,
+    bins: Annotated[int, Field(ge=1, le=100, description="Of each range of numbers", examples=[12])] = 12,
+) -> FacetList:
+    """Takes the conditions of the list of documents, and counts among those that fulfil them."""
+    conditions = wanted.filter(call)
+    with call.database.read() as tx:
+        found = call.repository.register.facets(tx, conditions, limit, bins)
+    return FacetList(
+        total=found.total,
+        projects=_counts(found.projects),
+        formats=_counts(found.formats),
+        skeletons=[
+            SkeletonCount(skeleton=key, joints=joints, documents=count) for (key, joints), count in found.skeletons
+        ],
+        motion_names=_counts(found.motion_names),
+        lengths=_histogram(found.lengths),
+        rates=[RateCount(value=value, documents=count) for value, count in found.rates],
+        unknown=found.unknown,
+        properties=[
+            PropertyCounts(
+                name=item.name, documents=item.documents, numbers=_histogram(item.bins), texts=_counts(item.texts)
+            )
+            for item in found.properties
+        ],
+    )
+
+
+def _counts(found: Counts) -> list[Count]:
+    return [Count(value=value, documents=count) for value, count in found]
+
+
+def _histogram(found: Bins | None) -> Histogram | None:
+    return None if found is None else Histogram(edges=found.edges, counts=found.counts)

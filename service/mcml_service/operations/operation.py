@@ -1,0 +1,331 @@
+"""What an operation is: one thing that a user can ask of the repository, said once.
+
+Its row in OPERATIONS has its name, address, command, effect, right and words; the function of that name has its
+arguments and its answer, as types. The HTTP route, its entry in OpenAPI, the command, the Python call and the tables of
+the documentation follow.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from enum import StrEnum
+from functools import cached_property
+from importlib import import_module
+from types import UnionType
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+
+from pydantic import BaseModel, Field, TypeAdapter, ValidationError
+from pydantic.fields import FieldInfo
+
+from mcml.answers import Content
+from mcml.errors import AccessError, NotFoundError, RequestError
+from mcml_service.operations.call import Call
+from mcml_service.storage.shares import Share
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+Mark = TypeVar("Mark")
+Place = Literal["path", "query", "header", "body", "form", "file", "content"]
+"""Where a request carries an argument. body: as JSON; content: as the bytes that the body is."""
+
+
+class Effect(StrEnum):
+    """What an operation does to the store."""
+
+    READS = "reads"
+    STREAMS = "streams"
+    WRITES = "writes"
+    STARTS = "starts a job"
+
+
+class Right(StrEnum):
+    """What one needs to be allowed to do: to see, to change, to decide about a project, to keep the repository."""
+
+    READ = "read"
+    EDIT = "edit"
+    OWN = "own"
+    OPERATE = "operate"
+
+
+RIGHTS: Mapping[str, frozenset[Right]] = {
+    "read": frozenset({Right.READ}),
+    "edit": frozenset({Right.READ, Right.EDIT}),
+    "own": frozenset({Right.READ, Right.EDIT, Right.OWN}),
+    "operate": frozenset(Right),
+}
+"""What each scope allows. It is of a project or of all (`storage.views`): what an operation then touches, the
+transaction looks at."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """Marks an argument of type bytes that is the body of the request.
+
+    types: media types with an example of each. most: bytes. model: of the body where it is JSON.
+    """
+
+    types: Mapping[str, Any]
+    most: int
+    model: type[BaseModel] | None = None
+
+
+class Upload:
+    """Marks an argument that is a file or a list of files: parts of a form, whose fields all other arguments are."""
+
+
+@dataclass(frozen=True)
+class Media:
+    """Answers that are no JSON: what they are, and their media types with an example of each or None."""
+
+    words: str
+    types: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Argument:
+    """One argument of an operation.
+
+    name: in Python and on the command line. wire: what a request calls it. kind: its type with constraints, as
+    pydantic reads it. group: the parameter of the function that it is a field of, None where it is one itself.
+    """
+
+    name: str
+    wire: str
+    place: Place
+    kind: Any
+    field: FieldInfo
+    default: Any
+    group: str | None
+
+    @property
+    def required(self) -> bool:
+        return self.default is inspect.Parameter.empty
+
+    def checked(self, value: Any) -> Any:
+        """The value as the type has it. RequestError where it does not fit."""
+        if self.place == "file":
+            return value
+        try:
+            return self.adapter.validate_python(value)
+        except ValidationError as error:
+            fault = error.errors()[0]
+            place = ".".join(str(part) for part in (self.name, *fault["loc"]))
+            raise RequestError(f"{place}: {fault['msg'].removeprefix('Value error, ')}") from None
+
+    @cached_property
+    def adapter(self) -> TypeAdapter[Any]:
+        # Without what a request calls it, which is no matter of the value.
+        kind: Any = Annotated[self.plain, Field(description=self.field.description), *self.field.metadata]
+        return TypeAdapter(kind)
+
+    @property
+    def plain(self) -> Any:
+        """The type without what is annotated."""
+        return get_args(self.kind)[0] if get_origin(self.kind) is Annotated else self.kind
+
+    @property
+    def bare(self) -> Any:
+        """The type without what is annotated, and without None."""
+        kind = self.plain
+        others = [item for item in get_args(kind) if item is not type(None)]
+        return others[0] if get_origin(kind) in (Union, UnionType) and len(others) == 1 else kind
+
+    @property
+    def body(self) -> Body | None:
+        """How the body is sent that the argument is, None where it is none."""
+        return self.mark(Body)
+
+    def mark(self, kind: type[Mark]) -> Mark | None:
+        """The marker of this class among what annotates the type, or None."""
+        return next((item for item in get_args(self.kind)[1:] if isinstance(item, kind)), None)
+
+
+@dataclass(frozen=True)
+class Operation:
+    """A row of OPERATIONS.
+
+    name: of the function in `mcml_service.operations`, the operationId, the Python call.
+    address: method and path below /api/v1; None for what is done on the machine of the store alone.
+    command: how a terminal calls it, with positional arguments in capitals; None where none is made from this row.
+    status: of a success. unmade: what an answer 200 is, of operations that need not make anything.
+    terse: answers leave out what is null. waits: the operation ends when its client leaves.
+    heavy: it takes long, so that a server works on few at a time; or the argument that makes it so.
+    shared: who has a link to a document may do it, with what the link shows.
+    summary: a title, where the words are too long for one. made: the function, where no module has it.
+    """
+
+    name: str
+    address: str | None
+    effect: Effect
+    right: Right
+    words: str
+    module: str = ""
+    command: str | None = None
+    status: int = 200
+    terse: bool = False
+    unmade: str = ""
+    waits: bool = False
+    heavy: bool | str = False
+    shared: bool = False
+    summary: str = ""
+    made: Callable[..., Any] | None = None
+
+    @property
+    def method(self) -> str:
+        return (self.address or "").partition(" ")[0]
+
+    @property
+    def path(self) -> str:
+        return (self.address or "").partition(" ")[2]
+
+    @cached_property
+    def function(self) -> Callable[..., Any]:
+        """What does it: (call, arguments) to an answer. Imported when it is asked for."""
+        if self.made is not None:
+            return self.made
+        found: Callable[..., Any] = getattr(import_module(f"mcml_service.operations.{self.module}"), self.name)
+        return found
+
+    @cached_property
+    def description(self) -> str:
+        """The words, and what the function says beyond them."""
+        more = inspect.getdoc(self.function)
+        return f"{self.words}\n\n{more}" if more else self.words
+
+    @property
+    def media(self) -> Media | None:
+        """Answers that are no JSON, None where there are none."""
+        return getattr(self.function, "media", None)
+
+    @cached_property
+    def model(self) -> type[BaseModel] | None:
+        """The model of an answer in JSON, None where there is none."""
+        said = get_type_hints(self.function, include_extras=True)["return"]
+        kinds = get_args(said) if get_origin(said) in (Union, UnionType) else (said,)
+        return next((kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel)), None)
+
+    @cached_property
+    def groups(self) -> dict[str, type]:
+        """Parameters of the function that are dataclasses of arguments."""
+        hints = get_type_hints(self.function, include_extras=True)
+        return {
+            name: kind
+            for name, kind in hints.items()
+            if isinstance(kind, type) and is_dataclass(kind) and kind not in (Call, Content)
+        }
+
+    @cached_property
+    def arguments(self) -> tuple[Argument, ...]:
+        hints = get_type_hints(self.function, include_extras=True)
+        parameters = list(inspect.signature(self.function).parameters.values())[1:]
+        found = [one for item in parameters for one in _arguments(self, hints[item.name], item.name, item.default)]
+        if any(argument.place == "file" for argument in found):
+            found = [_in_form(argument) for argument in found]
+        return tuple(found)
+
+    def weighs(self, given: Mapping[str, Any]) -> bool:
+        """Whether it is heavy with these arguments."""
+        return given.get(self.heavy) is not None if isinstance(self.heavy, str) else self.heavy
+
+    def allow(self, call: Call) -> None:
+        """AccessError where whoever asks may not do this. Every call passes here."""
+        if call.share is not None and not self.shared:
+            raise AccessError(
+                f"A link to some documents does not open {self.name}.", remedy="Ask whoever sent it for an account."
+            )
+        if self.right not in RIGHTS[call.scope]:
+            raise AccessError(
+                f"{self.name} needs the right to {self.right}, and {call.author} has only that to {call.scope}.",
+                remedy="Ask an owner of the repository for another role, or a token of another scope.",
+            )
+
+    def run(self, call: Call, given: Mapping[str, Any]) -> Any:
+        """The answer. given: checked values by the names of the arguments. AccessError for who may not."""
+        self.allow(call)
+        if call.share is not None:
+            given = _as_shared(call.share, given)
+        values: dict[str, Any] = {}
+        parts: dict[str, dict[str, Any]] = {name: {} for name in self.groups}
+        for argument in self.arguments:
+            if argument.name in given:
+                place = values if argument.group is None else parts[argument.group]
+                place[argument.name] = given[argument.name]
+        grouped = {name: self.groups[name](**stated) for name, stated in parts.items()}
+        return self.function(call, **values, **grouped)
+
+    def checked(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """Values as the arguments' types have them. RequestError for an unknown name, or a value that does not fit."""
+        known = {argument.name: argument for argument in self.arguments}
+        for name in given:
+            if name not in known:
+                raise RequestError(f"{self.name} has no argument {name!r}.", remedy=f"It takes {', '.join(known)}.")
+        for name, argument in known.items():
+            if argument.required and name not in given:
+                raise RequestError(f"{name} is missing.", remedy=f"{self.name} needs it.")
+        return {name: known[name].checked(value) for name, value in given.items()}
+
+
+def _as_shared(share: Share, given: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Arguments of a call by who has a link, with the revision that it shows. NotFoundError for another document or
+    revision, AccessError for a format that is not given away."""
+    found = share.documents.get(given["id"])
+    if found is None:
+        raise NotFoundError("This link shows no such document.", remedy="Take one that it shows.")
+    if "format" in given and "original" in given:
+        if given["format"] not in share.formats:
+            raise AccessError(
+                f"This link does not give {given['format']} away.",
+                remedy=f"It gives {', '.join(sorted(share.formats)) or 'none'}.",
+            )
+        given = {**given, "original": False}
+    return {**given, "revision": found.shown(given.get("revision"))}
+
+
+def gives(words: str, types: Mapping[str, Any]) -> Callable[[Function], Function]:
+    """Says that a function may answer content of these media types, each with an example (None: the words say all)."""
+
+    def said(function: Function) -> Function:
+        function.media = Media(words, types)  # type: ignore[attr-defined]  # functions take any attribute
+        return function
+
+    return said
+
+
+def _arguments(
+    operation: Operation, kind: Any, name: str, default: Any, group: str | None = None
+) -> Iterator[Argument]:
+    """An argument, or those in a dataclass of arguments."""
+    if is_dataclass(kind):
+        hints = get_type_hints(kind, include_extras=True)
+        for field in fields(kind):
+            value = inspect.Parameter.empty if field.default is MISSING else field.default
+            yield from _arguments(operation, hints[field.name], field.name, value, name)
+        return
+    marks = get_args(kind)[1:] if get_origin(kind) is Annotated else ()
+    field_info = next((mark for mark in marks if isinstance(mark, FieldInfo)), FieldInfo())
+    wire = field_info.alias or name
+    bare = get_args(kind)[0] if marks else kind
+    place: Place = "query"
+    if name == "if_match":
+        wire, place = "if-match", "header"
+    elif f"{{{wire}}}" in operation.path or f"{{{wire}:path}}" in operation.path:
+        place = "path"
+    elif any(isinstance(mark, Body) for mark in marks):
+        place = "content"
+    elif any(mark is Upload or isinstance(mark, Upload) for mark in marks):
+        place = "file"
+    elif _is_model(bare):
+        place = "body"
+    yield Argument(name, wire, place, kind, field_info, default, group)
+
+
+def _is_model(kind: Any) -> bool:
+    kind = get_args(kind)[0] if get_origin(kind) is list else kind
+    return isinstance(kind, type) and issubclass(kind, BaseModel)
+
+
+def _in_form(argument: Argument) -> Argument:
+    if argument.place != "query":
+        return argument
+    return replace(argument, place="form")

@@ -1,0 +1,85 @@
+"""Whole projects: how much is in them, archived, as one file, and made of one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated
+
+from pydantic import Field
+
+from mcml.answers import Content
+from mcml.errors import AccessError
+from mcml.formats.format import SourceFile
+from mcml_schemas.catalogues import ProjectChange, ProjectImported, ProjectView
+from mcml_schemas.examples import PROJECT
+from mcml_service.operations.call import Call
+from mcml_service.operations.operation import Upload, gives
+from mcml_service.storage.identifiers import now
+from mcml_service.storage.transaction import Transaction
+from mcml_service.storage.views import may, require
+
+ProjectName = Annotated[str, Field(min_length=1, max_length=256, description="Name of the project", examples=[PROJECT])]
+
+
+@gives("A zip, made while it is sent", {"application/zip": None})
+def export_project(call: Call, project: ProjectName) -> Content:
+    """Its documents as MCML, the files that they came of, and everything with every revision, of which `import_project`
+    makes it again. Equal projects make equal files.
+    """
+    from mcml_service.actions.keeping.move_project import export_project as exporting
+
+    # Not of a replica: a long answer without a tag could not go on, if that went away.
+    tx = call.held.enter_context(call.database.for_call(call.view).read())
+    require(tx, tx.projects.get(project), "own")
+    return Content(exporting(tx, project), "application/zip", f"{project}.project.zip")
+
+
+def get_project(call: Call, project: ProjectName) -> ProjectView:
+    with call.database.read() as tx:
+        return _view(tx, tx.projects.get(project))
+
+
+def change_project(call: Call, change: ProjectChange, project: ProjectName) -> ProjectView:
+    """In an archived project nothing changes until it is opened again; it is seen and exported as before. What would
+    exceed a quota is not stored; what is there stays.
+    """
+    with call.database.write(call.author) as tx:
+        tx.dialect.order_commits(tx.connection)
+        key = tx.projects.get(project)
+        require(tx, key, "own")
+        bounds = {name: getattr(change, name) for name in ("most_documents", "most_bytes")}
+        given = {name: bound or None for name, bound in bounds.items() if bound is not None}
+        if given and not may(call.view.everywhere, "operate"):
+            raise AccessError(
+                "Owners of the repository say how much a project may hold.", remedy="Ask one of them for more room."
+            )
+        chosen = replace(tx.terms.of(key), **given)
+        if change.archived is not None:
+            since = chosen.archived or now()
+            chosen = replace(chosen, archived=since if change.archived else None)
+        tx.terms.put(key, chosen)
+        tx.activity.note("project", "change", project_key=key, subject=project)
+        return _view(tx, key)
+
+
+def import_project(
+    call: Call,
+    file: Annotated[
+        SourceFile, Upload(), Field(description="What the export of a project gave", examples=["gait.project.zip"])
+    ],
+    name: Annotated[
+        str | None, Field(min_length=1, max_length=256, description="Default: as it was called", examples=["gait 2"])
+    ] = None,
+) -> ProjectImported:
+    """With every revision, or nothing at all. Authors stay as text, nobody gets an account; ids that are taken here
+    become others.
+    """
+    from mcml_service.actions.keeping.move_project import import_project as importing
+
+    project, documents = importing(call.database, file.stream, call.settings, call.author, name)
+    return ProjectImported(project=project, documents=documents)
+
+
+def _view(tx: Transaction, key: int) -> ProjectView:
+    documents, size = tx.terms.held(key)
+    return ProjectView(name=tx.projects.name(key), documents=documents, bytes=size, **vars(tx.terms.of(key)))

@@ -1,0 +1,138 @@
+"""Files that come in: stored as documents, or only looked at."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import Field
+
+from mcml.answers import UploadError
+from mcml.files.import_options import ImportOptions, checked_repairs, parse_label, parse_property
+from mcml.formats.format import SourceFile
+from mcml_schemas.documents import FileProblem, InspectResult, UploadResult
+from mcml_schemas.examples import DOCUMENT, MOTION_NAME, PROJECT
+from mcml_schemas.frame_time import FrameTime
+from mcml_service.actions.checking.describe_problem import problem_of
+from mcml_service.actions.importing.upload_files import upload_files
+from mcml_service.operations.arguments import Shown
+from mcml_service.operations.call import Call
+from mcml_service.operations.operation import Upload
+
+Files: TypeAlias = Annotated[
+    list[SourceFile],
+    Upload(),
+    Field(description="BVH, ASF and AMC, HTR, C3D, TRC, MCML, or zips of them", examples=[["walk.bvh"]]),
+]
+Repairs: TypeAlias = Annotated[
+    list[str] | None,
+    Field(
+        description="Repairs of text files before they are read: split-numbers, decimal-commas, missing-samples, "
+        "stated-dof, three-dof, whole-frames; may be repeated",
+        examples=[["split-numbers"]],
+    ),
+]
+Encoding: TypeAlias = Annotated[str | None, Field(description="Text encoding, if it is not UTF-8", examples=["cp949"])]
+
+
+def upload_documents(
+    call: Call,
+    file: Files,
+    project: Annotated[
+        str, Field(min_length=1, max_length=256, description="Project to store into; made if new", examples=[PROJECT])
+    ] = "default",
+    name: Annotated[
+        str | None, Field(max_length=1024, description="Name of the document; default the file's", examples=["walk"])
+    ] = None,
+    description: Annotated[
+        str, Field(max_length=100_000, description="What it is", examples=["A walk on flat ground."])
+    ] = "",
+    label: Annotated[
+        list[str] | None,
+        Field(
+            description="Motion name: NAME or NAME:FIRST-LAST; may be repeated", examples=[[f"{MOTION_NAME}:100-142"]]
+        ),
+    ] = None,
+    property: Annotated[
+        list[str] | None,
+        Field(description="NAME=VALUE or NAME=VALUE UNIT; may be repeated", examples=[["age=23 year"]]),
+    ] = None,
+    encoding: Encoding = None,
+    translation: Annotated[
+        Literal["auto", "absolute", "relative"],
+        Field(description="Whether translations of joints stand for their offsets, or are added to them"),
+    ] = "auto",
+    unit: Annotated[
+        str | None, Field(description="Length unit of the files: mm, cm, m, inch …", examples=["cm"])
+    ] = None,
+    up: Annotated[str | None, Field(description="Axis that points up", examples=["Y"])] = None,
+    frame_time: Annotated[
+        FrameTime | None,
+        Field(
+            description="Seconds a frame, where the files do not say, as 0.0083333 or 1/120",
+            examples=["0.0083333"],
+        ),
+    ] = None,
+    skeleton: Annotated[
+        str | None, Field(description="Stored document whose ASF an AMC alone shall use", examples=[DOCUMENT])
+    ] = None,
+    on_duplicate: Annotated[
+        Literal["new", "skip"], Field(description="What becomes of files that are stored already")
+    ] = "new",
+    repair: Repairs = None,
+    strict_names: Annotated[bool, Field(description="Refuse labels that are no anatomical movement")] = False,
+    movements: Annotated[
+        float | None,
+        Field(
+            ge=0,
+            le=1,
+            description="Name anatomical movements found in the motion with at least this confidence",
+            examples=[0.7],
+        ),
+    ] = None,
+) -> UploadResult:
+    """Each document is stored whole or not at all; problems name the files that were not, and `details.repairs` what of
+    `repair` would do something to them.
+    """
+    options = ImportOptions(
+        project=project,
+        name=name,
+        description=description,
+        labels=tuple(parse_label(text) for text in label or ()),
+        properties=tuple(parse_property(text) for text in property or ()),
+        encoding=encoding,
+        translation=translation,
+        unit=unit,
+        up=up,
+        frame_time=frame_time,
+        skeleton=skeleton,
+        on_duplicate=on_duplicate,
+        strict_names=strict_names,
+        movements=movements,
+        repair=checked_repairs(repair or ()),
+    )
+    pool = call.repository.import_pool
+    result = upload_files(
+        call.database, file, options, call.settings, author=call.author, progress=call.progress, pool=pool
+    )
+    if result.problems and not result.documents:
+        raise UploadError(result.problems)
+    if result.documents:
+        call.created = f"documents/{result.documents[0].id}"
+    return result
+
+
+def inspect_files(
+    call: Call,
+    file: Files,
+    shown: Shown,
+    encoding: Encoding = None,
+    repair: Repairs = None,
+) -> InspectResult:
+    """Nothing is stored."""
+    from mcml_service.actions.reading import inspect_files as inspecting
+
+    options = ImportOptions(encoding=encoding, repair=checked_repairs(repair or ()))
+    clips, problems = inspecting.inspect_files(file, options, call.settings, shown.window)
+    return InspectResult(
+        clips=clips, problems=[FileProblem(file=name, problem=problem_of(error)) for name, error in problems]
+    )

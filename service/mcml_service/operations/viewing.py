@@ -1,0 +1,66 @@
+"""What those ask for who draw a document: its skeleton, and the small picture of it."""
+
+from __future__ import annotations
+
+from mcml.answers import Content
+from mcml.errors import NotFoundError
+from mcml_schemas.bodies import Calibration, CalibrationChange
+from mcml_schemas.skeletons import SkeletonView
+from mcml_service.operations.arguments import AtRevision, DocumentId, IfMatch, at_revision, checked_for_write, tag
+from mcml_service.operations.call import Call
+from mcml_service.operations.operation import gives
+
+THUMBNAIL = "application/vnd.mcml.thumbnail"
+
+
+def get_skeleton(call: Call, id: DocumentId, revision: AtRevision = None) -> SkeletonView:
+    """Bones with parents, sides, offsets, axes and channels; ends of chains; unit, up axis, rate and origin. With a
+    `revision` the answer never changes, and says so.
+    """
+    # Imported here: other operations need no mathematics.
+    from mcml_service.actions.reading.describe_skeleton import describe_skeleton
+
+    with call.database.read() as tx:
+        then, stored = at_revision(tx, id, revision)
+        call.tagged(tag(stored, "skeleton"), lasting=revision is not None)
+        return describe_skeleton(then, stored)
+
+
+def get_calibration(call: Call, id: DocumentId, revision: AtRevision = None) -> Calibration:
+    """Each value says whether the file states it, or it was measured, guessed or set."""
+    from mcml_service.actions.editing.calibrate import describe_calibration
+
+    with call.database.read() as tx:
+        then, stored = at_revision(tx, id, revision)
+        return describe_calibration(then, stored)
+
+
+def change_calibration(call: Call, id: DocumentId, change: CalibrationChange, if_match: IfMatch = None) -> Calibration:
+    """Makes a revision. The unit and the up axis are those of the header, all else are properties of it."""
+    from mcml_service.actions.editing.calibrate import change_calibration as changed
+    from mcml_service.actions.editing.calibrate import describe_calibration
+
+    with call.database.write(call.author) as tx:
+        stored = changed(tx, checked_for_write(tx, id, if_match), change)
+        call.tag = tag(stored)
+    with call.database.read() as tx:
+        return describe_calibration(tx, tx.documents.get(id))
+
+
+@gives("A moving picture of at most 4 KB, in the form MT1", {THUMBNAIL: None})
+def get_thumbnail(call: Call, id: DocumentId, revision: AtRevision = None) -> Content:
+    """The busiest 2.6 seconds of the motion, and poses over all of it to scrub through (docs/api/thumbnails.md). 404
+    where a document has nothing to draw. With a `revision` the answer never changes, and says so.
+    """
+    from mcml_service.actions.reading.show_thumbnails import keep_pictures, picture_of
+
+    with call.database.read() as tx:
+        then, stored = at_revision(tx, id, revision)
+        call.tagged(tag(stored, "thumbnail"), lasting=revision is not None)
+        found = then.thumbnails.of([stored]).get(stored.key)
+        if found is None:
+            found = picture_of(then, stored)
+            call.held.callback(keep_pictures, call.database, [(stored, found)])
+    if not found.data:
+        raise NotFoundError(f"{stored.name!r} has no joints, so there is nothing to draw.", remedy="Look at its text.")
+    return Content(iter([found.data]), THUMBNAIL, f"{stored.name}.mt1", size=len(found.data))

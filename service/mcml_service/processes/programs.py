@@ -1,0 +1,136 @@
+"""Programs of this house that work on what strangers give: started, watched, and ended from here.
+
+libxml2, Saxon and decoders of sound may crash, hang or take all memory. In a process that is another's that ends in an
+error of one request. A program is a module with `main`, which bounds itself too (`bounds.py`), so that it ends where
+nobody is left to watch it. Workers of an import are no programs: they are copies of the importer (`import_workers.py`).
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+from typing import IO, BinaryIO
+
+import psutil
+
+import mcml
+import mcml_schemas
+import mcml_service
+from mcml.errors import FormatError, LimitError
+
+LOOK_SECONDS = 0.02
+_HOMES = [str(Path(package.__file__ or "").resolve().parents[1]) for package in (mcml, mcml_schemas, mcml_service)]
+"""Where the packages of this very installation lie: one folder in a wheel's, three in a checkout."""
+_LAST_WORDS = 1 << 16
+"""Of what a program writes as it ends; what kind of error ended it stands in its last line."""
+
+
+def start_program(
+    module: str, *arguments: str, stdin: int | IO[bytes], stdout: int | IO[bytes], stderr: int | IO[bytes]
+) -> subprocess.Popen[bytes]:
+    """A process that runs `main` of a module, of this very installation."""
+    text = f"import sys; sys.path[:0] = {_HOMES!r}; from {module} import main; main()"
+    # Packages may be those of a user, or of PYTHONPATH: where they are for this process, they are for that one.
+    command = [sys.executable, "-P", "-c", text, *arguments]
+    return subprocess.Popen(command, stdin=stdin, stdout=stdout, stderr=stderr)
+
+
+def end_program(process: subprocess.Popen[bytes]) -> None:
+    """Kill a process, whatever it is doing, and close its pipes."""
+    process.kill()
+    for stream in (process.stdin, process.stdout):
+        if stream is not None:
+            with suppress(BrokenPipeError):
+                stream.close()
+    process.wait()
+
+
+class Watch(threading.Thread):
+    """Looks at a process while the block lasts: kills it once `is_over` says so, or it holds more memory than it may.
+
+    Memory is seen from outside, for what Saxon reserves escapes the limits that the system sets.
+
+    memory: bytes. long_after: seconds after which a process gets only what time others leave.
+    is_long, is_too_large: what was seen.
+    """
+
+    def __init__(
+        self,
+        process: subprocess.Popen[bytes],
+        is_over: Callable[[], bool],
+        memory: int,
+        long_after: float | None = None,
+    ) -> None:
+        super().__init__(daemon=True)
+        self.is_long = False
+        self.is_too_large = False
+        self._process = process
+        self._is_over = is_over
+        self._memory = memory
+        self._long_after = long_after
+        self._ended = threading.Event()
+
+    def __enter__(self) -> Watch:
+        self.start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._ended.set()
+        self.join()
+
+    def run(self) -> None:
+        began = time.monotonic()
+        with suppress(psutil.NoSuchProcess):
+            seen = psutil.Process(self._process.pid)
+            while not self._ended.wait(LOOK_SECONDS):
+                self.is_too_large = seen.memory_info().rss > self._memory
+                if self.is_too_large or self._is_over():
+                    self._process.kill()
+                    return
+                if self._long_after is not None and not self.is_long and time.monotonic() - began > self._long_after:
+                    self.is_long = True
+                    seen.nice(10)
+
+
+def run_reader(module: str, *arguments: str, stream: BinaryIO, seconds: float, memory: int) -> BinaryIO:
+    """What a program writes when it gets a file as its input; a file that is gone once it is closed.
+
+    Raises LimitError where it takes too long or too much memory (bytes), FormatError where it ends badly.
+    """
+    target = tempfile.TemporaryFile()  # noqa: SIM115  # the caller closes it
+    try:
+        with tempfile.TemporaryFile() as source, tempfile.TemporaryFile() as said:
+            stream.seek(0)
+            shutil.copyfileobj(stream, source, 1 << 20)
+            source.seek(0)
+            _run(start_program(module, *arguments, stdin=source, stdout=target, stderr=said), said, seconds, memory)
+    except BaseException:
+        target.close()
+        raise
+    target.seek(0)
+    return target
+
+
+def _run(process: subprocess.Popen[bytes], said: BinaryIO, seconds: float, memory: int) -> None:
+    end = time.monotonic() + seconds
+    try:
+        with Watch(process, lambda: time.monotonic() > end, memory) as watch:
+            status = process.wait()
+    finally:
+        end_program(process)
+    if not status:
+        return
+    said.seek(max(0, said.seek(0, 2) - _LAST_WORDS))
+    if watch.is_too_large or b"MemoryError" in said.read():
+        raise LimitError(f"reading the file took more than {memory >> 20} MiB of memory", remedy="Cut it into parts.")
+    if time.monotonic() > end:
+        raise LimitError(f"reading the file took longer than {seconds:g} seconds", remedy="Cut it into parts.")
+    raise FormatError("the file is damaged: its reader crashed", remedy="Save it again with another program.")

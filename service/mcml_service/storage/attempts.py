@@ -1,0 +1,96 @@
+"""Attempts to get in that may have failed, counted for all servers of a store: a bound for each address and each name.
+
+Rows end by themselves: they carry no checksum.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Collection
+from typing import TYPE_CHECKING, Final
+
+from sqlalchemy import Column, Float, Index, String, Table, delete, func, select
+
+from mcml.errors import AttemptsError
+from mcml_service.storage.identifiers import digest_of, stored_form
+from mcml_service.storage.schema import KEY, metadata
+
+if TYPE_CHECKING:
+    from mcml_service.storage.database import Database
+    from mcml_service.storage.transaction import Transaction
+
+attempt = Table(
+    "attempt",
+    metadata,
+    Column("id", KEY, primary_key=True),
+    Column("sha256", String(64), nullable=False),
+    Column("expires", Float(53), nullable=False),
+    Index(None, "sha256", "expires"),
+)
+"""`sha256`: of the address or the name that it counts for, never of what was guessed. `expires`: seconds since 1970."""
+
+LIMITS: Final = {"address": (10, 60.0), "name": (30, 3600.0), "password": (30, 3600.0)}
+"""How many in how many seconds. name: that somebody logs in as. password: whose current one is asked for in a session;
+counted apart, so that nobody outside keeps people from changing theirs."""
+
+
+class Attempts:
+    def __init__(self, tx: Transaction) -> None:
+        self._tx = tx
+
+    def require(self, of: dict[str, str], counted: int = 0) -> None:
+        """AttemptsError where no more than `counted` of those that are kept may be one's own, and there are too many.
+        of: what it counts for, by the names of LIMITS."""
+        at = time.time()
+        for kind, what in of.items():
+            its = (attempt.c.sha256 == _digest(kind, what), attempt.c.expires > at)
+            kept = select(func.count(), func.min(attempt.c.expires)).where(*its)
+            number, first = self._tx.connection.execute(kept).one()
+            if number - counted >= LIMITS[kind][0]:
+                raise AttemptsError(max(1, math.ceil(first - at)))
+
+    def add(self, of: dict[str, str]) -> list[int]:
+        """Count one more; the keys of its rows."""
+        at = time.time()
+        self._tx.connection.execute(delete(attempt).where(attempt.c.expires <= at))
+        return [
+            self._tx.insert_row(attempt, sha256=_digest(kind, what), expires=at + LIMITS[kind][1])
+            for kind, what in of.items()
+        ]
+
+    def take_back(self, keys: Collection[int]) -> None:
+        """Those that were refused do not count."""
+        self._tx.connection.execute(delete(attempt).where(attempt.c.id.in_(keys)))
+
+    def forget(self, of: dict[str, str]) -> None:
+        """Somebody got in, and begins anew."""
+        its = attempt.c.sha256.in_([_digest(kind, what) for kind, what in of.items()])
+        self._tx.connection.execute(delete(attempt).where(its))
+
+
+def count_attempt(database: Database, of: dict[str, str]) -> None:
+    """Count an attempt before it is made. AttemptsError where there were too many."""
+    with database.read() as tx:
+        # Who is refused writes nothing, so that a flood of attempts keeps no writer waiting.
+        tx.attempts.require(of)
+    with database.write("session") as tx:
+        keys = tx.attempts.add(of)
+    try:
+        # Of many that come at once no more than the bound pass, without a lock: each counts after it was counted.
+        with database.read() as tx:
+            tx.attempts.require(of, counted=1)
+    except AttemptsError:
+        with database.write("session") as tx:
+            tx.attempts.take_back(keys)
+        raise
+
+
+def forget_attempts(database: Database, of: dict[str, str]) -> None:
+    """Somebody got in."""
+    with database.write("session") as tx:
+        tx.attempts.forget(of)
+
+
+def _digest(kind: str, what: str) -> str:
+    return digest_of(f"{kind} {stored_form(what)}")

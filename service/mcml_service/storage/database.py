@@ -1,0 +1,212 @@
+"""The store as transactions.
+
+    with database.read() as tx: ...
+    with database.write("kim") as tx: ...      # committed at the end, or nothing happened
+
+What a transaction offers is in `storage.transaction`.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from copy import copy
+from typing import Any, TypeVar
+
+from sqlalchemy import (
+    Connection,
+    PoolProxiedConnection,
+    inspect,
+    make_url,
+    text,
+)
+from sqlalchemy.exc import ArgumentError
+
+from mcml.errors import ReplicaError, StoreError
+from mcml_service.resources import migrations_path
+from mcml_service.storage.activity import COMMAND_LINE
+from mcml_service.storage.dialects import DIALECTS, find_dialect
+from mcml_service.storage.layout import refuse_newer, require_layout
+from mcml_service.storage.replica import Replica
+from mcml_service.storage.reserve import TO_OPEN, Reserve
+from mcml_service.storage.transaction import LATEST, Transaction
+from mcml_service.storage.views import WHOLE, View
+from mcml_service.storage.words import in_words
+
+Answer = TypeVar("Answer")
+
+
+class Database:
+    """A store by its SQLAlchemy URL: `sqlite:///path` or `postgresql+psycopg://…`. read_url: of a replica of it."""
+
+    def __init__(self, url: str, read_url: str | None = None) -> None:
+        try:
+            parsed = make_url(url)
+        except ArgumentError as error:
+            raise StoreError(
+                f"{url!r} is not a database address.",
+                remedy="Write sqlite:///path/to/file.db or postgresql+psycopg://user:password@host/name.",
+            ) from error
+        name = parsed.get_backend_name()
+        if name not in DIALECTS:
+            raise StoreError(f"Unknown kind of database {name!r}.", remedy=f"Use one of: {', '.join(DIALECTS)}.")
+        self.url, self.read_url = url, read_url
+        kind = find_dialect(name)
+        self.dialect = kind(kind.create_engine(url))
+        self.reserve = Reserve(self.dialect.file)
+        self.replica = Replica(read_url, self.dialect) if read_url else None
+        self.view = WHOLE
+        self.writes = 0
+        """Write transactions that were committed."""
+        self.from_replica = False
+        self.origin = COMMAND_LINE
+        self._watch: PoolProxiedConnection | None = None
+
+    @property
+    def name(self) -> str:
+        """The kind of database: "sqlite" or "postgresql"."""
+        return self.dialect.engine.dialect.name
+
+    def for_call(self, view: View, origin: str | None = None, *, from_replica: bool = False) -> Database:
+        """The same store for one call, which counts its own writes. view: what whoever calls sees. origin: from where
+        they come, None: as before.
+
+        from_replica: read the replica, where there is one that has all that was committed before; whoever asks for it
+        is ready for ReplicaError.
+        """
+        other = copy(self)
+        other.view, other.from_replica, other.writes = view, from_replica, 0
+        other.origin = self.origin if origin is None else origin
+        return other
+
+    @contextmanager
+    def read(self, at: int = LATEST) -> Iterator[Transaction]:
+        """A snapshot: what other transactions commit meanwhile is not seen."""
+        with in_words(self.dialect), self._reading() as connection:
+            yield Transaction(connection, self.dialect, at, view=self.view)
+
+    @contextmanager
+    def look(self) -> Iterator[Transaction]:
+        """What is there now, for who asks one statement, and often: two may not see the same."""
+        with in_words(self.dialect), self.dialect.looking() as connection:
+            yield Transaction(connection, self.dialect, view=self.view)
+
+    @contextmanager
+    def _reading(self) -> Iterator[Connection]:
+        if self.from_replica and self.replica is not None:
+            with self.replica.reading() as found:
+                if found is not None:
+                    yield found
+                    return
+        with self.dialect.reading() as connection:
+            yield connection
+
+    def ask(self, question: Callable[[Transaction], Answer], at: int = LATEST) -> Answer:
+        """What a question finds in a read transaction; it is asked again where the replica goes away meanwhile."""
+        try:
+            with self.read(at) as tx:
+                return question(tx)
+        except ReplicaError:
+            with self.for_call(self.view).read(at) as tx:
+                return question(tx)
+
+    @contextmanager
+    def write(self, author: str = "local") -> Iterator[Transaction]:
+        """A write transaction: committed when the block ends, rolled back when it raises."""
+        with in_words(self.dialect), self.dialect.writing() as connection:
+            yield Transaction(connection, self.dialect, author=author, view=self.view, origin=self.origin)
+        self.writes += 1
+
+    def migrate(self) -> None:
+        """Bring the schema to this program's version (a new store gets it whole)."""
+        found, wanted = self.schema_versions()
+        if found == wanted:
+            # Reading commands need no write lock, and work while another process writes.
+            self._require_layout()
+            return
+        refuse_newer(found, wanted)
+        # Imported late: it takes as long as all else that a short command needs.
+        from alembic import command
+        from alembic.config import Config
+
+        with in_words(self.dialect), self.dialect.writing() as connection:
+            self.dialect.order_commits(connection)
+            config = Config()
+            config.set_main_option("script_location", str(migrations_path()))
+            config.attributes["connection"] = connection
+            command.upgrade(config, "head")
+
+    def make_or_require(self) -> None:
+        """Make a new store whole. StoreError where the schema of one that is there is not this program's."""
+        if self.schema_versions()[0] is None:
+            self.migrate()
+        else:
+            self.require_schema()
+
+    def schema_versions(self) -> tuple[str | None, str | None]:
+        """(the store's schema version, this program's)."""
+        # A store on a full disk has to be opened before it can be emptied.
+        found = self.reserve.spend(self._schema_version, TO_OPEN)
+        # Migrations have numbers, and go forward only: the last one is the newest.
+        return found, max(path.name[:4] for path in (migrations_path() / "versions").glob("[0-9][0-9][0-9][0-9]_*.py"))
+
+    def _schema_version(self) -> str | None:
+        with in_words(self.dialect), self.dialect.reading() as connection:
+            known = inspect(connection).has_table("alembic_version")
+            return connection.execute(text("SELECT version_num FROM alembic_version")).scalar() if known else None
+
+    def require_schema(self) -> None:
+        """StoreError unless the schema is this program's."""
+        found, wanted = self.schema_versions()
+        if found != wanted:
+            refuse_newer(found, wanted)
+            raise StoreError(
+                f"The store's schema is {found or 'empty'}, this program needs {wanted}.",
+                remedy="Run `mcml db upgrade`, or `mcml serve`; an SQLite store is copied beside itself before.",
+            )
+        self._require_layout()
+
+    def _require_layout(self) -> None:
+        with in_words(self.dialect), self.dialect.reading() as connection:
+            require_layout(connection)
+
+    def sweep(self, lease_before: float | None = None) -> int:
+        """Remove what broken imports left behind; returns the number of documents removed.
+
+        lease_before: imports whose lease ended before this time (seconds since 1970; default now) are broken.
+        """
+        limit = time.time() if lease_before is None else lease_before
+        with self.write() as tx:
+            removed = tx.documents.remove_broken_imports(limit)
+            tx.uploads.remove_orphans(limit)
+            return removed
+
+    def check(self, *, past: bool = False) -> list[str]:
+        """Faults found in the store, in words; empty when it is sound. past: in all past revisions too."""
+        from mcml_service.storage.checks import faults
+
+        with self.read() as tx:
+            return faults(tx, past=past)
+
+    def size(self) -> dict[str, int]:
+        with in_words(self.dialect), self.dialect.reading() as connection:
+            return self.dialect.size(connection)
+
+    def has_token(self) -> bool:
+        """Whether there is any token or account, of an SQLite file, in microseconds: asked before every request to an
+        open one. For one thread, over a connection that nothing else uses, so it waits for no other request."""
+        with in_words(self.dialect):
+            if self._watch is None:
+                self._watch = self.dialect.engine.raw_connection()
+                self._watch.detach()
+            driver: Any = self._watch.dbapi_connection
+            return bool(driver.execute("SELECT 1 FROM token UNION SELECT 1 FROM account LIMIT 1").fetchall())
+
+    def close(self) -> None:
+        if self._watch is not None:
+            self._watch.close()
+            self._watch = None
+        if self.replica is not None:
+            self.replica.close()
+        self.dialect.engine.dispose()

@@ -1,0 +1,37 @@
+"""What a store and a program must agree on to understand each other, kept in the store."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sqlalchemy import Connection, inspect, select
+
+from mcml.errors import StoreError
+from mcml.motion.skeleton import CHANNELS
+from mcml_service.storage.encoding import PCODEC
+from mcml_service.storage.schema import CHUNK
+from mcml_service.storage.tables import store
+
+LAYOUT = {"frames in a track": str(CHUNK), "channels": " ".join(CHANNELS), "codec": f"pcodec {PCODEC}"}
+
+
+def require_layout(connection: Connection) -> None:
+    """StoreError where tracks are not as this program writes them."""
+    held: dict[str, Any] = {}
+    if inspect(connection).has_table(store.name):
+        held = {row.name: row.value for row in connection.execute(select(store))}
+    for name, value in LAYOUT.items():
+        if held.get(name) != value:
+            raise StoreError(
+                f"The store's {name}: {held.get(name, 'not said')}; this program's: {value}.",
+                remedy="Open the store with the program that made it, export its documents, and import them here.",
+            )
+
+
+def refuse_newer(found: str | None, wanted: str | None) -> None:
+    """StoreError where a newer program made or upgraded the store."""
+    if found is not None and wanted is not None and found > wanted:
+        raise StoreError(
+            f"The store is newer than this program: its schema is {found}, this program knows {wanted}.",
+            remedy="Update the program.",
+        )

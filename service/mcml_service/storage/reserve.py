@@ -1,0 +1,64 @@
+"""Room that is let go when a disk is full, so that deleting, which makes room, has what it needs."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import TypeVar
+
+from mcml.errors import SpaceError
+
+BYTES = 16 << 20
+ENOUGH = 2
+"""The reserve is made where so many times its size are free."""
+TO_OPEN = 256 << 10
+"""What a store needs to be opened: SQLite makes two files beside it."""
+Result = TypeVar("Result")
+
+
+class Reserve:
+    """A file beside an SQLite store. path: of the store; None for other databases, which have none."""
+
+    def __init__(self, path: Path | None) -> None:
+        self._path = None if path is None else path.with_name(f"{path.name}.reserve")
+
+    def _held(self) -> int:
+        """Its bytes; 0 where there is none."""
+        with suppress(OSError):
+            return self._path.stat().st_size if self._path is not None else 0
+        return 0
+
+    def keep(self) -> None:
+        """Make the file where it is not whole and the disk has room."""
+        path = self._path
+        if path is None or self._held() >= BYTES:
+            return
+        part = path.with_name(f"{path.name}.part")
+        with suppress(OSError):
+            if shutil.disk_usage(path.parent).free < ENOUGH * BYTES:
+                return
+            try:
+                with os.fdopen(os.open(part, os.O_CREAT | os.O_WRONLY | os.O_TRUNC, 0o600), "wb") as file:
+                    for _ in range(BYTES >> 20):
+                        file.write(bytes(1 << 20))
+                part.replace(path)
+            finally:
+                part.unlink(missing_ok=True)
+
+    def spend(self, operation: Callable[[], Result], room: int = BYTES) -> Result:
+        """What an operation that makes room gives. Where the disk is full it is done once more, with so many bytes."""
+        try:
+            return operation()
+        except SpaceError:
+            held = self._held()
+            if self._path is None or not held:
+                raise
+            with suppress(OSError):
+                if held > room:
+                    os.truncate(self._path, held - room)
+                else:
+                    self._path.unlink()
+            return operation()

@@ -1,0 +1,71 @@
+"""Rounded positions of joints (`mcml.motion.bodies.positions`) as bytes: a few joints at a time, so that one of them
+is read without the others."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from functools import cache
+from itertools import accumulate
+
+import numpy as np
+from numpy.typing import NDArray
+from pcodec import ChunkConfig, DeltaSpec, ModeSpec, standalone
+
+from mcml.errors import StoreError
+
+Steps = NDArray[np.int32]
+
+BLOCK = 16_384
+"""Frames that are packed together."""
+TOGETHER = 4096
+"""Numbers of joints that are compressed together: a stream of its own for each costs a tenth more."""
+_HEAD = struct.Struct("<III")
+
+
+@cache
+def _config() -> ChunkConfig:
+    # Bodies move on as they moved: what is left of a place after twice the last one less the one before is least.
+    return ChunkConfig(compression_level=6, delta_spec=DeltaSpec.try_consecutive(2), mode_spec=ModeSpec.classic())
+
+
+def pack(steps: Steps) -> list[bytes]:
+    """(n, J, 3) as blocks of up to BLOCK frames; one where there are none."""
+    return [_block(steps[first : first + BLOCK]) for first in range(0, max(len(steps), 1), BLOCK)]
+
+
+def _block(steps: Steps) -> bytes:
+    frames, joints, _ = steps.shape
+    columns = np.ascontiguousarray(steps.transpose(1, 2, 0))
+    some = max(1, TOGETHER // max(1, 3 * frames))
+    together = [columns[at : at + some].ravel() for at in range(0, joints, some)] if frames else []
+    parts = [bytes(standalone.simple_compress(numbers, _config())) for numbers in together]
+    head = _HEAD.pack(frames, joints, some) + struct.pack(f"<{len(parts)}I", *map(len, parts))
+    return head + b"".join(parts)
+
+
+def unpack(blocks: tuple[bytes, ...], joints: Sequence[int]) -> list[Steps]:
+    """(n, 3) of each of some joints. StoreError where the bytes are damaged."""
+    try:
+        parts = [_unpacked(block, joints) for block in blocks]
+    except (RuntimeError, ValueError, TypeError, IndexError, struct.error) as error:
+        raise StoreError(
+            f"Positions of joints are damaged: {error}", remedy="Derive them again: mcml db derive."
+        ) from error
+    return parts[0] if len(parts) == 1 else [np.concatenate(own) for own in zip(*parts, strict=True)]
+
+
+def _unpacked(block: bytes, joints: Sequence[int]) -> list[Steps]:
+    frames, count, some = _HEAD.unpack_from(block)
+    parts = -(-count // some) if frames else 0
+    sizes = struct.unpack_from(f"<{parts}I", block, _HEAD.size)
+    ends = list(accumulate(sizes, initial=_HEAD.size + 4 * len(sizes)))
+    if ends[-1] != len(block):
+        raise ValueError("a block ends elsewhere")
+    if not frames:
+        return [np.empty((0, 3), np.int32) for _ in joints]
+    held: dict[int, Steps] = {}
+    for part in {joint // some for joint in joints}:
+        numbers = standalone.simple_decompress(block[ends[part] : ends[part + 1]])
+        held[part] = np.asarray(numbers, np.int32).reshape(-1, 3, frames)
+    return [held[joint // some][joint % some].T for joint in joints]

@@ -1,0 +1,52 @@
+"""Cursors: where a page ends, in which state of the store, and of which question."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import zlib
+from dataclasses import dataclass
+
+import orjson
+
+from mcml.errors import QueryError
+from mcml_schemas.queries import QueryRequest
+from mcml_service.storage.transaction import LATEST
+
+
+@dataclass(frozen=True, slots=True)
+class Cursor:
+    """commit: the state that is read. whole_since: which states were whole then. offset: items on the pages before.
+    check: of the question it belongs to."""
+
+    commit: int
+    whole_since: int
+    offset: int
+    check: int
+
+    def __str__(self) -> str:
+        return (
+            base64.urlsafe_b64encode(orjson.dumps([self.commit, self.whole_since, self.offset, self.check]))
+            .decode()
+            .rstrip("=")
+        )
+
+
+def question(request: QueryRequest) -> int:
+    """A number that tells one question from another."""
+    asked = [request.q, request.document, request.project, request.as_, request.per, request.guesses, request.variables]
+    return zlib.crc32(orjson.dumps(asked))
+
+
+def read_cursor(request: QueryRequest) -> Cursor | None:
+    """The request's cursor. QueryError for one that another question made."""
+    if request.cursor is None:
+        return None
+    try:
+        text = request.cursor + "=" * (-len(request.cursor) % 4)
+        commit, since, offset, check = (int(part) for part in orjson.loads(base64.urlsafe_b64decode(text)))
+    except (binascii.Error, ValueError, TypeError, OverflowError):
+        commit, since, offset, check = -1, -1, -1, -1
+    if check != question(request) or not (0 <= commit < LATEST and 0 <= offset < LATEST):
+        raise QueryError("This cursor belongs to another question.", remedy="Begin again without a cursor.")
+    return Cursor(commit, since, offset, check)

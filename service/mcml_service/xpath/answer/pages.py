@@ -1,0 +1,110 @@
+"""One page of an answer, and the cursor of what follows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import islice
+
+import numpy as np
+
+from mcml.errors import LimitError
+from mcml_schemas.queries import NodeItem, QueryAnswer, QueryRequest, RunTotals, ValueItem
+from mcml_service.storage.transaction import Transaction
+from mcml_service.xpath.answer import sources
+from mcml_service.xpath.answer.cursors import Cursor, question
+from mcml_service.xpath.answer.items import Kind, node_item, plain, run_items
+from mcml_service.xpath.answer.totals import MAX_RUNS, add_ranges, counted
+from mcml_service.xpath.engine.parts import Part, Parts
+from mcml_service.xpath.engine.source import Source
+from mcml_service.xpath.library.caches import Caches
+from mcml_service.xpath.nodes.node import Node, Run
+from mcml_service.xpath.nodes.numbering import documents_of, frames_of
+
+
+@dataclass(frozen=True)
+class Page:
+    """One page of nodes, runs or values."""
+
+    caches: Caches
+    request: QueryRequest
+    limit: int
+    cursor: Cursor | None
+
+    @property
+    def offset(self) -> int:
+        return 0 if self.cursor is None else self.cursor.offset
+
+    def of(self, tx: Transaction, source: Source, max_elements: int) -> QueryAnswer:
+        if self.request.as_ == "runs":
+            return self.of_runs(tx, sources.runs(source))
+        return self.of_nodes(tx, *sources.page(source, self.offset, self.limit, max_elements))
+
+    def of_parts(self, tx: Transaction, parts: Iterable[Part], max_elements: int) -> QueryAnswer:
+        """A sequence that may hold nodes and values."""
+        items: list[NodeItem | ValueItem] = []
+        passed = 0
+        for part in parts:
+            wanted = self.limit + 1 - len(items)
+            begin = max(0, self.offset - passed)
+            passed += len(part)
+            some = part.chosen(np.arange(min(begin, len(part)), min(len(part), begin + wanted)))
+            if some.are_nodes:
+                nodes, _ = sources.page(Parts([some]), 0, wanted, max_elements)
+                items += map(node_item, nodes)
+                if len(nodes) < len(some):
+                    return self.of_items(tx, items, more=True)
+            else:
+                items += _values(some)
+            if len(items) > self.limit:
+                break
+        return self.of_items(tx, items[: self.limit], more=len(items) > self.limit)
+
+    def of_items(self, tx: Transaction, items: Sequence[NodeItem | ValueItem], *, more: bool) -> QueryAnswer:
+        """Nodes and values. more: whether others follow."""
+        kind: Kind = "nodes" if items and all(isinstance(item, NodeItem) for item in items) else "values"
+        return QueryAnswer(type=kind, items=list(items), next_cursor=self._next(tx, more, len(items)))
+
+    def of_values(self, tx: Transaction, values: Sequence[float | str | bool]) -> QueryAnswer:
+        some = values[self.offset : self.offset + self.limit]
+        more = len(values) > self.offset + self.limit
+        items = [ValueItem(value=plain(value)) for value in some]
+        return QueryAnswer(type="strings", items=list(items), next_cursor=self._next(tx, more), total=len(values))
+
+    def of_runs(self, tx: Transaction, found: Iterable[Run]) -> QueryAnswer:
+        if self.offset + self.limit > MAX_RUNS:
+            raise LimitError(f"The answer has more than {MAX_RUNS} runs.", remedy="Narrow the question.")
+        totals: RunTotals | None = None
+        if "totals" in (self.request.with_ or ""):
+            found, totals = counted(found)
+        runs = list(islice(found, self.offset, self.offset + self.limit + 1))
+        items = run_items(tx, self.caches, runs[: self.limit])
+        ranged = "range" in (self.request.with_ or "")
+        of = add_ranges(tx, self.request, runs[: self.limit], items) if ranged else None
+        following = self._next(tx, len(runs) > self.limit)
+        return QueryAnswer(type="runs", items=list(items), next_cursor=following, totals=totals, range_of=of)
+
+    def of_nodes(self, tx: Transaction, nodes: list[Node], more: bool) -> QueryAnswer:
+        items = [node_item(node) for node in nodes]
+        return QueryAnswer(type="nodes", items=list(items), next_cursor=self._next(tx, more, len(items)))
+
+    def _next(self, tx: Transaction, more: bool, shown: int | None = None) -> str | None:
+        """The cursor of what follows. shown: how many are on this page, if not as many as were asked for."""
+        if not more:
+            return None
+        commit = min(tx.newest_commit(), tx.at)
+        following = self.offset + (self.limit if shown is None else shown)
+        return str(Cursor(commit, tx.pruning.whole_since(), following, question(self.request)))
+
+
+def _values(part: Part) -> list[ValueItem]:
+    """The values of a part, each with the frame that it is of."""
+    values = map(plain, part.values())
+    if part.of is None:
+        return [ValueItem(value=value) for value in values]
+    found = []
+    for value, place, frame in zip(values, documents_of(part.of).tolist(), frames_of(part.of).tolist(), strict=True):
+        listed = part.forest.documents[place]
+        seconds = None if not frame or listed.frame_time is None else (frame - 1) * float(listed.frame_time)
+        found.append(ValueItem(value=value, document=listed.uuid, frame=frame or None, time=seconds))
+    return found

@@ -1,0 +1,96 @@
+"""The functions of bodies in motion, such as `mo:height('left_hand')`: what they take and give, and in which unit.
+
+Those of one frame are quantities (`mcml.motion.bodies.quantities`), which say what they take. The context is a
+frame, or a node in one; a joint is named as MCML names it, or is a frame_bone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from mcml.motion.bodies.quantities import QUANTITIES
+
+PREFIX: Final = "mo:"
+
+
+@dataclass(frozen=True)
+class MotionFunction:
+    """parameters: names of its arguments, those that may be left out with `?`. result: "number", "boolean" or "nodes".
+    unit: of the number. meaning: a word about it. selects: the place of the argument whose nodes it selects from."""
+
+    parameters: tuple[str, ...]
+    result: str
+    unit: str
+    meaning: str
+    selects: int | None = None
+
+    @property
+    def least(self) -> int:
+        """How many arguments it takes at least."""
+        return sum(not parameter.endswith("?") for parameter in self.parameters)
+
+    @property
+    def detail(self) -> str:
+        """`(joint, relative?) in m/s: how fast a joint moves`."""
+        return f"({', '.join(self.parameters)}){f' in {self.unit}' * bool(self.unit)}: {self.meaning}"
+
+
+_MEANINGS: Mapping[str, str] = {
+    "time": "since frame 1",
+    "unit": "of a unit of the source",
+    "leg": "the body's leg, from hip to knee to ankle",
+    "height": "of a joint above the clip's floor",
+    "position": "of a joint along x, y, z, up, front or left, from an origin",
+    "distance": "between two joints",
+    "angle": "of a movement such as left-knee-flexion, or between three joints",
+    "tilt": "of the line between two joints, 0 where it is upright",
+    "speed": "of a joint, by itself or relative to another one",
+    "acceleration": "of a joint, by itself or relative to another one",
+    "heading": "where the body faces, without leaps, to the left",
+    "contact": "whether a joint is on the ground and still",
+}
+MOTION_FUNCTIONS: Final[Mapping[str, MotionFunction]] = {
+    **{
+        PREFIX + name: MotionFunction(
+            quantity.parameters, "boolean" if name == "contact" else "number", quantity.unit, _MEANINGS[name]
+        )
+        for name, quantity in QUANTITIES.items()
+    },
+    "mo:rate": MotionFunction(("number",), "number", "per s", "of change of any number of a frame"),
+    "mo:known": MotionFunction(
+        ("number or contact",), "boolean", "", "whether the value of a function of bodies is known here, not NaN"
+    ),
+    "mo:window": MotionFunction(
+        ("from", "to", "'frames'?"), "nodes", "", "the frames from so many seconds after this one to so many"
+    ),
+    "mo:runs": MotionFunction(
+        ("frames", "least", "gap?"), "nodes", "", "frames of runs of so many seconds, gaps closed", selects=0
+    ),
+    "mo:top": MotionFunction(
+        ("n", "frames", "key?"), "nodes", "", "the n best runs of the scope, by the best key", selects=1
+    ),
+    "mo:pose-distance": MotionFunction(
+        ("document", "position"), "number", "leg lengths", "from the pose of a frame of a document"
+    ),
+    "mo:motion-distance": MotionFunction(
+        ("document", "first", "last"), "number", "leg lengths", "of the stretch that ends here from one of a document"
+    ),
+}  # fmt: skip
+OF_DOCUMENT: Final = frozenset({"mo:leg", "mo:unit"})
+"""Functions whose value is the document's, not the frame's."""
+ANGLE: Final = "mo:angle"
+JOINTS: Final = frozenset({"joint", "name or joint", "relative", "origin"})
+"""Parameters that are joints."""
+CONSTANT: Final = frozenset({"from", "to", "'frames'", "least", "gap", "document", "position", "first", "last"})
+"""Parameters that are the same in every frame."""
+OF_FRAMES: Final = frozenset({"number", "key"})
+"""Parameters that are asked of frames which no step has counted."""
+DISTANCES: Final = frozenset({"mo:pose-distance", "mo:motion-distance"})
+CONTACT, KNOWN = "mo:contact", "mo:known"
+OF_NUMBERS: Final = frozenset({"mo:rate", KNOWN})
+"""Functions of any expression that is asked of a frame, not of names."""
+TOP, WINDOW, RUNS, RATE = "mo:top", "mo:window", "mo:runs", "mo:rate"
+OF_FRAME_SETS: Final = frozenset({TOP, WINDOW, RUNS})
+"""Functions that give frames."""

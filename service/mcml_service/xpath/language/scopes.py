@@ -1,0 +1,177 @@
+"""What of an expression is asked of the whole scope, and what of each document by itself.
+
+Outside of predicates, an absolute path that a function of sequences or a loop takes is the node set of all documents
+together; where one value is wanted of it, as by `string(/mcml/header/filename)`, every document has its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+from mcml_service.xpath.language.functions import AGGREGATES, SAFE_FUNCTIONS
+from mcml_service.xpath.language.labels import without_index
+from mcml_service.xpath.language.meaning import ITEM
+from mcml_service.xpath.language.motion_functions import MOTION_FUNCTIONS, OF_FRAME_SETS, RUNS, TOP
+from mcml_service.xpath.language.tree import (
+    OF_NODES,
+    Binder,
+    Call,
+    Each,
+    Expression,
+    Filter,
+    For,
+    Function,
+    If,
+    Let,
+    Operation,
+    Path,
+    Quantified,
+    Sequence,
+    Variable,
+    Written,
+    children,
+    free_variables,
+    walk,
+    with_children,
+)
+from mcml_service.xpath.language.types import type_of
+
+
+def asks_scope(expression: Expression) -> bool:
+    """Whether it holds an absolute path outside of predicates."""
+    if isinstance(expression, Written):
+        return True
+    if isinstance(expression, Path):
+        return expression.absolute or (expression.start is not None and asks_scope(expression.start))
+    if isinstance(expression, Filter):
+        return asks_scope(expression.operand)
+    return any(map(asks_scope, children(expression)))
+
+
+def is_node_set(expression: Expression) -> bool:
+    """Whether it gives nodes of each document that those of other documents do not change: no `(…)[n]` around it, which
+    counts over all of them, and no path from a sequence."""
+    if begins_with_top(expression):
+        return False
+    if isinstance(expression, Path) and expression.start is not None and type_of(expression.start) != "nodes":
+        return False
+    if isinstance(expression, Filter) and isinstance(expression.operand, Path | Filter):
+        return is_node_set(expression.operand) and without_index(expression)[1] is None
+    return type_of(expression) == "nodes" and without_index(expression)[1] is None
+
+
+def begins_with_top(expression: Expression) -> bool:
+    """Whether it is, or goes on from, the best runs of all documents, or the runs of a sequence."""
+    if isinstance(expression, Path | Filter):
+        inner = expression.start if isinstance(expression, Path) else expression.operand
+        return inner is not None and begins_with_top(inner)
+    if isinstance(expression, Call) and expression.function == RUNS:
+        return not is_node_set(expression.arguments[0])
+    return isinstance(expression, Call) and expression.function == TOP
+
+
+def asks_each(expression: Expression, *, in_sequence: bool = True, at_document: bool = True) -> bool:
+    """Whether every document has its own answer: an absolute path stands where one value is wanted, or a function of
+    bodies in motion is asked of the document.
+
+    in_sequence: the expression stands where any number of items may be. at_document: its context is the document.
+    """
+    asks = partial(asks_each, at_document=at_document)
+    if isinstance(expression, Path):
+        if expression.start is not None:
+            return asks(expression.start, in_sequence=in_sequence)
+        return expression.absolute and not in_sequence
+    if isinstance(expression, Filter):
+        return asks(expression.operand, in_sequence=in_sequence)
+    if isinstance(expression, Call):
+        if at_document and expression.function in MOTION_FUNCTIONS and expression.function not in OF_FRAME_SETS:
+            return True
+        signature = SAFE_FUNCTIONS[expression.function]
+        taken = signature.place if signature.takes_items else None
+        # The key of the best runs is asked of frames.
+        asked = expression.arguments[: 2 if expression.function == TOP else None]
+        return any(asks(argument, in_sequence=place == taken) for place, argument in enumerate(asked))
+    if isinstance(expression, Operation):
+        inside = in_sequence and expression.operator in OF_NODES
+        return any(asks(operand, in_sequence=inside) for operand in expression.operands)
+    if isinstance(expression, For | Let | Each | Quantified):
+        within = in_sequence and not isinstance(expression, Quantified)
+        inside = at_document and not isinstance(expression, Each)
+        return asks(expression.source) or asks_each(expression.body, in_sequence=within, at_document=inside)
+    if isinstance(expression, If):
+        branches = (expression.then, expression.otherwise)
+        return asks(expression.test, in_sequence=False) or any(
+            asks(branch, in_sequence=in_sequence) for branch in branches
+        )
+    if isinstance(expression, Function):
+        return asks_each(expression.body, in_sequence=False, at_document=False)
+    if isinstance(expression, Sequence):
+        return any(asks(item, in_sequence=in_sequence) for item in expression.items)
+    return isinstance(expression, Written)
+
+
+def spans_documents(expression: Expression, *, is_whole: bool = True) -> bool:
+    """Whether documents cannot be asked one by one: a function of sequences, or a loop, needs the items of all.
+
+    is_whole: it is the whole expression; the values of an aggregate around it are put together.
+    """
+    if isinstance(expression, Written):
+        return expression.spans and not expression.nodes
+    if isinstance(expression, Path):
+        return expression.start is not None and spans_documents(expression.start, is_whole=False)
+    if isinstance(expression, Filter):
+        return type_of(expression.operand) != "nodes" and asks_scope(expression.operand)
+    if isinstance(expression, Call) and expression.function == RUNS:
+        return spans_documents(expression.arguments[0], is_whole=False)
+    if isinstance(expression, Call) and SAFE_FUNCTIONS[expression.function].takes_items:
+        inner = expression.arguments[SAFE_FUNCTIONS[expression.function].place]
+        if not asks_scope(inner):
+            return False
+        return not (is_whole and expression.function in AGGREGATES) or spans_documents(inner, is_whole=False)
+    if isinstance(expression, Quantified | Let):
+        return asks_scope(expression.source)
+    if isinstance(expression, For | Each):
+        return asks_scope(expression.body) or spans_documents(expression.source, is_whole=False)
+    return any(spans_documents(part, is_whole=False) for part in children(expression))
+
+
+def put(expression: Expression, variable: str, outside: Expression, inside: Callable[[], Expression]) -> Expression:
+    """The expression with something in the place of a variable. inside: gives what stands in its place in predicates,
+    where an absolute path would be one of the document."""
+    if variable not in free_variables(expression):
+        return expression
+    if isinstance(expression, Variable):
+        return outside
+    if isinstance(expression, Binder) and expression.variable == variable:
+        return replace(expression, source=put(expression.source, variable, outside, inside))
+    if isinstance(expression, Each) and variable == ITEM:
+        return replace(expression, source=put(expression.source, variable, outside, inside))
+    if isinstance(expression, Path):
+        start = None if expression.start is None else put(expression.start, variable, outside, inside)
+        steps = tuple(step.where(_put_inside(step.predicates, variable, inside)) for step in expression.steps)
+        if isinstance(start, Path) and start.start is None:
+            return Path((*start.steps, *steps), start.absolute, None, expression.span)
+        return Path(steps, expression.absolute, start, expression.span)
+    if isinstance(expression, Filter):
+        predicates = expression.predicates if variable == ITEM else _put_inside(expression.predicates, variable, inside)
+        return Filter(put(expression.operand, variable, outside, inside), predicates, expression.span)
+    return with_children(expression, lambda part: put(part, variable, outside, inside))
+
+
+def _put_inside(
+    predicates: tuple[Expression, ...], variable: str, inside: Callable[[], Expression]
+) -> tuple[Expression, ...]:
+    if not any(variable in free_variables(each) for each in predicates):
+        return predicates
+    values = inside()
+    return tuple(put(each, variable, values, inside) for each in predicates)
+
+
+def begins_paths(expression: Expression, variable: str) -> bool:
+    """Whether a path begins at a variable."""
+    return any(
+        isinstance(part, Path) and isinstance(part.start, Variable) and part.start.name == variable
+        for part in walk(expression)
+    )

@@ -1,0 +1,56 @@
+"""Values as expressions, within a limit of size."""
+
+from __future__ import annotations
+
+from itertools import islice
+
+from mcml.errors import LimitError
+from mcml_service.xpath.language.tree import (
+    Binder,
+    Call,
+    Expression,
+    Function,
+    Let,
+    Literal,
+    Sequence,
+    Variable,
+    children,
+    walk,
+)
+
+MOST_PARTS = 20_000
+"""The largest number of subexpressions after substitution."""
+
+
+def literal(value: float | str | bool) -> Expression:
+    """A value as an expression."""
+    if isinstance(value, bool):
+        return Call("true" if value else "false", ())
+    return Literal(value)
+
+
+def sequence_of(values: list[float | str | bool]) -> Expression:
+    """Several values as one."""
+    return literal(values[0]) if len(values) == 1 else Sequence(tuple(map(literal, values)))
+
+
+def require_room(expression: Let, source: Expression) -> None:
+    """Raise LimitError if substituting the variable makes the body too large."""
+    name = expression.variable
+    uses = _uses(expression.body, name)
+    parts = sum(1 for _ in islice(walk(source), MOST_PARTS))
+    if uses * parts >= MOST_PARTS:
+        raise LimitError(
+            f"The expression gets too large: ${name} stands for {parts:,} parts or more, and is used {uses} times.",
+            remedy="Use the variable less often, or ask in several questions.",
+            code="query-too-large",
+        )
+
+
+def _uses(expression: Expression, name: str) -> int:
+    """Count the free occurrences of a variable."""
+    if isinstance(expression, Variable):
+        return int(expression.name == name)
+    if isinstance(expression, Binder | Function) and expression.variable == name:
+        return _uses(expression.source, name) if isinstance(expression, Binder) else 0
+    return sum(_uses(child, name) for child in children(expression))

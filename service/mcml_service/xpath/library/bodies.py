@@ -1,0 +1,168 @@
+"""Quantities of bodies in motion over a group of documents, as columns with a number for every frame."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from difflib import get_close_matches
+from functools import cached_property, partial
+from typing import TypeVar
+
+import numpy as np
+
+from mcml.errors import QueryError
+from mcml.motion.bodies.limb_angles import turn_named
+from mcml.motion.bodies.pose_index import MADE as INDEX_MADE
+from mcml.motion.bodies.pose_index import WIDTH, Balls, PoseIndex, balls_of, pose_index
+from mcml.motion.bodies.poses import NEEDS, pose_features
+from mcml.motion.bodies.quantities import compute, joints_of
+from mcml.motion.bodies.stretch import Stretch
+from mcml_service.clips.bodies import MADE, Body, read_turned
+from mcml_service.storage.columns import Listed
+from mcml_service.xpath.library.body_facts import BodyFacts
+from mcml_service.xpath.library.forest import Forest
+from mcml_service.xpath.library.likeness import Asked, Poses
+from mcml_service.xpath.library.pose_columns import PoseColumns
+from mcml_service.xpath.nodes.numbering import Floats, Ints, documents_of, frames_of
+
+Column = TypeVar("Column", Floats, PoseColumns)
+Made = TypeVar("Made")
+TOGETHER = 32
+"""Documents whose bodies are read before anything else may happen."""
+
+
+class Bodies:
+    """Of the documents of a forest. check: called often; raises when time is up."""
+
+    def __init__(self, forest: Forest, check: Callable[[], None]) -> None:
+        self._forest = forest
+        self._check = check
+
+    @cached_property
+    def offsets(self) -> Ints:
+        """Where in a column the frames of each document begin; behind the last, how many there are."""
+        return np.concatenate([[0], np.cumsum(self._forest.frames)]).astype(np.int64)
+
+    @cached_property
+    def seconds(self) -> Floats:
+        """Seconds a frame of each document, NaN where unknown."""
+
+        def of_body(body: Body) -> float:
+            return np.nan if body.frame_time is None else body.frame_time
+
+        return self._forest.of_bodies((f"{MADE}", "seconds"), lambda: np.array(self._each(of_body), np.float64))
+
+    def rows(self, nodes: Ints) -> Ints:
+        """Where in a column the frame is that each node is, or lies in; -1 for nodes of heads."""
+        frames = frames_of(nodes)
+        return np.where(frames > 0, self.offsets[documents_of(nodes)] + frames - 1, -1)
+
+    def quantity(self, name: str, arguments: tuple[str, ...]) -> Floats:
+        """A column of the quantity of a name."""
+
+        def of_body(body: Body) -> Floats:
+            return compute(name, arguments, body.stretch(joints_of(name, arguments, body.names)))
+
+        turned = name == "angle" and len(arguments) == 1 and turn_named(arguments[0]) is not None
+        make = partial(self._turned, arguments[0]) if turned else lambda: np.concatenate(self._each(of_body))
+        return self._forest.of_bodies((f"{MADE}", name, *arguments), make)
+
+    def of_documents(self, name: str) -> Floats:
+        """A quantity that is the document's, of each document, whether it has frames or not."""
+
+        def of_body(body: Body) -> float:
+            return float(compute(name, (), Stretch({}, 1, body.frame_time, body.calibration))[0])
+
+        return self._forest.of_bodies((f"{MADE}", "documents", name), lambda: np.array(self._each(of_body), np.float64))
+
+    def _turned(self, name: str) -> Floats:
+        # What is left out is told from what is known of the bodies.
+        self.facts()
+        parts = []
+        for listed in self._forest.documents:
+            self._check()
+            (body,) = self._forest.caches.bodies.read(self._forest.tx, [listed])
+            parts.append(read_turned(self._forest.tx, listed, name, body))
+        return np.concatenate(parts)
+
+    def asked(self, document: str, first: float, last: float | None) -> Asked:
+        """The pose of a frame of a document; with `last`, the motion from there to that frame. document: an id, or a
+        name that only one has. QueryError where there is no such one, or no such frame."""
+        listed = self._named(document)
+        end = first if last is None else last
+        if not (first == int(first) and end == int(end) and 1 <= first <= end <= listed.frames):
+            raise QueryError(f"{listed.name!r} has no such frames.", remedy=f"Its frames are 1 to {listed.frames}.")
+        body = self._forest.caches.bodies.read(self._forest.tx, [listed])[0]
+        poses = pose_features(body.stretch(NEEDS))[int(first) - 1 : int(end)]
+        return Asked(poses, last is not None, body.frame_time)
+
+    def distances(self, document: str, first: float, last: float | None) -> Floats:
+        """A column of how unlike what `asked` gives all frames are, or the stretches that end there."""
+        asked = self.asked(document, first, last)
+        listed = self._named(document)
+
+        def make() -> Floats:
+            return asked.column(self.poses(), self.seconds, self._forest.frames, self._check)
+
+        return self._column(("distance", listed.uuid, listed.revision, first, last), make)
+
+    def poses(self) -> PoseColumns:
+        """The poses in all frames."""
+
+        def make() -> PoseColumns:
+            vectors = np.concatenate(
+                [np.empty((0, WIDTH), np.float32), *self._each(lambda body: Poses.of(body).vectors)]
+            )
+            return PoseColumns(vectors, self.offsets[:-1][self._forest.frames > 0])
+
+        return self._column(("poses",), make)
+
+    def pose_index(self) -> PoseIndex:
+        """Where the poses of all documents lie, kept on disk."""
+
+        def balls(body: Body) -> Balls:
+            poses = Poses.of(body)
+            return balls_of(poses.vectors, poses.seconds)
+
+        return self._forest.pose_index(f"{MADE} {INDEX_MADE}", lambda: pose_index(self._each(balls)))
+
+    def _named(self, text: str) -> Listed:
+        listing = self._forest.caches.listing
+        whole = listing.whole(self._forest.tx, listing.state(self._forest.tx))
+        found = [one for one in whole if one.uuid == text] or [one for one in whole if one.name == text]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            ids = ", ".join(one.uuid for one in found[:5])
+            raise QueryError(f"{len(found)} documents are named {text!r}.", remedy=f"Name it by its id: {ids}.")
+        near = get_close_matches(text, [one.name for one in whole], 3)
+        raise QueryError(
+            f"There is no document {text!r}.",
+            remedy=f"Did you mean {' or '.join(map(repr, near))}?" if near else "Give its id, or its name.",
+        )
+
+    def _column(self, key: tuple[object, ...], make: Callable[[], Column]) -> Column:
+        samples = self._forest.caches.samples
+        return samples.get(self._forest.documents, key, make, lambda column: column.nbytes)
+
+    def facts(self) -> BodyFacts:
+        """What is known of each document."""
+        found = self._forest.body_facts(None)
+        return self._gathered(lambda body: None)[1] if found is None else found
+
+    def _each(self, function: Callable[[Body], Made]) -> list[Made]:
+        """What a function makes of each body."""
+        return self._gathered(function)[0]
+
+    def _gathered(self, function: Callable[[Body], Made]) -> tuple[list[Made], BodyFacts]:
+        """The same, and the facts: to read bodies takes longest, so what else is asked of all is kept."""
+        found: list[Made] = []
+        facts: list[BodyFacts] = []
+        documents, caches = self._forest.documents, self._forest.caches
+        for at in range(0, len(documents), TOGETHER):
+            self._check()
+            bodies = caches.bodies.read(self._forest.tx, documents[at : at + TOGETHER])
+            found += map(function, bodies)
+            facts.append(BodyFacts.of(bodies))
+        together = BodyFacts.together(facts)
+        self._forest.body_facts(lambda: together)
+        return found, together

@@ -1,0 +1,82 @@
+"""What is known of the bodies of a group of documents, beside where they are."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mcml_service.clips.bodies import Body
+from mcml_service.xpath.nodes.numbering import Bools, Ints
+from mcml_service.xpath.nodes.stored import Columns
+
+GUESSES = ("metres", "up", "floor")
+"""Values of a calibration that questions rest on."""
+
+
+@dataclass(frozen=True, eq=False)
+class BodyFacts:
+    """names: the names of joints that occur together. kind: of each document which of these. unit, times, floor:
+    whether its unit, its frame time and its floor are known. guessed: (3, documents) whether each of GUESSES is a
+    guess."""
+
+    names: list[list[str]]
+    kind: Ints
+    unit: Bools
+    times: Bools
+    floor: Bools
+    guessed: Bools
+
+    def __len__(self) -> int:
+        return len(self.kind)
+
+    @property
+    def nbytes(self) -> int:
+        return 13 * len(self) + sum(50 * len(each) for each in self.names) + 200
+
+    def stored(self) -> dict[str, Any]:
+        """As columns."""
+        known = np.stack([self.unit, self.times, self.floor, *self.guessed])
+        return {"names": self.names, "kind": self.kind, "known": known}
+
+    @classmethod
+    def restored(cls, found: Columns) -> BodyFacts:
+        """What had these columns."""
+        unit, times, floor, *guessed = found["known"]
+        return cls(found["names"], found["kind"], unit, times, floor, np.array(guessed))
+
+    def rests_on_guesses(self, of: Collection[str]) -> Bools:
+        """Which documents guess one of some values, by their names in GUESSES."""
+        asked = [name in of for name in GUESSES]
+        return np.asarray(self.guessed[asked].any(axis=0), bool)
+
+    @classmethod
+    def of(cls, bodies: Sequence[Body]) -> BodyFacts:
+        """Of bodies in the order of their documents."""
+        kinds: dict[tuple[str, ...], int] = {}
+        kind = [kinds.setdefault(body.names, len(kinds)) for body in bodies]
+        known = [
+            (b.calibration.metres is not None, b.frame_time is not None, b.calibration.floor is not None)
+            for b in bodies
+        ]
+        unit, times, floor = np.array(known, bool).reshape(-1, 3).T
+        origins = [body.calibration.origins for body in bodies]
+        guessed = np.array([[each[name].kind == "guessed" for each in origins] for name in GUESSES], bool)
+        return cls(list(map(list, kinds)), np.array(kind, np.int64), unit, times, floor, guessed)
+
+    @classmethod
+    def together(cls, parts: Sequence[BodyFacts]) -> BodyFacts:
+        """Of documents that follow one another."""
+        kinds: dict[tuple[str, ...], int] = {}
+        kind = [np.empty(0, np.int64)]
+        for part in parts:
+            own = [kinds.setdefault(tuple(names), len(kinds)) for names in part.names]
+            kind.append(np.array(own, np.int64)[part.kind])
+        nothing = np.empty(0, bool)
+        unit = np.concatenate([nothing, *(part.unit for part in parts)])
+        times = np.concatenate([nothing, *(part.times for part in parts)])
+        floor = np.concatenate([nothing, *(part.floor for part in parts)])
+        guessed = np.concatenate([np.empty((len(GUESSES), 0), bool), *(part.guessed for part in parts)], axis=1)
+        return cls(list(map(list, kinds)), np.concatenate(kind), unit, times, floor, guessed)

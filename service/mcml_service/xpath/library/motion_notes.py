@@ -1,0 +1,201 @@
+"""Warnings of answers about bodies: documents that were left out, and guesses that the answer depends on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+
+import numpy as np
+
+from mcml.errors import LimitError, McmlError, QueryError
+from mcml.motion.bodies.quantities import QUANTITIES, joints_of
+from mcml_service.storage.columns import Listed
+from mcml_service.storage.transaction import Transaction
+from mcml_service.xpath.language.motion_functions import CONTACT, MOTION_FUNCTIONS, PREFIX, TOP
+from mcml_service.xpath.language.reach import HeadPart
+from mcml_service.xpath.language.tree import Call, Expression, Literal, walk
+from mcml_service.xpath.library.bodies import Bodies
+from mcml_service.xpath.library.body_facts import BodyFacts
+from mcml_service.xpath.library.caches import Caches
+from mcml_service.xpath.library.forest import Forest
+from mcml_service.xpath.library.groups import Group
+from mcml_service.xpath.nodes.numbering import Bools
+
+OF_LENGTHS = frozenset({"m", "m/s", "m/s2"})
+WITH_FLOOR = frozenset({"mo:height", CONTACT})
+WITH_UP = WITH_FLOOR | {"mo:tilt", "mo:heading", "mo:pose-distance", "mo:motion-distance"}
+OF_UPRIGHT = frozenset({"trunk", "pelvis"})
+"""Parts whose angles are those to the vertical."""
+OF_TIMES = frozenset({"s", "m/s", "m/s2", "per s"})
+WITH_TIMES = frozenset({CONTACT})
+"""Functions that need them beside those whose unit tells."""
+
+
+def motion_calls(tree: Expression) -> list[Call]:
+    """The calls of functions of bodies in motion."""
+    return [part for part in walk(tree) if isinstance(part, Call) and part.function in MOTION_FUNCTIONS]
+
+
+class BodyScope:
+    """The documents that a query about bodies looks at.
+
+    calls: the calls of motion functions in the query. needed: the calls in conditions, which decide on the items of the
+    answer; the other calls only show values.
+    """
+
+    def __init__(
+        self,
+        tx: Transaction,
+        caches: Caches,
+        calls: Sequence[Call],
+        needed: Sequence[Call],
+        check: Callable[[], None],
+    ) -> None:
+        self.calls = calls
+        self._needed = needed
+        self._tx = tx
+        self._caches = caches
+        self._check = check
+        self._facts: dict[Group, BodyFacts] = {}
+
+    def select(self, groups: Iterable[Group]) -> Iterator[Group]:
+        """Yield the groups without documents in which a needed measurement is unknown."""
+        for group in groups:
+            found = self._select(group) if self.calls else group
+            if found:
+                yield found
+
+    def notes(self) -> list[str]:
+        """Return the warnings."""
+        return list(_notes(self._facts, self.calls, self._needed)) if self.calls else []
+
+    @property
+    def documents(self) -> int:
+        """The number of documents looked at."""
+        return sum(map(len, self._facts.values()))
+
+    def _select(self, group: Group) -> Group:
+        facts = self._facts.get(group)
+        if facts is None:
+            forest = Forest(self._tx, group, self._caches, head_part=HeadPart.MOTION)
+            facts = self._facts[group] = Bodies(forest, self._check).facts()
+        lacks = np.zeros(len(group), bool)
+        for _, _, which in _reasons(facts, self._needed):
+            lacks |= which
+        if not lacks.any():
+            return group
+        return self._caches.listing.group([listed for listed, out in zip(group, lacks, strict=True) if not out])
+
+
+def require_saxon(calls: Sequence[Call], *, is_later: bool) -> None:
+    """Refuses calls in a question to which columns have no answer, and Saxon has none either. is_later: whether it is
+    asked at all, in XPath 2.0; libxml2 knows no bodies."""
+    if any(call.function == TOP for call in calls):
+        raise QueryError(
+            "mo:top is of the whole scope: it stands in no predicate or union, not with per=document, and not with what"
+            " only Saxon evaluates, document by document.",
+            remedy="Write it around the whole, or before a path: mo:top(3, //frame[…])/frame_bone.",
+        )
+    if calls and not is_later:
+        raise LimitError(
+            "This question about bodies reaches too much at once.",
+            remedy="Ask fewer documents, or put what is asked of a frame into a predicate of //frame.",
+            code="query-too-large",
+        )
+
+
+def without_guesses(
+    tx: Transaction, caches: Caches, groups: Sequence[Group], calls: Sequence[Call], check: Callable[[], None]
+) -> list[Listed]:
+    """The documents of which nothing that the answer depends on is a guess."""
+    found: list[Listed] = []
+    needed = rested_on(calls)
+    for group in groups:
+        facts = Bodies(Forest(tx, group, caches, head_part=HeadPart.MOTION), check).facts()
+        found += [
+            listed
+            for listed, guessed in zip(group, facts.rests_on_guesses(needed).tolist(), strict=True)
+            if not guessed
+        ]
+    return found
+
+
+def _notes(looked: Mapping[Group, BodyFacts], calls: Sequence[Call], needed: Sequence[Call]) -> Iterator[str]:
+    names = [listed.name for group in looked for listed in group]
+    many = f"of {len(names):,} documents"
+    shown = [call for call in calls if call not in needed]
+    for some, what in ((needed, "left out"), (shown, "have no value")):
+        masks: dict[tuple[str, str], list[Bools]] = {}
+        for facts in looked.values():
+            for why, remedy, lacks in _reasons(facts, some):
+                masks.setdefault((why, remedy), []).append(lacks)
+        for (why, remedy), parts in masks.items():
+            mask = np.concatenate(parts)
+            if count := int(mask.sum()):
+                yield f"{count:,} {many} {what}: {why} ({named(names, mask)}){remedy}."
+    guesses = rested_on(calls)
+    if count := sum(int(facts.rests_on_guesses(guesses).sum()) for facts in looked.values()):
+        yield f"{count:,} {many} rest on a guessed {_listed(guesses)}; guesses=no leaves them out."
+
+
+def _reasons(facts: BodyFacts, calls: Sequence[Call]) -> Iterator[tuple[str, str, Bools]]:
+    """Why something is not known that is asked of a document, what to do, and of which documents."""
+    functions = {call.function for call in calls}
+    units = {MOTION_FUNCTIONS[function].unit for function in functions}
+    if units & OF_LENGTHS:
+        yield "their unit is not known", "; set it in their header", ~facts.unit
+    if units & OF_TIMES or functions & WITH_TIMES:
+        yield "their frame time is not known", "", ~facts.times
+    if functions & WITH_FLOOR:
+        yield "their floor is not known", "; mcml calibrate sets it", ~facts.floor
+    for call in dict.fromkeys(calls):
+        yield f"they lack joints of {_written(call)}", "", _lacking(facts, call)
+
+
+NAMED = 3
+"""Documents that are named at most where some are left out."""
+
+
+def named(names: Sequence[str], mask: Bools) -> str:
+    """The names of the first documents of a mask, and how many others there are."""
+    chosen = np.flatnonzero(mask).tolist()
+    more = f" and {len(chosen) - NAMED:,} more" if len(chosen) > NAMED else ""
+    return ", ".join(repr(names[place]) for place in chosen[:NAMED]) + more
+
+
+def rested_on(calls: Sequence[Call]) -> frozenset[str]:
+    """The values of calibrations (`body_facts.GUESSES`) that the answer depends on."""
+    found: set[str] = set()
+    for call in calls:
+        if MOTION_FUNCTIONS[call.function].unit in OF_LENGTHS:
+            found.add("metres")
+        texts = [each.value for each in call.arguments if isinstance(each, Literal) and isinstance(each.value, str)]
+        of_body = any(text.split("-")[0] in OF_UPRIGHT or text in ("up", "front", "left") for text in texts)
+        if call.function in WITH_UP or of_body:
+            found.add("up")
+        if call.function in WITH_FLOOR:
+            found.add("floor")
+    return frozenset(found)
+
+
+def _listed(names: Collection[str]) -> str:
+    words = [word for name, word in (("metres", "unit"), ("up", "up axis"), ("floor", "floor")) if name in names]
+    return " or ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
+def _lacking(facts: BodyFacts, call: Call) -> Bools:
+    """Which documents have not all joints that a quantity is made from."""
+    name = call.function.removeprefix(PREFIX)
+    texts = [each.value for each in call.arguments if isinstance(each, Literal) and isinstance(each.value, str)]
+    if name not in QUANTITIES or len(texts) < len(call.arguments):
+        return np.zeros(len(facts), bool)
+    try:
+        asked = len(dict.fromkeys(QUANTITIES[name].joints(texts)))
+        lacks = [len(joints_of(name, texts, names)) < asked for names in facts.names]
+    except McmlError:
+        return np.zeros(len(facts), bool)
+    return np.asarray(np.array(lacks, bool)[facts.kind], bool)
+
+
+def _written(call: Call) -> str:
+    texts = ", ".join(f"'{each.value}'" for each in call.arguments if isinstance(each, Literal))
+    return f"{call.function}({texts})"

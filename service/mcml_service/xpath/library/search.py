@@ -1,0 +1,122 @@
+"""The poses and the motions of a library that are most like one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from heapq import nsmallest
+from itertools import islice
+
+import numpy as np
+
+from mcml.motion.bodies.pose_index import Singles
+from mcml_service.storage.columns import Listed
+from mcml_service.storage.database import Database
+from mcml_service.storage.transaction import Transaction
+from mcml_service.xpath.language.reach import HeadPart
+from mcml_service.xpath.library.bodies import Bodies
+from mcml_service.xpath.library.caches import Caches
+from mcml_service.xpath.library.forest import Forest
+from mcml_service.xpath.library.likeness import Asked, nearest_first
+from mcml_service.xpath.library.listing import Scope
+from mcml_service.xpath.nodes.numbering import Floats, Ints
+
+
+@dataclass(frozen=True)
+class Hit:
+    """first, last: frames from 1; of a pose the same. distance: in leg lengths."""
+
+    listed: Listed
+    first: int
+    last: int
+    distance: float
+
+
+@dataclass(frozen=True)
+class Found:
+    """hits: the nearest first. documents: how many were asked. unlike: the names of those that cannot be compared, as
+    they share too few joints, or their frame time is not known."""
+
+    hits: list[Hit]
+    documents: int
+    unlike: list[str]
+
+
+def search(
+    tx: Transaction,
+    caches: Caches,
+    scope: Scope,
+    asked: Asked,
+    *,
+    wanted: int,
+    apart: float,
+    check: Callable[[], None],
+) -> Found:
+    """So many frames, or stretches, that are most like what is asked.
+
+    apart: seconds that hits in one document, or their ends, are from each other at least. check: called often; raises
+    when time is up.
+    """
+    documents: list[Listed] = []
+    bounds: list[Floats] = []
+    for group in scope.groups():
+        bodies = Bodies(Forest(tx, group, caches, head_part=HeadPart.MOTION), check)
+        index = bodies.pose_index()
+        bounds.append(_of_documents(asked.least(index, bodies.seconds), index.starts, index.ends))
+        documents += group
+    every = np.concatenate([np.empty(0), *bounds])
+    best: list[Hit] = []
+
+    def limit() -> float:
+        return best[-1].distance if len(best) == wanted else np.inf
+
+    for near in nearest_first([every], limit):
+        some = [documents[place] for _, place in near]
+        for listed, distances in zip(some, asked.unlike(tx, caches, some, check), strict=True):
+            ends = islice(_apart(listed, distances, apart, limit()), wanted)
+            best += [Hit(listed, end + 1, end + 1, float(distances[end])) for end in ends]
+        best[:] = nsmallest(wanted, best, key=lambda hit: hit.distance)
+    hits = [_from_its_start(tx, caches, asked, hit) for hit in best]
+    return Found(hits, len(documents), [documents[place].name for place in np.flatnonzero(np.isinf(every))])
+
+
+def index_poses(database: Database, caches: Caches, go_on: Callable[[], bool]) -> None:
+    """Make the indexes of all documents that the next searches look into. go_on: asked before each group; may wait."""
+
+    def check() -> None:
+        """There is no hurry."""
+
+    with database.read() as tx:
+        groups = Scope(tx, caches.listing).groups()
+    for group in groups:
+        if not go_on():
+            return
+        with database.read() as tx:
+            Bodies(Forest(tx, group, caches, head_part=HeadPart.MOTION), check).pose_index()
+
+
+def _of_documents(least: Singles, starts: Ints, ends: Ints) -> Floats:
+    """The least number of the segments of each document, infinite where it has none."""
+    found = np.full(len(ends), np.inf)
+    some = np.flatnonzero(ends > starts)
+    if len(some):
+        found[some] = np.minimum.reduceat(least, starts[some])
+    return found
+
+
+def _apart(listed: Listed, distances: Floats, apart: float, limit: float) -> Iterator[int]:
+    """Frames (from 0) in order of their distance as far as a limit, none of them near one before."""
+    seconds = float(listed.frame_time or 0) or 1 / 30
+    around = max(1, round(min(apart / seconds, len(distances))))
+    left = np.where(np.isnan(distances), np.inf, distances)
+    while len(left):
+        at = int(left.argmin())
+        if left[at] == np.inf or left[at] > limit:
+            return
+        yield at
+        left[max(0, at + 1 - around) : at + around] = np.inf
+
+
+def _from_its_start(tx: Transaction, caches: Caches, asked: Asked, hit: Hit) -> Hit:
+    (poses,) = caches.poses.read(tx, [hit.listed])
+    return Hit(hit.listed, asked.began(poses, hit.last - 1) + 1, hit.last, hit.distance)

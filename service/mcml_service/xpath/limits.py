@@ -1,0 +1,95 @@
+"""When a query must end."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+
+from mcml.errors import LimitError, NotFoundError
+
+PATIENCE = 0.5
+"""Seconds that a query has to end by itself."""
+
+
+class Limits:
+    """seconds: how long the query may take, from now on. max_elements: how many elements it may look at, or answer, as
+    XML. client: who asks; those who ask share the evaluating processes fairly. author: their name."""
+
+    def __init__(self, seconds: float, max_elements: int, client: str = "", author: str = "") -> None:
+        self.author = author
+        self.max_elements = max_elements
+        self.client = client
+        self._seconds = seconds
+        self._end = time.monotonic() + seconds
+        self._left: float | None = None
+
+    def begin(self, left: float) -> None:
+        """Go on with what is left of the time, in another process."""
+        self._end = time.monotonic() + left
+
+    @property
+    def seconds_left(self) -> float:
+        return max(0.0, self._end - time.monotonic())
+
+    def extend(self, seconds: float) -> None:
+        """Give the query so many seconds from now on, where that is more than it has."""
+        if time.monotonic() + seconds > self._end:
+            self._seconds, self._end = seconds, time.monotonic() + seconds
+
+    def overdue(self) -> LimitError | None:
+        """The error of a query that did not end by itself when it had to, None while it may go on."""
+        end = self._end if self._left is None else min(self._left, self._end)
+        return self.error() if time.monotonic() > end + PATIENCE else None
+
+    def cancel(self) -> None:
+        """Nobody waits for the answer any more."""
+        if self._left is None:
+            self._left = time.monotonic()
+
+    def check(self) -> None:
+        """LimitError once the time is up or the query was cancelled."""
+        if self.over:
+            raise self.error()
+
+    def error(self) -> LimitError:
+        """Of a query that must end: nobody waits for its answer, or its time is up."""
+        if self.is_cancelled:
+            return LimitError("The query was cancelled.", code="query-cancelled")
+        return self.timeout()
+
+    @property
+    def over(self) -> bool:
+        """Whether the query must end."""
+        return self.is_cancelled or time.monotonic() > self._end
+
+    @property
+    def is_cancelled(self) -> bool:
+        return self._left is not None
+
+    def timeout(self) -> LimitError:
+        """The error of a query whose time is up."""
+        return LimitError(
+            f"The query took longer than {self._seconds:g} s, the limit.",
+            remedy="Ask fewer documents, or narrow the expression by motion name, bone or position.",
+            code="query-timeout",
+        )
+
+
+@dataclass
+class Running:
+    """A question that is evaluated now. limits: end it by them."""
+
+    id: int
+    text: str
+    limits: Limits
+    began: float = field(default_factory=time.monotonic)
+
+    @property
+    def seconds(self) -> float:
+        """For how long."""
+        return time.monotonic() - self.began
+
+
+def no_such_question(number: int) -> NotFoundError:
+    """The error of a question that has ended, or never began."""
+    return NotFoundError(f"No question {number} is running.", remedy="List those that are.")

@@ -1,0 +1,199 @@
+"""Answers that are sequences: an expression of XPath 2.0 over a scope, document by document, by Saxon."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain
+
+from mcml.errors import LimitError, QueryError
+from mcml_service.storage.columns import Listed
+from mcml_service.storage.transaction import Transaction
+from mcml_service.xpath.language.functions import AGGREGATES
+from mcml_service.xpath.language.labels import without_index
+from mcml_service.xpath.language.parse import Query
+from mcml_service.xpath.language.scopes import spans_documents
+from mcml_service.xpath.language.tree import Call, Expression, Filter, Literal, Path, Written, walk
+from mcml_service.xpath.language.types import type_of
+from mcml_service.xpath.language.unparse import unparse
+from mcml_service.xpath.library.caches import Caches
+from mcml_service.xpath.library.groups import Group
+from mcml_service.xpath.library.motion_notes import motion_calls
+from mcml_service.xpath.limits import Limits
+from mcml_service.xpath.nodes.node import Node, Run
+from mcml_service.xpath.xml.body_values import BodyValues, Values
+from mcml_service.xpath.xml.evaluate import Node as Found
+from mcml_service.xpath.xml.projected import Xml, runs_of_nodes
+from mcml_service.xpath.xml.saxon import Items, Saxon
+
+Atomic = float | str | bool
+SAXON_SECONDS = 0.003
+"""That Saxon takes for a small document, at least."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """single: one value of each document. total: of all items, where it is known. nodes: whether all items are."""
+
+    items: list[Node | Atomic]
+    nodes: bool
+    single: list[tuple[Listed, Atomic]] | None = None
+    total: int | None = None
+
+
+class Sequences:
+    """The answer of an expression over a scope."""
+
+    def __init__(
+        self, saxon: Saxon, tx: Transaction, caches: Caches, query: Query, groups: Sequence[Group], limits: Limits
+    ) -> None:
+        self.saxon = saxon
+        self.limits = limits
+        self.documents = list(chain.from_iterable(groups))
+        inner, self.nth = without_index(query.tree)
+        query = replace(query, tree=inner)
+        self.tree = query.tree
+        if _is_constant(query.tree):
+            del self.documents[1:]
+        self.xml = Xml(tx, limits, query.tree)
+        self.text = query.text
+        self.variables = dict(self.tree.variables) if isinstance(self.tree, Written) else {}
+        self.bodies = BodyValues(tx, caches, groups, limits)
+
+    @property
+    def is_aggregate(self) -> bool:
+        """Whether the outermost function makes one value of all documents."""
+        return bool(self._call()[0])
+
+    def aggregate(self) -> tuple[str, Atomic | list[Atomic] | None] | None:
+        """(function, value) where the outermost function makes one value of all documents; None where it is another.
+
+        The value is a list for distinct-values, and None for the least, greatest or mean of nothing.
+        """
+        function, arguments = self._call()
+        if not function:
+            return None
+        if function in ("count", "sum", "exists", "empty"):
+            each = [self._one(stored, self.text) for stored in self.documents]
+            if function in ("count", "sum"):
+                return function, float(sum(float(value) for value in each))
+            return function, any(each) if function == "exists" else all(each)
+        if function == "avg":
+            pairs = [self._all(stored, f"(sum({arguments[0]}), count({arguments[0]}))") for stored in self.documents]
+            count = sum(float(pair[1]) for pair in pairs)
+            return function, sum(float(pair[0]) for pair in pairs) / count if count else None
+        if function in ("min", "max"):
+            values = [value for stored in self.documents for value in self._all(stored, self.text)]
+            return function, _extreme(function, values)
+        if function == "distinct-values":
+            return function, list(dict.fromkeys(v for stored in self.documents for v in self._all(stored, self.text)))
+        first = self.documents[:1] if len(arguments) > 1 else []
+        between = "".join(str(self._one(stored, f"string({arguments[1]})")) for stored in first)
+        texts = [self._all(stored, f"for $i in ({arguments[0]}) return string($i)") for stored in self.documents]
+        return function, between.join(str(text) for some in texts for text in some)
+
+    def page(self, offset: int, limit: int) -> Answer:
+        """Items offset … offset + limit - 1 of all documents' sequences, one after the other."""
+        if self.nth is not None:
+            offset, limit = (self.nth - 1, 1) if offset == 0 else (0, 0)
+        items: list[Node | Atomic] = []
+        single: list[tuple[Listed, Atomic]] | None = [] if offset == 0 else None
+        for stored in self.documents:
+            found = self._evaluate(stored, self.text, offset, max(1, limit - len(items)))
+            only = found.items[0] if found.total == 1 and found.items else None
+            if single is not None and only is not None and not isinstance(only, Found):
+                single.append((stored, only))
+            else:
+                single = None
+            items += [_shown(stored, item) for item in found.items][: limit - len(items)]
+            offset = max(0, offset - found.total)
+            if len(items) >= limit and single is None:
+                break
+        nodes = all(isinstance(item, Node) for item in items) if items else self._gives_nodes()
+        return Answer(items, nodes, single or None)
+
+    def runs(self) -> Iterator[Run]:
+        """Maximal ranges of frames that nodes are or lie in."""
+        return runs_of_nodes(self._nodes_by_document())
+
+    def _nodes_by_document(self) -> Iterator[tuple[Listed, Sequence[Node | Found]]]:
+        if self.nth is not None:
+            yield from ((node.stored, [node]) for node in self.page(0, 1).items if isinstance(node, Node))
+            return
+        for stored in self.documents:
+            found = self._evaluate(stored, self.text, 0, self.limits.max_elements)
+            yield stored, [item for item in found.items if isinstance(item, Found)]
+
+    def _gives_nodes(self) -> bool:
+        return self.tree.nodes if isinstance(self.tree, Written) else type_of(self.tree) == "nodes"
+
+    def _call(self) -> tuple[str, Sequence[str]]:
+        """The outermost function, if it is an aggregate, and the texts of its arguments."""
+        tree = self.tree
+        if isinstance(tree, Written):
+            return tree.function, tree.arguments
+        if isinstance(tree, Call) and tree.function in AGGREGATES and self.nth is None:
+            separator = tree.arguments[1:]
+            if all(isinstance(each, Literal) for each in separator):
+                return tree.function, [unparse(argument) for argument in tree.arguments]
+        return "", ()
+
+    def _one(self, stored: Listed, text: str) -> Atomic:
+        return self._all(stored, text)[0]
+
+    def _all(self, stored: Listed, text: str) -> list[Atomic]:
+        found = self._evaluate(stored, text, 0, self.limits.max_elements)
+        return [item for item in found.items if not isinstance(item, Found)]
+
+    def _evaluate(self, stored: Listed, text: str, offset: int, limit: int) -> Items:
+        self.limits.check()
+
+        def ask(text: str, variables: Values) -> Items:
+            document, limits = self.xml.of(stored), self.limits
+            return self.saxon.items(text, document, variables=variables, offset=offset, limit=limit, limits=limits)
+
+        return self.bodies.answer(ask, text, self.variables, stored)
+
+
+def require_time(documents: int, limits: Limits) -> None:
+    """LimitError, before anything begins, for what takes Saxon longer than the query may."""
+    seconds = documents * SAXON_SECONDS
+    if seconds > limits.seconds_left:
+        raise LimitError(
+            f"Only Saxon evaluates this, document by document: about {seconds:.0f} s for {documents:,} of them.",
+            remedy="Ask fewer documents, or write it without casts, comparisons of nodes and functions of Saxon "
+            "(docs/xpath.md); nodes alone, with as=ndjson, xml or csv, stream within MCML_SAXON_SECONDS.",
+            code="query-needs-saxon",
+        )
+
+
+def require_alone(tree: Expression, documents: int) -> None:
+    """QueryError for what is asked of several documents together, and cannot be of each alone."""
+    if documents > 1 and spans_documents(tree):
+        raise QueryError(
+            "This is asked of all documents together, and holds what is only evaluated on one document at a time.",
+            remedy="Ask with per=document, or one document; or write it without casts, comparisons of nodes, and "
+            "loops in loops over nodes.",
+            code="needs-one-document",
+        )
+
+
+def _shown(stored: Listed, item: Found | Atomic) -> Node | Atomic:
+    return Node(item.kind, stored, item.address, item.value) if isinstance(item, Found) else item
+
+
+def _extreme(function: str, values: Sequence[Atomic]) -> Atomic | None:
+    if not values:
+        return None
+    if any(isinstance(value, float) and math.isnan(value) for value in values):
+        return math.nan
+    chosen: Atomic = min(values) if function == "min" else max(values)
+    return chosen
+
+
+def _is_constant(tree: Expression) -> bool:
+    """Whether no document can change the value: then one is asked."""
+    if isinstance(tree, Written):
+        return tree.constant
+    return not any(isinstance(part, Path | Filter | Written) for part in walk(tree)) and not motion_calls(tree)
