@@ -76,8 +76,7 @@ lock: $(STAMP) ## Lock the versions that make install and Docker take (UPGRADE=1
 	$(LOCK) --extra server --extra plots --extra openid --constraint requirements-dev.lock --output-file requirements.lock
 
 migration: $(STAMP) ## Make a migration from the difference of tables.py and a fresh store: make migration NAME=what_changed
-	MCML_DATABASE=sqlite:///$(VENV)/migration.db $(BIN)/mcml db upgrade
-	MCML_DATABASE=sqlite:///$(VENV)/migration.db $(BIN)/alembic revision --autogenerate -m "$(NAME)"
+	@$(BIN)/python -m tests.drills.migration "$(NAME)"
 
 dist: $(STAMP) ## Build wheel and sdist into dist/; the version is the git tag's
 	$(BIN)/python -m hatchling build

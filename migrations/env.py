@@ -1,21 +1,13 @@
-"""Runs migrations on the connection that `Database.migrate` hands over, or on `MCML_DATABASE` for `alembic` itself."""
+"""Runs migrations on the connection that whoever calls alembic hands over in `attributes` of its configuration.
+
+metadata: there where a migration is made of the difference between tables and a store (`make migration`). Neither this
+file nor a migration imports anything of the program: what they do stays as it was on the day they were written.
+"""
 
 from __future__ import annotations
 
 from alembic import context
 
-from mcml_service.storage import tables, visits, work_tables  # noqa: F401 - they add themselves to the metadata
-from mcml_service.storage.schema import metadata
-
-connection = context.config.attributes.get("connection")
-if connection is None:
-    from mcml_service.settings import Settings
-    from mcml_service.storage.database import Database
-
-    with Database(Settings().database_url).dialect.writing() as connection:
-        context.configure(connection=connection, target_metadata=metadata, render_as_batch=False)
-        with context.begin_transaction():
-            context.run_migrations()
-else:
-    context.configure(connection=connection, target_metadata=metadata, render_as_batch=False)
-    context.run_migrations()
+_given = context.config.attributes
+context.configure(connection=_given["connection"], target_metadata=_given.get("metadata"), render_as_batch=False)
+context.run_migrations()

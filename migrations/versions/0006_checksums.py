@@ -1,7 +1,6 @@
 """Rows have checksums of what they mean, and the store says how its tracks are written.
 
-Before sums are written over what is there, it is compared with the uploads that are kept: what differs is told, and
-marked, so that nobody reads it as if it were sound.
+The sums of rows that are there are written once all migrations have run (`actions.keeping.keep_store`).
 """
 
 from __future__ import annotations
@@ -32,7 +31,3 @@ def upgrade() -> None:
         sa.Column('value', sa.Text, nullable=False),
     )
     op.bulk_insert(store, [{'name': name, 'value': value} for name, value in LAYOUT.items()])
-    from mcml_service.actions.keeping.seal_store import seal_store
-    from mcml_service.storage.sealing import transaction_on
-
-    seal_store(transaction_on(op.get_bind()))

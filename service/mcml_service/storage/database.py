@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from copy import copy
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 from sqlalchemy import (
     Connection,
@@ -35,6 +35,8 @@ from mcml_service.storage.views import WHOLE, View
 from mcml_service.storage.words import in_words
 
 Answer = TypeVar("Answer")
+Mend: TypeAlias = Callable[[str, Transaction], None]
+"""Given the version that a store had, and a transaction on it with today's tables."""
 
 
 class Database:
@@ -118,14 +120,19 @@ class Database:
             yield Transaction(connection, self.dialect, author=author, view=self.view, origin=self.origin)
         self.writes += 1
 
-    def migrate(self) -> None:
-        """Bring the schema to this program's version (a new store gets it whole)."""
+    def migrate(self, mend: Mend | None = None) -> None:
+        """Bring the schema to this program's version (a new store gets it whole).
+
+        mend: makes what rows of an older store lack, in the same transaction. StoreError for an older store without.
+        """
         found, wanted = self.schema_versions()
         if found == wanted:
             # Reading commands need no write lock, and work while another process writes.
             self._require_layout()
             return
         refuse_newer(found, wanted)
+        if found is not None and mend is None:
+            self.require_schema()
         # Imported late: it takes as long as all else that a short command needs.
         from alembic import command
         from alembic.config import Config
@@ -136,6 +143,8 @@ class Database:
             config.set_main_option("script_location", str(migrations_path()))
             config.attributes["connection"] = connection
             command.upgrade(config, "head")
+            if found is not None and mend is not None:
+                mend(found, Transaction(connection, self.dialect))
 
     def make_or_require(self) -> None:
         """Make a new store whole. StoreError where the schema of one that is there is not this program's."""

@@ -9,16 +9,10 @@ import zstandard
 from sqlalchemy import Connection, Table, bindparam, inspect, select, tuple_, update
 
 from mcml_service.storage import tables
-from mcml_service.storage.dialects import find_dialect
 from mcml_service.storage.seals import SEALS, Row, sealed
 from mcml_service.storage.transaction import Transaction
 
 ROWS = 2000
-
-
-def transaction_on(connection: Connection) -> Transaction:
-    """What a migration reads and writes by."""
-    return Transaction(connection, find_dialect(connection.dialect.name)(connection.engine))
 
 
 def seal_rows(tx: Transaction) -> None:

@@ -11,10 +11,15 @@ from pathlib import Path
 from sqlalchemy import func, insert, select
 
 from mcml.errors import ConflictError, SpaceError, StoreError
+from mcml_service.actions.keeping.seal_store import seal_store
 from mcml_service.storage.database import Database
 from mcml_service.storage.dialects.sqlite import PRIVATE
 from mcml_service.storage.schema import metadata
 from mcml_service.storage.tables import document, store
+from mcml_service.storage.transaction import Transaction
+
+WITH_CHECKSUMS = "0006"
+"""The version of the schema from which on rows have checksums."""
 
 ROWS = 2000
 
@@ -53,8 +58,17 @@ def upgrade(database: Database) -> Path | None:
     if path is not None and found is not None and wanted is not None and found < wanted:
         kept = path.with_name(f"{path.name}.schema-{found}.{datetime.now(UTC):%Y%m%dT%H%M%SZ}.backup")
         _copy_file(path, kept)
-    database.migrate()
+    database.migrate(_mend)
     return kept
+
+
+def _mend(before: str, tx: Transaction) -> None:
+    """Make what rows of an older store lack. Migrations change tables, today's program fills them.
+
+    before: its version of the schema.
+    """
+    if before < WITH_CHECKSUMS:
+        seal_store(tx)
 
 
 def _copy_file(path: Path, target: Path) -> None:

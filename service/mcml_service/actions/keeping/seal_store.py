@@ -14,7 +14,11 @@ log = logging.getLogger("mcml.store")
 
 
 def seal_store(tx: Transaction) -> None:
-    """Write the checksums of all rows; used once, by the migration that brings them."""
+    """Write the checksums of all rows of a store that had none.
+
+    Before sums are written over what is there, it is compared with the uploads that are kept: what differs is told, and
+    marked, so that nobody reads it as if it were sound.
+    """
     seal_rows(tx)
     for found in compare_all(tx, Settings()):
         for fault in found.faults:
