@@ -21,13 +21,16 @@ from typing import IO, BinaryIO
 
 import psutil
 
-import mcml
 import mcml_schemas
-import mcml_service
+from mcml import errors
 from mcml.errors import FormatError, LimitError
 
 LOOK_SECONDS = 0.02
-_HOMES = [str(Path(package.__file__ or "").resolve().parents[1]) for package in (mcml, mcml_schemas, mcml_service)]
+_HOMES = [
+    str(Path(errors.__file__).resolve().parents[1]),
+    str(Path(mcml_schemas.__file__ or "").resolve().parents[1]),
+    str(Path(__file__).resolve().parents[2]),
+]
 """Where the packages of this very installation lie: one folder in a wheel's, three in a checkout."""
 _LAST_WORDS = 1 << 16
 """Of what a program writes as it ends; what kind of error ended it stands in its last line."""
