@@ -12,6 +12,7 @@ from mcml_schemas.queries import QueryRequest
 from mcml_service.actions.editing.change_document import add_labels, restore_revision
 from mcml_service.actions.editing.edit_element import Change
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.actions.keeping import keep_store
 from mcml_service.actions.keeping.check_uploads import compare_all
 from mcml_service.actions.keeping.keep_store import backup, restore
 from mcml_service.settings import Settings
@@ -171,7 +172,7 @@ def test_an_upgrade_compares_with_the_files_before_it_believes_what_is_there(
     damage(database, "track", "data", swapped, f"document = {key} AND bone = 1 AND chunk = 1")
     with pytest.raises(StoreError, match="schema is 0005"):
         database.require_schema()
-    database.migrate()
+    keep_store.upgrade(database)
     assert f"a ({uuid}): bone 'Spine', frames 257 to 300: other numbers than in its file" in caplog.text
     with pytest.raises(DamageError, match="bone 'Spine', frames 257 to 300"):
         content(database, uuid)
