@@ -57,14 +57,15 @@ def recognise(formats: Mapping[str, Format], file_name: str, first_bytes: bytes)
     known = _unsupported_content(first_bytes)
     if known is not None:
         raise _not_read(known, at)
-    for format in formats.values():
-        part = format.sniff(file_name, first_bytes)
-        if part is not None:
-            return format, part
+    # First of all: the mark of C3D is one byte, which a PNG has in its place.
     other = other_format(first_bytes)
     if other is not None:
         title, remedy = other
         raise UnsupportedError(f"{title} files are not read", at=at, remedy=remedy)
+    for format in formats.values():
+        part = format.sniff(file_name, first_bytes)
+        if part is not None:
+            return format, part
     for beginning, title in _WRITTEN:
         if re.match(beginning, first_bytes):
             raise UnsupportedError(f"{title} files are written, not read", at=at, remedy=TO_BVH)

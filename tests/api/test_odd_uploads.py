@@ -164,6 +164,8 @@ def test_names_of_files(client: TestClient, disposition: bytes, name: str) -> No
         (b'<?xml version="1.0"?><!-- x --><COLLADA xmlns="a">', "COLLADA", "Blender"),
         (b"7z\xbc\xaf\x27\x1c\0\4", "7z", "Unpack"),
         (b"Rar!\x1a\x07\1\0", "RAR", "Unpack"),
+        (b"\x89PNG\r\n\x1a\n\0\0", "image", "the motion file itself"),
+        (b"\x89PNG\r\n\x1a\n" + bytes(600), "image", "the motion file itself"),
         (b"<!DOCTYPE html>\n<html><head>", "web page", "Download"),
         (b"\n <!-- saved -->\n<HTML lang='ko'>", "web page", "Download"),
         (b"<!doctype HTML PUBLIC 'x'><p>", "web page", "Download"),
