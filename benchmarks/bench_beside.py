@@ -22,7 +22,7 @@ from benchmarks.library import serving
 from benchmarks.timing import report
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.storage.database import Database
-from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.lists.filtering import DocumentFilter
 
 ROUNDS = 5
 LEG, OTHER = "frame_bone[@name='left_up_leg']", "frame_bone[@name='right_up_leg']"

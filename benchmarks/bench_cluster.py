@@ -22,8 +22,8 @@ from mcml_service.demo.dance_clips import dance_clip
 from mcml_service.jobs.cluster import Cluster
 from mcml_service.jobs.worker import Refused, on_dask
 from mcml_service.settings import Settings
+from mcml_service.storage.core.tables import document
 from mcml_service.storage.database import Database
-from mcml_service.storage.tables import document
 
 CLIPS, BARS = 40, 50
 ROUNDS = 2

@@ -19,7 +19,7 @@ from benchmarks.timing import median_seconds
 from mcml.formats import FORMATS
 from mcml.formats.format import ReadOptions, SourceFile
 from mcml.motion.skeleton import Array
-from mcml_service.storage.encoding import compress, decompress
+from mcml_service.storage.documents.encoding import compress, decompress
 
 CLIPS = 60
 Motion = tuple[Array, list[slice]]

@@ -23,7 +23,7 @@ from mcml_service.analysis.reach_blending.analyses import REACH
 from mcml_service.demo.reach_clips import reach_clips
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.lists.filtering import DocumentFilter
 from service.web.build import build
 from tests.analysis.expression.test_real_takes import faces
 from tests.analysis.reach.reach_motions import motion_of

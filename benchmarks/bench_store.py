@@ -23,7 +23,7 @@ from mcml.language.writer import write_document
 from mcml_service.actions.editing.edit_element import Change
 from mcml_service.clips.read_clip import read_clip
 from mcml_service.storage.database import Database
-from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.lists.filtering import DocumentFilter
 from tests.edits import change_element
 
 ASKED = 100

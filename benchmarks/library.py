@@ -30,7 +30,7 @@ from mcml_service.demo import body
 from mcml_service.local_secret import read_secret
 from mcml_service.settings import Settings, data_folder
 from mcml_service.storage.database import Database
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 DOCUMENTS = 100

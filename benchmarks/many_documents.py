@@ -20,10 +20,19 @@ from mcml.formats.format import SourceFile
 from mcml_service.actions.importing.import_motion import import_files
 from mcml_service.demo import body
 from mcml_service.settings import Settings
+from mcml_service.storage.core.identifiers import new_uuid, now
+from mcml_service.storage.core.tables import (
+    commit,
+    content,
+    document,
+    document_upload,
+    header,
+    property_,
+    revision,
+    span,
+)
+from mcml_service.storage.core.tables import thumbnail as picture
 from mcml_service.storage.database import Database
-from mcml_service.storage.identifiers import new_uuid, now
-from mcml_service.storage.tables import commit, content, document, document_upload, header, property_, revision, span
-from mcml_service.storage.tables import thumbnail as picture
 from mcml_service.storage.transaction import Transaction
 
 KINDS = 1000

@@ -16,7 +16,7 @@ from mcml_service.actions.editing.edit_element import Change
 from mcml_service.actions.importing.import_motion import import_files
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.lists.filtering import DocumentFilter
 from tests.edits import change_element
 
 SIZES = (5, 25, 100)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mcml_service.actions.editing.edit_element import Change
 from mcml_service.actions.editing.edit_elements import Deletion, ElementEdit, edit_elements
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 OTHER_SEEDS = [(("sqlite", "postgresql")[seed % 2], seed) for seed in range(10)]

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import BinaryIO
 
 from mcml.errors import FormatError, LimitError, Notice, Place
-from mcml.formats.asf_tree import build_skeleton
+from mcml.formats.asf_tree import Bone, Word, build_skeleton
 from mcml.formats.format import Limits, note
 from mcml.formats.lines import BLANKS, Encoding, Line, Lines, shown
 from mcml.formats.numbers import is_number, what_is_wrong
@@ -23,30 +23,6 @@ ORDERS = frozenset({"XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"})
 _BRACKETS = str.maketrans("(),", "   ")
 _INFINITE = re.compile(r"[+-]?inf(inity)?", re.IGNORECASE)
 _BONE_FIELDS = frozenset({"id", "name", "direction", "length", "axis", "dof", "limits", "bodymass", "cofmass"})
-
-
-@dataclass(frozen=True, slots=True)
-class Word:
-    text: str
-    at: Place
-
-
-@dataclass
-class Bone:
-    """One bone of :bonedata, or the root, as read."""
-
-    at: Place
-    name: str = ""
-    id: str | None = None
-    direction: Triple | None = None
-    length: str | None = None
-    axis: Triple | None = None
-    axis_order: str = ""
-    channels: tuple[str, ...] = ()
-    limits: tuple[str, ...] = ()
-    bodymass: str | None = None
-    cofmass: str | None = None
-    position: Triple | None = None
 
 
 @dataclass

@@ -2,15 +2,36 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
-from mcml.errors import FormatError, LimitError, Notice
+from mcml.errors import FormatError, LimitError, Notice, Place
 from mcml.formats.format import Limits, note
 from mcml.formats.lines import shown
-from mcml.motion.skeleton import Convention, Joint, Skeleton
+from mcml.motion.skeleton import Convention, Joint, Skeleton, Triple
 
-if TYPE_CHECKING:
-    from mcml.formats.asf import Bone, Word
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    text: str
+    at: Place
+
+
+@dataclass
+class Bone:
+    """One bone of :bonedata, or the root, as read."""
+
+    at: Place
+    name: str = ""
+    id: str | None = None
+    direction: Triple | None = None
+    length: str | None = None
+    axis: Triple | None = None
+    axis_order: str = ""
+    channels: tuple[str, ...] = ()
+    limits: tuple[str, ...] = ()
+    bodymass: str | None = None
+    cofmass: str | None = None
+    position: Triple | None = None
 
 
 def build_skeleton(

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from mcml.errors import ConversionError
-from mcml.motion.bodies.vectors import dot, length
 from mcml.motion.hub import Rest, walked
 from mcml.motion.rotations import inverse, multiply, rotate
 from mcml.motion.sides import sagittal
 from mcml.motion.skeleton import Array, Skeleton
+from mcml.motion.vectors import dot, length
 
 _MOST_POSES = 500
 """Of a clip that are looked at for the most upright one."""

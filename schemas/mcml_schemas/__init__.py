@@ -1,1 +1,1 @@
-"""The wire: pydantic models of every request and answer. Imports nothing of `service`."""
+"""The wire: pydantic models of every request and answer. Imports nothing of `mcml` and `mcml_service`."""

@@ -12,8 +12,8 @@ from mcml_schemas.jobs import Job
 from mcml_service.operations import find_operation
 from mcml_service.operations.call import Call, Repository
 from mcml_service.settings import Settings
+from mcml_service.storage.core.identifiers import new_uuid
 from mcml_service.storage.database import Database
-from mcml_service.storage.identifiers import new_uuid
 
 
 class Local(Client):

@@ -13,8 +13,8 @@ from mcml.language.dtd import violations
 from mcml_service.actions.editing.edit_element import Change
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.actions.reading.read_element import read_element
+from mcml_service.storage.core.tables import track
 from mcml_service.storage.database import Database
-from mcml_service.storage.tables import track
 from tests.builders import ASF, MCML, amc, bvh, store
 from tests.edits import change_element, delete_element
 

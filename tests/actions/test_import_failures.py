@@ -10,7 +10,7 @@ from mcml.files.import_options import ImportOptions
 from mcml_service.actions.importing import import_motion, keep_upload
 from mcml_service.actions.importing.import_motion import import_files
 from mcml_service.settings import Settings
-from mcml_service.storage import tables
+from mcml_service.storage.core import tables
 from mcml_service.storage.database import Database
 from tests.builders import ASF, amc, bvh, source, store
 
@@ -44,7 +44,7 @@ def test_a_failure_at_the_end_leaves_nothing(database: Database, monkeypatch: py
     def full(*_: object, **__: object) -> None:
         raise OSError("No space left on device")
 
-    monkeypatch.setattr("mcml_service.storage.documents.Documents.publish", full)
+    monkeypatch.setattr("mcml_service.storage.documents.documents.Documents.publish", full)
     with pytest.raises(OSError, match="No space"):
         store(database, {"long.bvh": bvh(3000)})
     assert rows(database) == {}

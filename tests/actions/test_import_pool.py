@@ -20,7 +20,7 @@ from mcml_service.actions.importing.import_motion import import_files
 from mcml_service.actions.importing.import_pool import ImportPool
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.lists.filtering import DocumentFilter
 from tests.builders import bvh, source
 
 CLIPS = {f"clip{number:02}.bvh": bvh(3 + number % 5, seed=number) for number in range(12)}

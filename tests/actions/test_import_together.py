@@ -13,8 +13,8 @@ from mcml_service.actions.importing.import_batch import BATCH_CLIPS, EARLY_CLIPS
 from mcml_service.actions.importing.import_motion import import_files
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from mcml_service.storage.documents import Documents
-from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.documents.documents import Documents
+from mcml_service.storage.lists.filtering import DocumentFilter
 from mcml_service.storage.transaction import Transaction
 from tests import fuzz
 from tests.actions.test_kill import run

@@ -21,8 +21,8 @@ from mcml_service.actions.keeping.keep_store import backup
 from mcml_service.actions.keeping.purge_documents import purge_documents
 from mcml_service.cli import app
 from mcml_service.settings import Settings
+from mcml_service.storage.core.reserve import Reserve
 from mcml_service.storage.database import Database
-from mcml_service.storage.reserve import Reserve
 from tests.builders import bvh, store
 from tests.edits import change_element
 

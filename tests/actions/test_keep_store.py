@@ -19,14 +19,14 @@ from mcml_service.actions.exporting.export_motion import ExportOptions, export_d
 from mcml_service.actions.keeping.keep_store import backup, restore
 from mcml_service.actions.keeping.purge_documents import purge_documents
 from mcml_service.settings import Settings
-from mcml_service.storage.bodies import StoredBody
+from mcml_service.storage.core.schema import metadata
+from mcml_service.storage.core.tables import document, skeleton
+from mcml_service.storage.core.tables import store as about_itself
 from mcml_service.storage.database import Database
-from mcml_service.storage.schema import metadata
-from mcml_service.storage.tables import document, skeleton
-from mcml_service.storage.tables import store as about_itself
-from mcml_service.storage.terms import Terms
+from mcml_service.storage.documents.bodies import StoredBody
+from mcml_service.storage.projects.terms import Terms
+from mcml_service.storage.team.tables import delivery
 from mcml_service.storage.transaction import Transaction
-from mcml_service.storage.webhooks import delivery
 from mcml_service.xpath.queries import Queries
 from tests import postgres
 from tests.actions.test_move_project import fill

@@ -12,10 +12,10 @@ import pytest
 from sqlalchemy import func, select
 
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
+from mcml_service.storage.core.schema import metadata
+from mcml_service.storage.core.tables import document
 from mcml_service.storage.database import Database
-from mcml_service.storage.filtering import DocumentFilter
-from mcml_service.storage.schema import metadata
-from mcml_service.storage.tables import document
+from mcml_service.storage.lists.filtering import DocumentFilter
 from tests.builders import bvh, store
 
 IMPORTER = textwrap.dedent(

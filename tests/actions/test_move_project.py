@@ -17,8 +17,8 @@ from mcml.errors import ConflictError, DamageError, McmlError
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.actions.keeping.move_project import export_project, import_project
 from mcml_service.settings import Settings
+from mcml_service.storage.core.schema import metadata
 from mcml_service.storage.database import Database
-from mcml_service.storage.schema import metadata
 from tests.api.asked import API, filled
 from tests.builders import ASF, HTR, MCML, SECRET, TRC, amc, bvh, c3d_file, one_kind, served, store
 

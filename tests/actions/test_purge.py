@@ -23,9 +23,9 @@ from mcml_service.analysis.catalogue import ANALYSES
 from mcml_service.analysis.interface import Answer
 from mcml_service.cli import app
 from mcml_service.settings import Settings
+from mcml_service.storage.core.schema import metadata
+from mcml_service.storage.core.tables import document
 from mcml_service.storage.database import Database
-from mcml_service.storage.schema import metadata
-from mcml_service.storage.tables import document
 from mcml_service.xpath.queries import Queries
 from tests.builders import MCML, bvh, store
 

@@ -20,7 +20,7 @@ from mcml_service.actions.editing.change_frames import (
 )
 from mcml_service.actions.editing.edit_element import Change
 from mcml_service.storage.database import Database
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 from tests.actions.test_change_frames import content
 from tests.builders import bvh, store

@@ -17,9 +17,9 @@ from mcml_service.operations import all_operations
 from mcml_service.operations.call import Call, Repository
 from mcml_service.operations.operation import RIGHTS, Operation, Right
 from mcml_service.settings import Settings
-from mcml_service.storage.accounts import ROLES
+from mcml_service.storage.core.views import SCOPES, View
 from mcml_service.storage.database import Database
-from mcml_service.storage.views import SCOPES, View
+from mcml_service.storage.team.entries import ROLES
 from tests.builders import SECRET, bvh, one_kind, upload
 
 pytestmark = pytest.mark.usefixtures("quick_hashes")

@@ -12,8 +12,8 @@ from sqlalchemy import text
 from mcml.errors import ConflictError
 from mcml_service.app import create_app
 from mcml_service.settings import Settings
-from mcml_service.storage.accounts import ROLES
 from mcml_service.storage.database import Database
+from mcml_service.storage.team.entries import ROLES
 from tests.api.test_accounts import API, HOME, SHORT, WORDS, browser, form, team
 from tests.builders import SECRET, one_kind, served
 

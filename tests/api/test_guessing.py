@@ -12,8 +12,9 @@ from mcml.errors import AttemptsError, RequestError
 from mcml_service import passwords
 from mcml_service.app import create_app
 from mcml_service.settings import Settings
-from mcml_service.storage.attempts import attempt, count_attempt
+from mcml_service.storage.counting import count_attempt
 from mcml_service.storage.database import Database
+from mcml_service.storage.team.tables import attempt
 from tests.builders import SECRET, one_kind
 
 pytestmark = pytest.mark.usefixtures("quick_hashes")

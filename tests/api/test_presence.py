@@ -12,9 +12,10 @@ from mcml_service.actions.keeping.purge_documents import purge_documents
 from mcml_service.api.doors import SHARED
 from mcml_service.app import create_app
 from mcml_service.settings import Settings
+from mcml_service.storage.core.identifiers import now
 from mcml_service.storage.database import Database
-from mcml_service.storage.identifiers import now
-from mcml_service.storage.presence import LASTS, presence
+from mcml_service.storage.team.presence import LASTS
+from mcml_service.storage.team.tables import presence
 from tests.builders import SECRET, bvh, one_kind, store
 
 API = "/api/v1"

@@ -10,8 +10,8 @@ from sqlalchemy import func, select
 
 from mcml_service.operations import all_operations
 from mcml_service.operations.operation import Effect
+from mcml_service.storage.core.schema import metadata
 from mcml_service.storage.database import Database
-from mcml_service.storage.schema import metadata
 from tests.api.asked import API, filled, request_of, send
 from tests.builders import bvh, one_kind, served
 

@@ -17,9 +17,9 @@ from mcml_service.jobs.runner import Runner
 from mcml_service.operations import all_operations
 from mcml_service.operations.operation import Operation, Right
 from mcml_service.settings import Settings
+from mcml_service.storage.core.schema import metadata
 from mcml_service.storage.database import Database
-from mcml_service.storage.members import PROJECT_ROLES
-from mcml_service.storage.schema import metadata
+from mcml_service.storage.team.entries import PROJECT_ROLES
 from tests.api.asked import API, Things, commented, filled, labelled, request_of, send
 from tests.builders import SECRET, one_kind
 from tests.motion.bodies.made import person

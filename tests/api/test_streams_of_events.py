@@ -12,8 +12,8 @@ from mcml_service.api import events
 from mcml_service.api.doors import SHARED
 from mcml_service.app import create_app
 from mcml_service.settings import Settings
+from mcml_service.storage.core.identifiers import now
 from mcml_service.storage.database import Database
-from mcml_service.storage.identifiers import now
 from mcml_service.storage.transaction import Transaction
 from tests.builders import SECRET, bvh, one_kind, store
 

@@ -25,9 +25,9 @@ from sqlalchemy.exc import OperationalError
 
 from mcml_service.actions.reading.read_news import News
 from mcml_service.operations.call import Call
+from mcml_service.storage.core.dialects.postgresql import COMMIT_LOCK
+from mcml_service.storage.core.identifiers import now
 from mcml_service.storage.database import Database
-from mcml_service.storage.dialects.postgresql import COMMIT_LOCK
-from mcml_service.storage.identifiers import now
 from tests import postgres
 from tests.builders import bvh
 
@@ -203,7 +203,7 @@ def test_a_job_that_ended_by_a_slow_clock_is_told(database: Database, monkeypatc
     with database.read() as tx:
         news = News(tx.newest_commit(), now(), 0)
         assert [job.uuid for job in news.changed_jobs(tx)] == [uuid]
-    monkeypatch.setattr("mcml_service.storage.jobs.now", lambda: now(-timedelta(seconds=5)))
+    monkeypatch.setattr("mcml_service.storage.work.jobs.now", lambda: now(-timedelta(seconds=5)))
     with database.write() as tx:
         tx.jobs.end(uuid, "other", "done")
     with database.read() as tx:

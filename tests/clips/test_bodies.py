@@ -19,9 +19,9 @@ from mcml_service.actions.keeping.keep_room import prune_history
 from mcml_service.clips.bodies import Body, read_bodies
 from mcml_service.clips.derive import derive_missing
 from mcml_service.clips.read_clip import read_clip
-from mcml_service.storage import steps
-from mcml_service.storage.columns import Listed
 from mcml_service.storage.database import Database
+from mcml_service.storage.documents import steps
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from tests.builders import TRC, bvh, store
 

@@ -22,8 +22,8 @@ from mcml_service.clips.derive import derive_missing
 from mcml_service.clips.deriver import Deriver
 from mcml_service.clips.read_clip import Skeletons
 from mcml_service.settings import Settings
-from mcml_service.storage.columns import Listed
 from mcml_service.storage.database import Database
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.xpath.library.caches import Caches
 from mcml_service.xpath.library.search import index_poses
 from tests.builders import bvh, one_kind, served, store

@@ -12,8 +12,7 @@ from mcml.language import joint_names, motion_names
 from mcml_service.cli import app as cli
 from mcml_service.operations import all_operations
 from mcml_service.operations.operation import RIGHTS, Right
-from mcml_service.storage.accounts import ROLES
-from mcml_service.storage.members import PROJECT_ROLES
+from mcml_service.storage.team.entries import PROJECT_ROLES, ROLES
 from tests.builders import description
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"

@@ -16,7 +16,7 @@ from mcml_service.actions.importing.load_demo import demo_files
 from mcml_service.app import create_app
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.lists.filtering import DocumentFilter
 from tests.api.test_doors import listening
 from tests.builders import SECRET, store
 from tests.docs.generate import DOCS

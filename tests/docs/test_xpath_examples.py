@@ -17,7 +17,7 @@ from mcml_service.actions.exporting.export_motion import ExportOptions, export_d
 from mcml_service.actions.importing.load_demo import load_people
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.lists.filtering import DocumentFilter
 from mcml_service.xpath.language.parse import parse
 from mcml_service.xpath.language.tree import Written
 from mcml_service.xpath.queries import Queries

@@ -16,9 +16,9 @@ from mcml_service.actions.exporting.export_motion import ExportOptions, export_d
 from mcml_service.actions.keeping import keep_store
 from mcml_service.resources import migrations_path
 from mcml_service.storage import database as databases
+from mcml_service.storage.core.schema import metadata
 from mcml_service.storage.database import Database
-from mcml_service.storage.filtering import DocumentFilter
-from mcml_service.storage.schema import metadata
+from mcml_service.storage.lists.filtering import DocumentFilter
 from tests.builders import bvh, store
 from tests.drills.migration import make_migration
 

@@ -10,9 +10,9 @@ from alembic import command
 from alembic.config import Config
 
 from mcml_service.resources import migrations_path
-from mcml_service.storage import tables, visits, work_tables  # noqa: F401 - they add themselves to the metadata
+from mcml_service.storage.core.schema import metadata
 from mcml_service.storage.database import Database
-from mcml_service.storage.schema import metadata
+from mcml_service.storage.work import tables as work_tables  # noqa: F401 - they add themselves to the metadata
 
 
 def make_migration(name: str, folder: Path) -> Path:

@@ -13,9 +13,9 @@ from sqlalchemy import select, update
 
 from mcml_service.actions.keeping import keep_store
 from mcml_service.resources import migrations_path
-from mcml_service.storage import tables
+from mcml_service.storage.core import tables
+from mcml_service.storage.core.seals import SEALS
 from mcml_service.storage.database import Database
-from mcml_service.storage.seals import SEALS
 from tests import postgres
 from tests.builders import bvh, store
 from tests.storage.test_migrations import fill, upgrade

@@ -21,8 +21,8 @@ from mcml_service.demo.face_takes import EXPRESSIONS, face_takes
 from mcml_service.demo.reach_clips import reach_clips
 from mcml_service.jobs.runner import run_here
 from mcml_service.settings import Settings
+from mcml_service.storage.core.identifiers import new_uuid
 from mcml_service.storage.database import Database
-from mcml_service.storage.identifiers import new_uuid
 from mcml_service.xpath.queries import Queries
 from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, c3d_file, mcml_of, store
 

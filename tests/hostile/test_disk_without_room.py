@@ -15,8 +15,8 @@ import pytest
 from sqlalchemy import Connection
 from sqlalchemy.exc import OperationalError
 
+from mcml_service.storage.core.reserve import TO_OPEN
 from mcml_service.storage.database import Database
-from mcml_service.storage.reserve import TO_OPEN
 from tests.builders import one_kind
 
 ALONE = ["unshare", "-rm"]
@@ -29,7 +29,7 @@ from pathlib import Path
 from typer.testing import CliRunner
 from mcml_service.cli import app
 from mcml.errors import SpaceError
-from mcml_service.storage import reserve
+from mcml_service.storage.core import reserve
 from mcml_service.storage.database import Database
 from tests.builders import bvh, served, store
 

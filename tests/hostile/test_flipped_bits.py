@@ -21,11 +21,11 @@ from mcml_service.actions.editing.change_document import add_labels, change_docu
 from mcml_service.actions.editing.edit_element import Change
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.settings import Settings
-from mcml_service.storage.checks import faults
+from mcml_service.storage.core.schema import metadata
 from mcml_service.storage.database import Database
-from mcml_service.storage.filtering import DocumentFilter
-from mcml_service.storage.schema import metadata
+from mcml_service.storage.lists.filtering import DocumentFilter
 from mcml_service.storage.transaction import Transaction
+from mcml_service.storage.upkeep.checks import faults
 from mcml_service.xpath.queries import Queries
 from tests import postgres
 from tests.builders import ASF, HTR, MCML, amc, bvh, c3d_file, store

@@ -21,7 +21,7 @@ import httpx
 import pytest
 
 from mcml_service.storage.database import Database
-from mcml_service.storage.jobs import ENDED
+from mcml_service.storage.work.jobs import ENDED
 from tests.api.test_lanes import until
 from tests.builders import bvh, store
 from tests.motion.bodies.made import person

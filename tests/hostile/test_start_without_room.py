@@ -14,7 +14,7 @@ from uvicorn.lifespan.on import LifespanOn
 from mcml.errors import SpaceError, StoreError
 from mcml_service.jobs.runner import Runner
 from mcml_service.settings import Settings
-from mcml_service.storage import reserve
+from mcml_service.storage.core import reserve
 from mcml_service.storage.database import Database
 from tests.builders import one_kind, served
 

@@ -21,8 +21,8 @@ from mcml_service.jobs.apart import StoredMotions
 from mcml_service.jobs.cluster import Cluster
 from mcml_service.jobs.worker import Refused, on_dask, perform
 from mcml_service.settings import Settings
+from mcml_service.storage.core.tables import document
 from mcml_service.storage.database import Database
-from mcml_service.storage.tables import document
 from tests.builders import one_kind
 
 Inputs = list[dict[str, Any]]

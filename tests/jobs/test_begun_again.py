@@ -16,8 +16,8 @@ from mcml_service.jobs.runner import Runner
 from mcml_service.jobs.worker import Refused
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from mcml_service.storage.jobs import StoredJob
-from mcml_service.storage.work_tables import job as jobs
+from mcml_service.storage.work.jobs import StoredJob
+from mcml_service.storage.work.tables import job as jobs
 from tests.builders import one_kind
 
 SAID = {"detail": "what the analysis itself said"}

@@ -23,8 +23,8 @@ from mcml_service.analysis.interface import Part
 from mcml_service.demo.reach_clips import reach_clips
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from mcml_service.storage.filtering import DocumentFilter
-from mcml_service.storage.jobs import ENDED
+from mcml_service.storage.lists.filtering import DocumentFilter
+from mcml_service.storage.work.jobs import ENDED
 from tests.builders import one_kind, served
 
 API = "/api/v1"
@@ -275,7 +275,7 @@ def test_a_job_whose_server_was_killed_is_taken_up(database: Database, monkeypat
         ]
     with database.write() as tx:
         # As a server leaves it that is killed in the middle: running, its lease not yet over.
-        monkeypatch.setattr("mcml_service.storage.jobs.LEASE_SECONDS", 0.5)
+        monkeypatch.setattr("mcml_service.storage.work.jobs.LEASE_SECONDS", 0.5)
         uuid = tx.jobs.add(
             tx.projects.get(REACHES), "reach", "a model", "kim", inputs, {"components": 4}, runner="a dead one"
         )

@@ -15,8 +15,8 @@ from mcml_service.jobs.runner import Runner, keep_outcome
 from mcml_service.jobs.worker import Refused
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from mcml_service.storage.jobs import StoredJob
 from mcml_service.storage.transaction import Transaction
+from mcml_service.storage.work.jobs import StoredJob
 
 
 @pytest.mark.parametrize("method", ["read", "write"])
@@ -79,7 +79,7 @@ class Work:
 
 def test_a_job_outlives_an_outage(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     """Twice while a worker does it, and once when it is begun, after which it is begun anew."""
-    monkeypatch.setattr("mcml_service.storage.jobs.LEASE_SECONDS", 0.2)
+    monkeypatch.setattr("mcml_service.storage.work.jobs.LEASE_SECONDS", 0.2)
     for name, value in (("LOOK_SECONDS", 0.001), ("NEWS_SECONDS", 0.001), ("LEASE_SECONDS", 0.004)):
         monkeypatch.setattr(f"mcml_service.jobs.runner.{name}", value)
     with database.write() as tx:

@@ -20,7 +20,8 @@ from mcml_service.jobs import webhooks
 from mcml_service.jobs.webhooks import Sender, is_public
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from mcml_service.storage.webhooks import RETRY_SECONDS, delivery
+from mcml_service.storage.team.tables import delivery
+from mcml_service.storage.team.webhooks import RETRY_SECONDS
 from tests.builders import SECRET, bvh, one_kind, store
 from tests.jobs.conftest import Receiver
 

@@ -13,10 +13,10 @@ from mcml_service.actions.editing import change_document as changes
 from mcml_service.actions.keeping.purge_documents import purge_documents
 from mcml_service.listing import register as registers
 from mcml_service.listing.register import Register
-from mcml_service.storage import facets
 from mcml_service.storage.database import Database
-from mcml_service.storage.filtering import DocumentFilter
-from mcml_service.storage.orders import NEWEST, TYPES, Order
+from mcml_service.storage.lists import facets
+from mcml_service.storage.lists.filtering import DocumentFilter
+from mcml_service.storage.lists.orders import NEWEST, TYPES, Order
 from tests.builders import TRC, bvh, one_kind, store
 from tests.edits import OTHER_SEEDS
 

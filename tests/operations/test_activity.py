@@ -16,9 +16,9 @@ from mcml_service.actions.keeping.keep_room import forget_activity
 from mcml_service.actions.keeping.purge_documents import purge_documents
 from mcml_service.app import create_app
 from mcml_service.settings import Settings
-from mcml_service.storage.activity import EventFilter, event
+from mcml_service.storage.core.tables import document, revision
 from mcml_service.storage.database import Database
-from mcml_service.storage.tables import document, revision
+from mcml_service.storage.projects.activity import EventFilter, event
 from tests.builders import SECRET, bvh, one_kind, store
 
 API = "/api/v1"

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from mcml_service.storage.facets import binned
+from mcml_service.storage.lists.facets import binned
 from tests.builders import TRC, bvh, upload
 from tests.conftest import StoreOf
 

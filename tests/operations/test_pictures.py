@@ -23,7 +23,7 @@ from mcml_service.analysis.expression_space.analyses import EXPRESSION
 from mcml_service.analysis.interface import Part, Parts, silent
 from mcml_service.analysis.reach_blending.analyses import REACH
 from mcml_service.storage.database import Database
-from mcml_service.storage.results import BLOCK_BYTES
+from mcml_service.storage.work.results import BLOCK_BYTES
 from tests.analysis.dance.motions import generated as dances
 from tests.analysis.expression.face_motions import motions as faces
 from tests.analysis.reach.reach_motions import generated as reaches

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from mcml.errors import StoreError
 from mcml.motion.skeleton import Array
 from mcml.numerics.runs import evenly
-from mcml_service.storage.blocks import Stretch, gathered, side_by_side
-from mcml_service.storage.encoding import PCODEC, channels_of, compress
+from mcml_service.storage.documents.blocks import Stretch, gathered, side_by_side
+from mcml_service.storage.documents.encoding import PCODEC, channels_of, compress
 
 Sample = tuple[int, int, int]
 """Bone, channel, frame of the chunk."""

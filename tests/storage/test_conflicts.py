@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from mcml.errors import ConflictError
-from mcml_service.storage import tables
+from mcml_service.storage.core import tables
 from mcml_service.storage.database import Database
 
 ROW: dict[str, Any] = {"number": 7, "time": "2026-01-01T00:00:00Z", "author": "kim"}

@@ -8,8 +8,8 @@ import pytest
 from sqlalchemy import create_engine, make_url, text
 
 from mcml.errors import UnavailableError
+from mcml_service.storage.core.dialects import postgresql
 from mcml_service.storage.database import Database
-from mcml_service.storage.dialects import postgresql
 from tests import postgres
 
 

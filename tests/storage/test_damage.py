@@ -16,10 +16,10 @@ from mcml_service.actions.keeping import keep_store
 from mcml_service.actions.keeping.check_uploads import compare_all
 from mcml_service.actions.keeping.keep_store import backup, restore
 from mcml_service.settings import Settings
-from mcml_service.storage import tables
+from mcml_service.storage.core import tables
+from mcml_service.storage.core.schema import metadata
 from mcml_service.storage.database import Database
 from mcml_service.storage.layout import LAYOUT
-from mcml_service.storage.schema import metadata
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.queries import Queries
 from tests.builders import ASF, MCML, amc, bvh, store
@@ -125,7 +125,7 @@ def test_deep_checks_read_the_files_again(database: Database) -> None:
 
 
 def key_uuid(database: Database, name: str) -> str:
-    from mcml_service.storage.filtering import DocumentFilter
+    from mcml_service.storage.lists.filtering import DocumentFilter
 
     with database.read() as tx:
         return tx.documents.page(DocumentFilter(name=name), after=None, limit=1)[0].uuid

@@ -11,7 +11,7 @@ from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
 
 from mcml.motion.clip import FrameBlock, full_shape
-from mcml_service.storage.encoding import (
+from mcml_service.storage.documents.encoding import (
     TRACK_COLUMNS,
     ClipEncoder,
     FrameIdRuns,

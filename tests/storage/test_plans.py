@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from mcml_service.storage.database import Database
-from mcml_service.storage.facts import facts_of
-from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.lists.facts import facts_of
+from mcml_service.storage.lists.filtering import DocumentFilter
 from mcml_service.storage.transaction import Transaction
 from tests.builders import bvh, store
 

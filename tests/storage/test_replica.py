@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 from mcml.errors import ReplicaError, StoreError
 from mcml_service.api import streaming
 from mcml_service.settings import Settings
-from mcml_service.storage import replica as replicas
+from mcml_service.storage.core import replica as replicas
+from mcml_service.storage.core.replica import Snapshot
 from mcml_service.storage.database import Database
-from mcml_service.storage.documents import Documents
-from mcml_service.storage.replica import Snapshot
+from mcml_service.storage.documents.documents import Documents
 from mcml_service.storage.transaction import Transaction
 from tests import postgres
 from tests.builders import bvh, served, upload

@@ -19,8 +19,8 @@ from mcml_service.actions.editing.edit_element import Change
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from mcml_service.storage.documents import StoredDocument
-from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.lists.filtering import DocumentFilter
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.queries import Queries
 from tests.builders import ASF, HTR, MCML, amc, bvh, mcml_of, store

@@ -24,7 +24,7 @@ from mcml.motion.bodies.stretch import HIPS
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.clips.bodies import read_bodies, read_turned
 from mcml_service.storage.database import Database
-from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.lists.filtering import DocumentFilter
 
 RESTS = {
     "metres": r"mo:(height|position|distance|speed|acceleration|leg|unit)\(",

@@ -116,7 +116,7 @@ def rows(path: Path) -> list[tuple[bytes, str]]:
 def no_reading(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     """From now on columns cannot be read from the store."""
     for name in ("headers", "zones", "shapes", "frame_runs", "spans", "documents"):
-        monkeypatch.setattr(f"mcml_service.storage.columns.Columns.{name}", None)
+        monkeypatch.setattr(f"mcml_service.storage.documents.columns.Columns.{name}", None)
 
 
 def test_a_fresh_process_reads_no_columns_of_the_store(library: Database, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -24,7 +24,7 @@ from mcml_service.actions.exporting.export_motion import ExportOptions, export_d
 from mcml_service.actions.importing.import_motion import import_files
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.lists.filtering import DocumentFilter
 from mcml_service.xpath.engine import frame_bones, group_scan, values
 from mcml_service.xpath.language.parse import parse
 from mcml_service.xpath.language.types import type_of

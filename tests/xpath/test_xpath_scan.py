@@ -16,8 +16,8 @@ from mcml_service.actions.editing.change_frames import move_frames, reverse
 from mcml_service.actions.editing.edit_element import Change
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from mcml_service.storage.documents import StoredDocument
-from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.lists.filtering import DocumentFilter
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath import queries as run
 from mcml_service.xpath.answer import streams

@@ -19,7 +19,6 @@ from mcml.motion.anatomical_axes import uprightness
 from mcml.motion.bodies.beginnings import LOOKED_AT, frames_before_motion
 from mcml.motion.bodies.origins import Origin
 from mcml.motion.bodies.reference import could_stand
-from mcml.motion.bodies.vectors import length
 from mcml.motion.clip import ClipHead, Reference, ReferencePose
 from mcml.motion.figures import axis_of
 from mcml.motion.frames import Rows
@@ -27,6 +26,7 @@ from mcml.motion.guesses import changed_up, likely_up, stated_up
 from mcml.motion.kinematics import rest_positions
 from mcml.motion.skeleton import Array, Skeleton, once_a_skeleton
 from mcml.motion.units import UNITS, Reading, metres_of, reading_of
+from mcml.motion.vectors import length
 from mcml.numerics.ranks import median, percentile
 
 LEGS: Final = 0.6, 1.1

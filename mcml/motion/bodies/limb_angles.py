@@ -19,8 +19,8 @@ import numpy as np
 
 from mcml.errors import UnsupportedError, VocabularyError
 from mcml.motion.bodies.stretch import HIPS, NECK, SHOULDERS, Stretch
-from mcml.motion.bodies.vectors import angle_between, cross, dot, length, unit
 from mcml.motion.skeleton import Array
+from mcml.motion.vectors import angle_between, cross, dot, length, unit
 
 AWAY = 0.35
 """Sine of the angle to its axis below which a bone tells no angle about that axis."""

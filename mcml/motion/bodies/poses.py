@@ -15,9 +15,9 @@ import scipy
 from numpy.typing import NDArray
 
 from mcml.motion.bodies.stretch import HIPS, Stretch
-from mcml.motion.bodies.vectors import cross
 from mcml.motion.resampling import frame_places
 from mcml.motion.skeleton import Array
+from mcml.motion.vectors import cross
 
 Flags = NDArray[np.bool_]
 

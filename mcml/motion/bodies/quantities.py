@@ -18,9 +18,9 @@ from mcml.motion.anatomical_axes import joints_of_part
 from mcml.motion.bodies.limb_angles import angle_named, turn_named
 from mcml.motion.bodies.local_fit import bends, reach, slopes
 from mcml.motion.bodies.stretch import HIPS, Stretch, known
-from mcml.motion.bodies.vectors import angle_between, cross, length
 from mcml.motion.foot_contacts import standing
 from mcml.motion.skeleton import Array
+from mcml.motion.vectors import angle_between, cross, length
 
 AXES: Final = ("x", "y", "z", "up", "front", "left")
 

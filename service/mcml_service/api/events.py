@@ -22,9 +22,9 @@ from mcml_service.actions.analysing.describe_job import job_answer
 from mcml_service.actions.reading.read_news import LABELLING, News
 from mcml_service.api.doors import Doors
 from mcml_service.api.routes import call_of
+from mcml_service.storage.core.identifiers import now
 from mcml_service.storage.database import Database
-from mcml_service.storage.identifiers import now
-from mcml_service.storage.jobs import ENDED
+from mcml_service.storage.work.jobs import ENDED
 
 router = APIRouter(tags=["jobs"])
 

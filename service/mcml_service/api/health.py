@@ -11,9 +11,9 @@ from mcml.errors import AccessError
 from mcml_schemas.catalogues import Health
 from mcml_service.api.routes import call_of
 from mcml_service.clips.bodies import MADE
+from mcml_service.storage.core.replica import Replica
 from mcml_service.storage.database import Database
-from mcml_service.storage.filtering import DocumentFilter
-from mcml_service.storage.replica import Replica
+from mcml_service.storage.lists.filtering import DocumentFilter
 
 router = APIRouter(tags=["health"])
 

@@ -19,9 +19,9 @@ from mcml.errors import AccessError, AttemptsError, ConflictError, NotFoundError
 from mcml_service.api.sessions import LOGIN_PATH, begin_session, join_page, login_page, safe_path
 from mcml_service.passwords import checked_name
 from mcml_service.settings import Settings
-from mcml_service.storage.accounts import Account
-from mcml_service.storage.attempts import count_attempt, forget_attempts
+from mcml_service.storage.counting import count_attempt, forget_attempts
 from mcml_service.storage.database import Database
+from mcml_service.storage.team.accounts import Account
 
 START, BACK = f"{LOGIN_PATH}/openid", f"{LOGIN_PATH}/openid/back"
 FLOW_COOKIE = "mcml_openid"

@@ -23,7 +23,7 @@ from mcml_service.api.once import Key, creates, done_once
 from mcml_service.api.streaming import Bytes, answered, known_as, read_body
 from mcml_service.operations.call import Call, SameError
 from mcml_service.operations.operation import Argument, Body, Effect, Operation
-from mcml_service.storage.accounts import Entry
+from mcml_service.storage.team.entries import Entry
 
 PREFIX = "/api/v1"
 

@@ -17,9 +17,9 @@ from mcml_service.api.doors import SHARED, cookie_name, share_cookie_name
 from mcml_service.api.page import page
 from mcml_service.passwords import checked_name, hashed, opens
 from mcml_service.settings import Settings
-from mcml_service.storage.attempts import count_attempt, forget_attempts
+from mcml_service.storage.counting import count_attempt, forget_attempts
 from mcml_service.storage.database import Database
-from mcml_service.storage.visits import SESSION_HOURS
+from mcml_service.storage.team.visits import SESSION_HOURS
 
 LOGIN_PATH = "/login"
 NOTHING_SAID = SessionRequest()

@@ -7,7 +7,7 @@ import time
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
 from mcml.client.pace import Pace
-from mcml_service.cli.shared import console
+from mcml_service.cli.opening import console
 
 SECONDS_DRAWN = 0.1
 """Between two drawings of the bar, each of which takes as long as to read a short clip."""

@@ -12,7 +12,7 @@ from mcml.client.choosing import choose_documents
 from mcml.client.client import Client
 from mcml.errors import McmlError
 from mcml_schemas.documents import DocumentSummary
-from mcml_service.cli.shared import console, table
+from mcml_service.cli.opening import console, table
 
 IdsArgument = Annotated[
     list[str] | None, typer.Argument(metavar="[ID]...", help="Documents: ids, beginnings of ids, or names")

@@ -13,7 +13,7 @@ from mcml.client.client import Client
 from mcml_schemas.compose import ComposeRequest
 from mcml_schemas.retarget import RetargetedOne, RetargetMany, RetargetRequest
 from mcml_service.cli.names import JointsOption, joint_pairs
-from mcml_service.cli.shared import (
+from mcml_service.cli.opening import (
     DatabaseOption,
     JsonOption,
     ServerOption,

@@ -12,15 +12,15 @@ from rich.text import Text
 
 from mcml.errors import McmlError
 from mcml_service.cli.bar import Bar
-from mcml_service.cli.shared import DatabaseOption, JsonOption, chosen_settings, console, open_database, print_json
+from mcml_service.cli.opening import DatabaseOption, JsonOption, chosen_settings, console, open_database, print_json
 from mcml_service.clips.bodies import Body
 from mcml_service.clips.derive import derive_missing
 
 if TYPE_CHECKING:
     from mcml.client.client import Client
     from mcml_schemas.documents import ImportedDocument
-    from mcml_service.storage.columns import Listed
     from mcml_service.storage.database import Database
+    from mcml_service.storage.documents.columns import Listed
 
 FEW = 8
 """Documents of an import of which each is told what is known of its body; of more, how many are known how well."""

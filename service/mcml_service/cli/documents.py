@@ -18,7 +18,7 @@ from mcml_service.cli.choosing import (
     confirmed,
     for_each,
 )
-from mcml_service.cli.shared import (
+from mcml_service.cli.opening import (
     DatabaseOption,
     JsonOption,
     MessageOption,

@@ -8,8 +8,7 @@ import typer
 
 from mcml.client.choosing import id_of
 from mcml_schemas.elements import ElementEdits
-from mcml_service.cli.present import present
-from mcml_service.cli.shared import (
+from mcml_service.cli.opening import (
     DatabaseOption,
     JsonOption,
     MessageOption,
@@ -18,6 +17,7 @@ from mcml_service.cli.shared import (
     match_of,
     opened,
 )
+from mcml_service.cli.present import present
 from mcml_service.operations import OPERATIONS
 
 IdArgument = Annotated[str, typer.Argument(help="Document")]

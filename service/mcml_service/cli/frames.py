@@ -9,8 +9,7 @@ import typer
 
 from mcml.client.choosing import id_of
 from mcml_schemas.frames import FrameEdit, FrameEdits
-from mcml_service.cli.present import present
-from mcml_service.cli.shared import (
+from mcml_service.cli.opening import (
     DatabaseOption,
     JsonOption,
     MessageOption,
@@ -19,6 +18,7 @@ from mcml_service.cli.shared import (
     match_of,
     opened,
 )
+from mcml_service.cli.present import present
 from mcml_service.operations import OPERATIONS
 
 _EDITS = {get_args(kind.model_fields["do"].annotation)[0]: kind for kind in get_args(get_args(FrameEdit)[0])}

@@ -15,7 +15,7 @@ from mcml.client.folders import import_paths
 from mcml_schemas.documents import ImportedDocument
 from mcml_service.cli.bar import Bar
 from mcml_service.cli.deriving import FEW, derive_stored, tell_calibrations, tell_origins
-from mcml_service.cli.shared import (
+from mcml_service.cli.opening import (
     DatabaseOption,
     JsonOption,
     ServerOption,

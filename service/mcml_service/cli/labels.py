@@ -8,8 +8,7 @@ import typer
 
 from mcml.client.choosing import id_of
 from mcml.files.import_options import Label, parse_label
-from mcml_service.cli.present import present
-from mcml_service.cli.shared import (
+from mcml_service.cli.opening import (
     DatabaseOption,
     JsonOption,
     ServerOption,
@@ -18,6 +17,7 @@ from mcml_service.cli.shared import (
     print_json,
     write_to_the_end,
 )
+from mcml_service.cli.present import present
 from mcml_service.operations import OPERATIONS
 
 StrictOption = Annotated[bool, typer.Option("--strict", help="Refuse names that are no anatomical movement")]

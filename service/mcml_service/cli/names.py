@@ -13,8 +13,7 @@ from mcml_schemas.names import Alias, AppliedNames, SavedAliases
 from mcml_schemas.retarget import JointPair, SavedMapping
 from mcml_schemas.saved import VocabularyToSave, VocabularyWord
 from mcml_service.cli.choosing import IdsArgument, MotionNameOption, ProjectOption, XPathOption, for_each
-from mcml_service.cli.present import present
-from mcml_service.cli.shared import (
+from mcml_service.cli.opening import (
     DatabaseOption,
     JsonOption,
     ServerOption,
@@ -23,6 +22,7 @@ from mcml_service.cli.shared import (
     print_json,
     write_to_the_end,
 )
+from mcml_service.cli.present import present
 from mcml_service.operations import OPERATIONS
 
 MOST_COLOURS = 7

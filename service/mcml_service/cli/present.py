@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from pydantic import BaseModel
 from rich.text import Text
 
+from mcml_service.cli.opening import console, print_json, table
 from mcml_service.cli.results import fail_with, show_job, show_result
-from mcml_service.cli.shared import console, print_json, table
 from mcml_service.operations.operation import Effect, Operation
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import typer
 from mcml.client.choosing import choose_documents
 from mcml.errors import McmlError
 from mcml_service.cli.choosing import YesOption
-from mcml_service.cli.shared import (
+from mcml_service.cli.opening import (
     DatabaseOption,
     JsonOption,
     chosen_settings,

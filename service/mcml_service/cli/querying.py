@@ -10,7 +10,7 @@ import typer
 
 from mcml.client.choosing import id_of
 from mcml_schemas.queries import NodeItem, RunItem, ScalarItem, ValueItem
-from mcml_service.cli.shared import (
+from mcml_service.cli.opening import (
     DatabaseOption,
     ForceOption,
     JsonOption,

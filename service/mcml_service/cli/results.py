@@ -9,7 +9,7 @@ import typer
 from rich.text import Text
 
 from mcml.errors import McmlError
-from mcml_service.cli.shared import console
+from mcml_service.cli.opening import console
 
 if TYPE_CHECKING:
     from mcml_schemas.jobs import Job, PartSummary, Result

@@ -18,7 +18,7 @@ from rich.text import Text
 from mcml.errors import McmlError
 from mcml.files.on_disk import write_file
 from mcml.resources import dtd_path
-from mcml_service.cli.shared import (
+from mcml_service.cli.opening import (
     DatabaseOption,
     ForceOption,
     chosen_settings,
@@ -29,7 +29,7 @@ from mcml_service.cli.shared import (
 )
 from mcml_service.resources import migrations_path
 from mcml_service.settings import unknown_variables
-from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.lists.filtering import DocumentFilter
 
 OPEN = "Open to everything on this machine, a proxy included, until the first account or token is made"
 
@@ -165,7 +165,15 @@ def _load_demo(database: str | None, seed: int = 1) -> int:
         store.close()
 
 
-EXTRAS = {"arrow": "pyarrow", "audio": "librosa", "plots": "matplotlib", "usd": "pxr", "xpath2": "saxonche"}
+EXTRAS = {
+    "arrow": "pyarrow",
+    "audio": "librosa",
+    "gltf": "pygltflib",
+    "openid": "authlib",
+    "plots": "matplotlib",
+    "usd": "pxr",
+    "xpath2": "saxonche",
+}
 """What can be installed beside the program, and a module of it."""
 
 
@@ -178,7 +186,7 @@ def doctor(
     """Say what this installation has, what it lacks, and how to mend it."""
     from mcml_service.cli.differing import tell_differing
     from mcml_service.clips.bodies import MADE
-    from mcml_service.storage.replica import Replica
+    from mcml_service.storage.core.replica import Replica
     from mcml_service.xpath.library.part_file import path_of, why_not
 
     settings = chosen_settings(database)

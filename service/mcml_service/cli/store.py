@@ -13,7 +13,7 @@ from mcml.errors import McmlError
 from mcml_service.actions.keeping.check_uploads import compare_all
 from mcml_service.actions.keeping.keep_room import compact_store, forget_activity, prune_history
 from mcml_service.actions.keeping.keep_store import backup, restore
-from mcml_service.cli.shared import (
+from mcml_service.cli.opening import (
     DatabaseOption,
     JsonOption,
     chosen_settings,
@@ -24,7 +24,7 @@ from mcml_service.cli.shared import (
     table,
     upgrade_database,
 )
-from mcml_service.storage.identifiers import now
+from mcml_service.storage.core.identifiers import now
 
 
 def upgrade(database: DatabaseOption = None) -> None:

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from mcml_schemas.webhooks import WebhookRequest
-from mcml_service.cli.shared import DatabaseOption, ServerOption, console, opened
+from mcml_service.cli.opening import DatabaseOption, ServerOption, console, opened
 
 
 def add(

@@ -15,10 +15,10 @@ from mcml.motion.clip import Reference
 from mcml.motion.skeleton import Array
 from mcml.motion.units import Reading, reading_of
 from mcml_service.clips.read_clip import Skeletons, read_clip
-from mcml_service.storage.bodies import StoredBody
-from mcml_service.storage.columns import Listed
-from mcml_service.storage.documents import StoredDocument
-from mcml_service.storage.steps import pack, unpack
+from mcml_service.storage.documents.bodies import StoredBody
+from mcml_service.storage.documents.columns import Listed
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.documents.steps import pack, unpack
 from mcml_service.storage.transaction import Transaction
 
 FRAMES_TOGETHER = 8192

@@ -8,9 +8,9 @@ from typing import TypeAlias
 from mcml.errors import DamageError, StoreError
 from mcml_service.clips.bodies import MADE, derive_bodies
 from mcml_service.clips.read_clip import Skeletons
-from mcml_service.storage.bodies import StoredBody
-from mcml_service.storage.columns import Listed
 from mcml_service.storage.database import Database
+from mcml_service.storage.documents.bodies import StoredBody
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 
 AUTHOR = "derive"

@@ -12,8 +12,8 @@ from mcml.errors import McmlError
 from mcml_service.clips.bodies import MADE
 from mcml_service.clips.derive import keep_bodies
 from mcml_service.clips.read_clip import Skeletons
-from mcml_service.storage.columns import Listed
 from mcml_service.storage.database import Database
+from mcml_service.storage.documents.columns import Listed
 
 log = logging.getLogger("mcml.derive")
 

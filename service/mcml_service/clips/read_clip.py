@@ -11,9 +11,9 @@ from mcml.language.elements import Element, format_of, mcml_attributes, refresh_
 from mcml.language.vocabulary import MCML
 from mcml.motion.clip import ClipStream, FrameBlock
 from mcml.motion.skeleton import Skeleton
-from mcml_service.storage.columns import Listed
-from mcml_service.storage.documents import StoredDocument
-from mcml_service.storage.motion_names import names_of_frames
+from mcml_service.storage.documents.columns import Listed
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.documents.motion_names import names_of_frames
 from mcml_service.storage.transaction import Transaction
 
 Skeletons: TypeAlias = dict[tuple[int, str], Skeleton]

@@ -9,8 +9,8 @@ from typing import Any, overload
 from mcml_service.actions.composing.load_motions import Input, load_motions
 from mcml_service.analysis.interface import Motion
 from mcml_service.analysis.pieces import ApartMotions, each, spread_here
+from mcml_service.storage.core.views import WHOLE
 from mcml_service.storage.database import Database
-from mcml_service.storage.views import WHOLE
 
 Urls = tuple[str, str | None]
 """Of the store, and of its replica."""

@@ -21,10 +21,10 @@ from mcml_service.analysis.interface import Progress
 from mcml_service.jobs.cluster import Cluster
 from mcml_service.jobs.worker import CancelledError, Outcome, Refused, on_dask, perform
 from mcml_service.settings import Settings
-from mcml_service.storage.activity import SERVER
+from mcml_service.storage.core.identifiers import new_uuid
 from mcml_service.storage.database import Database
-from mcml_service.storage.identifiers import new_uuid
-from mcml_service.storage.jobs import LEASE_SECONDS, MOST_ATTEMPTS, StoredJob
+from mcml_service.storage.projects.activity import SERVER
+from mcml_service.storage.work.jobs import LEASE_SECONDS, MOST_ATTEMPTS, StoredJob
 
 log = logging.getLogger("mcml.jobs")
 

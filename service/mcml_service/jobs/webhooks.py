@@ -22,9 +22,9 @@ from typing import Any
 import httpcore
 
 from mcml.errors import McmlError
-from mcml_service.storage.activity import SERVER
 from mcml_service.storage.database import Database
-from mcml_service.storage.webhooks import Claimed
+from mcml_service.storage.projects.activity import SERVER
+from mcml_service.storage.team.webhooks import Claimed
 
 log = logging.getLogger("mcml.webhooks")
 

@@ -15,8 +15,8 @@ from mcml_service.actions.checking.describe_problem import problem_of
 from mcml_service.actions.composing.load_motions import Input, load_motions
 from mcml_service.analysis.interface import Motion, Parts, Progress
 from mcml_service.jobs.apart import StoredMotions, Urls, database_of
+from mcml_service.storage.core.views import WHOLE
 from mcml_service.storage.database import Database
-from mcml_service.storage.views import WHOLE
 
 TELL_SECONDS = 0.2
 """Least time between two reports of progress."""

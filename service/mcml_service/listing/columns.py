@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml_service.listing.vocabulary import Codes, Mask, Numbering, Properties, PropertyColumns, Vocabulary
-from mcml_service.storage.facts import Facts, Row
+from mcml_service.storage.lists.facts import Facts, Row
 
 Column: TypeAlias = NDArray[Any]
 Numbers: TypeAlias = NDArray[np.int64]

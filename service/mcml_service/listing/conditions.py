@@ -8,8 +8,8 @@ import numpy as np
 
 from mcml_service.listing.columns import Column, Columns
 from mcml_service.listing.vocabulary import Mask
-from mcml_service.storage.filtering import SHORT, DocumentFilter, Range
-from mcml_service.storage.identifiers import stored_form
+from mcml_service.storage.core.identifiers import stored_form
+from mcml_service.storage.lists.filtering import SHORT, DocumentFilter, Range
 
 KEPT = 16
 """Conditions of which it is kept who fulfils them: a page, the next one and the counts are asked with the same."""

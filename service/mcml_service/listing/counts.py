@@ -10,7 +10,7 @@ import numpy as np
 
 from mcml_service.listing.columns import Column, Columns, Numbers
 from mcml_service.listing.vocabulary import Mask, Numbering
-from mcml_service.storage.facets import Bins, Counts, Facets, PropertyFacet, binned, rate_of
+from mcml_service.storage.lists.facets import Bins, Counts, Facets, PropertyFacet, binned, rate_of
 
 
 def facets_of(

@@ -8,7 +8,7 @@ import numpy as np
 
 from mcml_service.listing.columns import Column, Columns, Numbers
 from mcml_service.listing.vocabulary import Mask, Numbering
-from mcml_service.storage.orders import UNKNOWN, Order, Place, Value
+from mcml_service.storage.lists.orders import UNKNOWN, Order, Place, Value
 
 
 def places_of(columns: Columns, among: Mask, order: Order, after: Place | None, limit: int, offset: int) -> list[Place]:

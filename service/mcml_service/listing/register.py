@@ -12,11 +12,11 @@ from mcml_service.listing.conditions import can_tell, fulfilling
 from mcml_service.listing.counts import facets_of
 from mcml_service.listing.orders import places_of
 from mcml_service.listing.vocabulary import Mask
-from mcml_service.storage import facets
-from mcml_service.storage.facets import Facets
-from mcml_service.storage.facts import facts_of, keys_there
-from mcml_service.storage.filtering import DocumentFilter
-from mcml_service.storage.orders import NEWEST, Order, Place
+from mcml_service.storage.lists import facets
+from mcml_service.storage.lists.facets import Facets
+from mcml_service.storage.lists.facts import facts_of, keys_there
+from mcml_service.storage.lists.filtering import DocumentFilter
+from mcml_service.storage.lists.orders import NEWEST, Order, Place
 from mcml_service.storage.transaction import Transaction
 
 MOST_CHARACTERS = 200_000_000

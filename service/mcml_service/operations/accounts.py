@@ -32,11 +32,11 @@ from mcml_schemas.examples import PROJECT
 from mcml_service.operations.arguments import MOST
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import RIGHTS
-from mcml_service.storage.accounts import Account
-from mcml_service.storage.attempts import count_attempt, forget_attempts
-from mcml_service.storage.identifiers import now
-from mcml_service.storage.members import PROJECT_ROLES
-from mcml_service.storage.views import SCOPES
+from mcml_service.storage.core.identifiers import now
+from mcml_service.storage.core.views import SCOPES
+from mcml_service.storage.counting import count_attempt, forget_attempts
+from mcml_service.storage.team.accounts import Account
+from mcml_service.storage.team.entries import PROJECT_ROLES
 
 AccountName = Annotated[str, Field(min_length=1, max_length=256, description="Name of the account", examples=["kim"])]
 TokenName = Annotated[str, Field(min_length=1, max_length=1024, description="Name of the token", examples=["render"])]

@@ -11,7 +11,7 @@ from mcml_schemas.examples import DOCUMENT
 from mcml_service.actions.reading.tell_event import told_event
 from mcml_service.operations.arguments import InProject, Page
 from mcml_service.operations.call import Call
-from mcml_service.storage.activity import EventFilter
+from mcml_service.storage.projects.activity import EventFilter
 
 
 def list_activity(

@@ -15,7 +15,7 @@ from mcml.errors import NotFoundError, QueryError
 from mcml_schemas.examples import CURSOR, DOCUMENT, PROJECT
 from mcml_service.actions.checking.preconditions import check_match
 from mcml_service.operations.call import Call
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 if TYPE_CHECKING:

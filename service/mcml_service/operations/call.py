@@ -9,16 +9,16 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 from mcml_service.settings import Settings
+from mcml_service.storage.core.views import WHOLE, View
 from mcml_service.storage.database import Database
 from mcml_service.storage.transaction import Transaction
-from mcml_service.storage.views import WHOLE, View
 
 if TYPE_CHECKING:
     from mcml_service.actions.analysing.use_result import Results
     from mcml_service.actions.importing.encode_clip import Progress
     from mcml_service.actions.importing.import_pool import ImportPool
     from mcml_service.listing.register import Register
-    from mcml_service.storage.shares import Share
+    from mcml_service.storage.team.shares import Share
     from mcml_service.xpath.limits import Limits
     from mcml_service.xpath.queries import Queries
 

@@ -20,7 +20,7 @@ from mcml_service.actions.editing.merge_changes import Conflict, Merge
 from mcml_service.operations.arguments import DocumentId, IfMatch, at_revision, tag
 from mcml_service.operations.call import Call
 from mcml_service.operations.elements import Edit, made_edits
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 MOST_TRIED = 200

@@ -10,8 +10,8 @@ from mcml.errors import NotFoundError
 from mcml_schemas.comments import CommentChange, CommentPage, CommentRequest, CommentView
 from mcml_service.operations.arguments import MOST, DocumentId, Page, at_revision
 from mcml_service.operations.call import Call
-from mcml_service.storage.comments import Comment
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.team.comments import Comment
 from mcml_service.storage.transaction import Transaction
 
 CommentId = Annotated[int, Field(ge=1, le=MOST, description="Number of the comment", examples=[7])]

@@ -36,10 +36,10 @@ from mcml_service.operations.arguments import (
 )
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import Body
-from mcml_service.storage.documents import StoredDocument
-from mcml_service.storage.filtering import DocumentFilter, Range, parse_condition, parse_range
-from mcml_service.storage.orders import TYPES, Order, Place, parse_order
-from mcml_service.storage.revisions import StoredRevision
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.history.revisions import StoredRevision
+from mcml_service.storage.lists.filtering import DocumentFilter, Range, parse_condition, parse_range
+from mcml_service.storage.lists.orders import TYPES, Order, Place, parse_order
 from mcml_service.storage.transaction import Transaction
 
 PLAIN = ("name", "key")
@@ -322,7 +322,7 @@ def list_revisions(
 
 def _touched(tx: Transaction, stored: StoredDocument, revision: StoredRevision) -> list[FrameRange] | None:
     """None of the first revision that is kept, before which there is none."""
-    from mcml_service.storage.touched import touched_frames
+    from mcml_service.storage.undo.touched import touched_frames
 
     then = tx.at_commit(revision.commit).documents.get(stored.uuid, deleted=True)
     before = (

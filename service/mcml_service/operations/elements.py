@@ -36,7 +36,7 @@ from mcml_service.actions.reading.read_element import read_element
 from mcml_service.operations.arguments import MOST, AtRevision, DocumentId, IfMatch, at_revision, checked_for_write, tag
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import Body, gives
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 MOST_ELEMENTS = 10_000

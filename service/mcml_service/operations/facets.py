@@ -9,7 +9,7 @@ from pydantic import Field
 from mcml_schemas.facets import Count, FacetList, Histogram, PropertyCounts, RateCount, SkeletonCount
 from mcml_service.operations.call import Call
 from mcml_service.operations.documents import Wanted
-from mcml_service.storage.facets import Bins, Counts
+from mcml_service.storage.lists.facets import Bins, Counts
 
 
 def get_facets(

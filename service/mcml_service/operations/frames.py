@@ -53,8 +53,8 @@ from mcml_service.operations.arguments import (
 )
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import Body, gives
-from mcml_service.storage.columns import Listed
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.columns import Listed
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 MOST_IN_HEADER = 2048

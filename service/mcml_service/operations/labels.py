@@ -31,8 +31,8 @@ from mcml_service.operations.arguments import (
 from mcml_service.operations.call import Call
 from mcml_service.operations.documents import changed_documents
 from mcml_service.operations.operation import Body, gives
-from mcml_service.storage.filtering import DocumentFilter
-from mcml_service.storage.spans import StoredSpan
+from mcml_service.storage.documents.spans import StoredSpan
+from mcml_service.storage.lists.filtering import DocumentFilter
 
 TABLE = f"document,label,first,last\n{DOCUMENT},{MOTION_NAME},100,142\n"
 LabelId = Annotated[int, Field(le=MOST, description="Id of the label, as the list gives it", examples=[12])]

@@ -16,8 +16,8 @@ from mcml_service.actions.reading.describe_document import media_info
 from mcml_service.operations.arguments import DocumentId
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import Upload, gives
-from mcml_service.storage.documents import StoredDocument
-from mcml_service.storage.media import StoredMedia
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.documents.media import StoredMedia
 from mcml_service.storage.transaction import Transaction
 
 

@@ -89,7 +89,7 @@ def save_mapping(
 def delete_mapping(call: Call, name: MappingName, project: Keeper = "default", if_match: IfMatch = None) -> None:
     """What was made with it stays."""
     with call.database.write(call.author) as tx:
-        tx.dialect.order_commits(tx.connection)
+        tx.order()
         stored = tx.mappings.get(project, name)
         check_match(if_match, stored.version, "mapping", "version")
         tx.mappings.remove(stored)

@@ -22,7 +22,7 @@ from pydantic.fields import FieldInfo
 from mcml.answers import Content
 from mcml.errors import AccessError, NotFoundError, RequestError
 from mcml_service.operations.call import Call
-from mcml_service.storage.shares import Share
+from mcml_service.storage.team.shares import Share
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 Mark = TypeVar("Mark")

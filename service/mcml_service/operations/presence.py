@@ -10,7 +10,7 @@ from pydantic import Field
 from mcml_schemas.presence import PresenceRequest, Present, PresentList
 from mcml_service.operations.arguments import DocumentId
 from mcml_service.operations.call import Call
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 Tab = Annotated[str, Field(max_length=36, pattern="^[0-9a-zA-Z-]*$", description="The window", examples=["t1"])]

@@ -14,9 +14,9 @@ from mcml_schemas.catalogues import ProjectChange, ProjectImported, ProjectView
 from mcml_schemas.examples import PROJECT
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import Upload, gives
-from mcml_service.storage.identifiers import now
+from mcml_service.storage.core.identifiers import now
+from mcml_service.storage.core.views import may
 from mcml_service.storage.transaction import Transaction
-from mcml_service.storage.views import may, require
 
 ProjectName = Annotated[str, Field(min_length=1, max_length=256, description="Name of the project", examples=[PROJECT])]
 
@@ -30,7 +30,7 @@ def export_project(call: Call, project: ProjectName) -> Content:
 
     # Not of a replica: a long answer without a tag could not go on, if that went away.
     tx = call.held.enter_context(call.database.for_call(call.view).read())
-    require(tx, tx.projects.get(project), "own")
+    tx.terms.require(tx.projects.get(project), "own")
     return Content(exporting(tx, project), "application/zip", f"{project}.project.zip")
 
 
@@ -44,9 +44,9 @@ def change_project(call: Call, change: ProjectChange, project: ProjectName) -> P
     exceed a quota is not stored; what is there stays.
     """
     with call.database.write(call.author) as tx:
-        tx.dialect.order_commits(tx.connection)
+        tx.order()
         key = tx.projects.get(project)
-        require(tx, key, "own")
+        tx.terms.require(key, "own")
         bounds = {name: getattr(change, name) for name in ("most_documents", "most_bytes")}
         given = {name: bound or None for name, bound in bounds.items() if bound is not None}
         if given and not may(call.view.everywhere, "operate"):

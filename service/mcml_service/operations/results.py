@@ -17,8 +17,8 @@ from mcml_service.actions.analysing.describe_job import part_answer, result_answ
 from mcml_service.operations.arguments import MOST, InProject, Page
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import gives
-from mcml_service.storage.results import StoredPart, StoredResult
 from mcml_service.storage.transaction import Transaction
+from mcml_service.storage.work.results import StoredPart, StoredResult
 
 ResultId = Annotated[str, Field(description="Id of the result", examples=[RESULT])]
 PartName = Annotated[str, Field(description="Name of the part", examples=["speed"])]

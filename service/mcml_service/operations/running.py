@@ -9,7 +9,7 @@ from pydantic import Field
 
 from mcml_schemas.running import RunningQueries, RunningQuery
 from mcml_service.operations.call import Call
-from mcml_service.storage.identifiers import now
+from mcml_service.storage.core.identifiers import now
 
 
 def list_running_queries(call: Call) -> RunningQueries:

@@ -25,8 +25,8 @@ from mcml_schemas.saved import (
 from mcml_service.actions.checking.preconditions import check_match
 from mcml_service.operations.arguments import IfMatch, InProject, Page
 from mcml_service.operations.call import Call
-from mcml_service.storage.saved import Kind, StoredThing, filter_of
 from mcml_service.storage.transaction import Transaction
+from mcml_service.storage.work.saved import Kind, StoredThing, filter_of
 
 Keeper = Annotated[
     str, Field(min_length=1, max_length=256, description="Project that keeps it; made if new", examples=[PROJECT])
@@ -177,7 +177,7 @@ def _delete(call: Call, kind: Kind, project: str, name: str, if_match: str | Non
 
 def _check(tx: Transaction, kind: Kind, project: str, name: str, if_match: str | None) -> None:
     # Whoever saves an equal name at this moment is waited for.
-    tx.dialect.order_commits(tx.connection)
+    tx.order()
     found = tx.saved.find(kind, project, name)
     if found is not None:
         check_match(if_match, found.version, kind, "version")

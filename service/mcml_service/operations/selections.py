@@ -9,7 +9,7 @@ from mcml_service.actions.editing import change_document as changes
 from mcml_service.actions.labelling import edit_labels
 from mcml_service.operations.call import Call
 from mcml_service.operations.documents import changed_documents
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 
 
 def delete_documents(call: Call, selection: Selection) -> ChangedDocuments:
@@ -47,11 +47,11 @@ def restore_documents(call: Call, request: ManyDocuments) -> ChangedDocuments:
 def copy_documents(call: Call, request: ManyCopies) -> CopiedDocuments:
     """With their whole histories and the files that they came of, into another project or beside themselves."""
     # Imported here: other operations move no rows.
-    from mcml_service.storage.project_rows import copied
+    from mcml_service.storage.upkeep.project_rows import copied
 
     uuids = _chosen(call, request.selection)
     with call.database.write(call.author) as tx:
-        tx.dialect.order_commits(tx.connection)
+        tx.order()
         project = tx.projects.get_or_add(request.project)
         made = [copied(tx, tx.documents.get(uuid).key, project) for uuid in uuids]
         for uuid in made:

@@ -10,7 +10,7 @@ from pydantic import Field
 from mcml_schemas.shares import SharedRevision, ShareList, ShareMade, ShareRequest, ShareView
 from mcml_service.operations.arguments import MOST, InProject
 from mcml_service.operations.call import Call
-from mcml_service.storage.shares import Share
+from mcml_service.storage.team.shares import Share
 
 Number = Annotated[int, Field(ge=1, le=MOST, description="Number of the link", examples=[2])]
 

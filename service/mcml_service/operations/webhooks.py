@@ -11,7 +11,7 @@ from mcml.errors import RequestError
 from mcml_schemas.webhooks import DeliveryPage, DeliveryView, WebhookList, WebhookMade, WebhookRequest, WebhookView
 from mcml_service.operations.arguments import MOST, InProject, Page
 from mcml_service.operations.call import Call
-from mcml_service.storage.webhooks import Delivery, Webhook
+from mcml_service.storage.team.webhooks import Delivery, Webhook
 
 Number = Annotated[int, Field(ge=1, le=MOST, description="Number of the webhook", examples=[2])]
 Message = Annotated[int, Field(ge=1, le=MOST, description="Number of the message, as the log has it", examples=[31])]

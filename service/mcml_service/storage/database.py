@@ -25,14 +25,14 @@ from sqlalchemy.exc import ArgumentError
 
 from mcml.errors import ReplicaError, StoreError
 from mcml_service.resources import migrations_path
-from mcml_service.storage.activity import COMMAND_LINE
-from mcml_service.storage.dialects import DIALECTS, find_dialect
+from mcml_service.storage.core.dialects import DIALECTS, find_dialect
+from mcml_service.storage.core.replica import Replica
+from mcml_service.storage.core.reserve import TO_OPEN, Reserve
+from mcml_service.storage.core.transaction import COMMAND_LINE, LATEST
+from mcml_service.storage.core.views import WHOLE, View
+from mcml_service.storage.core.words import in_words
 from mcml_service.storage.layout import refuse_newer, require_layout
-from mcml_service.storage.replica import Replica
-from mcml_service.storage.reserve import TO_OPEN, Reserve
-from mcml_service.storage.transaction import LATEST, Transaction
-from mcml_service.storage.views import WHOLE, View
-from mcml_service.storage.words import in_words
+from mcml_service.storage.transaction import Transaction
 
 Answer = TypeVar("Answer")
 Mend: TypeAlias = Callable[[str, Transaction], None]
@@ -193,7 +193,7 @@ class Database:
 
     def check(self, *, past: bool = False) -> list[str]:
         """Faults found in the store, in words; empty when it is sound. past: in all past revisions too."""
-        from mcml_service.storage.checks import faults
+        from mcml_service.storage.upkeep.checks import faults
 
         with self.read() as tx:
             return faults(tx, past=past)

@@ -8,9 +8,9 @@ from sqlalchemy import Connection, inspect, select
 
 from mcml.errors import StoreError
 from mcml.motion.skeleton import CHANNELS
-from mcml_service.storage.encoding import PCODEC
-from mcml_service.storage.schema import CHUNK
-from mcml_service.storage.tables import store
+from mcml_service.storage.core.schema import CHUNK
+from mcml_service.storage.core.tables import store
+from mcml_service.storage.documents.encoding import PCODEC
 
 LAYOUT = {"frames in a track": str(CHUNK), "channels": " ".join(CHANNELS), "codec": f"pcodec {PCODEC}"}
 

@@ -11,8 +11,8 @@ from typing import Literal
 from mcml.errors import LimitError, QueryError
 from mcml_schemas.queries import Explain, QueryAnswer, QueryRequest, ValueItem
 from mcml_service.settings import Settings
-from mcml_service.storage.columns import Listed
 from mcml_service.storage.database import Database
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import LATEST, Transaction
 from mcml_service.xpath.answer.cursors import read_cursor
 from mcml_service.xpath.answer.explain import body_steps, steps_of

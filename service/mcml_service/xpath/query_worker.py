@@ -18,8 +18,8 @@ from typing import Any, Literal
 from mcml.errors import LimitError, McmlError
 from mcml_service.processes.bounds import bounded, end_with_parent
 from mcml_service.settings import Settings
+from mcml_service.storage.core.views import View
 from mcml_service.storage.database import Database
-from mcml_service.storage.views import View
 from mcml_service.xpath.answer.streams import Answer, GroupNodes
 from mcml_service.xpath.limits import Limits
 from mcml_service.xpath.nodes.node import Node

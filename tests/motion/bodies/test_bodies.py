@@ -25,10 +25,10 @@ from mcml.motion.bodies.poses import (
 from mcml.motion.bodies.positions import UNSEEN, clip_positions, filled, rounded, world_positions
 from mcml.motion.bodies.quantities import QUANTITIES, compute, halo_of, joints_of, quantity_of
 from mcml.motion.bodies.stretch import Stretch
-from mcml.motion.bodies.vectors import angle_between
 from mcml.motion.kinematics import Walker
 from mcml.motion.skeleton import CHANNEL_INDEX, Convention
 from mcml.motion.units import reading_of
+from mcml.motion.vectors import angle_between
 from tests.builders import TRC
 from tests.formats.contract import read
 from tests.formats.test_real_files import opened

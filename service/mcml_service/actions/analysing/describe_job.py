@@ -18,8 +18,8 @@ from mcml_schemas.problem import Problem
 from mcml_service.actions.analysing.start_analysis import LEFT_OUT
 from mcml_service.analysis.catalogue import ANALYSES, SUBJECTS
 from mcml_service.analysis.interface import Analysis
-from mcml_service.storage.jobs import StoredJob
-from mcml_service.storage.results import StoredPart, StoredResult
+from mcml_service.storage.work.jobs import StoredJob
+from mcml_service.storage.work.results import StoredPart, StoredResult
 
 
 def job_answer(job: StoredJob) -> Job:

@@ -12,8 +12,8 @@ from mcml.errors import NotFoundError, UnsupportedError
 from mcml_service.analysis.catalogue import ANALYSES
 from mcml_service.analysis.interface import Analysis, Part, Parts, Picture
 from mcml_service.analysis.pictures import STYLE, picture_of_part
-from mcml_service.storage.results import StoredPart, StoredResult
 from mcml_service.storage.transaction import Transaction
+from mcml_service.storage.work.results import StoredPart, StoredResult
 
 Form = Literal["svg", "png"]
 

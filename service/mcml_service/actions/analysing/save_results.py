@@ -12,8 +12,8 @@ from mcml_service.analysis.catalogue import ANALYSES
 from mcml_service.analysis.interface import Part, Parts
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from mcml_service.storage.jobs import StoredJob
 from mcml_service.storage.transaction import Transaction
+from mcml_service.storage.work.jobs import StoredJob
 
 LABELS = "labels"
 """The part whose rows become motion names of the documents that were read."""

@@ -16,7 +16,7 @@ from mcml_service.analysis.catalogue import ANALYSES
 from mcml_service.analysis.interface import Answer, Parts, ResultUse
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from mcml_service.storage.results import OPERATION, StoredResult
+from mcml_service.storage.work.results import OPERATION, StoredResult
 
 KEPT = 8
 """Results whose models are kept ready. A result never changes, so what is kept is never stale."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mcml.errors import DocumentError
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 
 
 def seconds_of(stored: StoredDocument) -> float:

@@ -26,7 +26,7 @@ from mcml_service.actions.reading.preview_motion import Window, preview_motion
 from mcml_service.clips.read_clip import read_clip
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.queries import Queries
 

@@ -6,8 +6,8 @@ from mcml.errors import DocumentError
 from mcml_schemas.retarget import JointPair, Mapping
 from mcml_service.actions.checking.preconditions import check_match
 from mcml_service.actions.composing.fit_skeleton import JointMapping
-from mcml_service.storage.mappings import StoredMapping
 from mcml_service.storage.transaction import Transaction
+from mcml_service.storage.work.mappings import StoredMapping
 
 
 def keep_mapping(
@@ -18,7 +18,7 @@ def keep_mapping(
     twice = next((target for target in targets if targets.count(target) > 1), None)
     if twice is not None:
         raise DocumentError(f"The mapping names {twice!r} twice.", remedy="Give each joint one source.")
-    tx.dialect.order_commits(tx.connection)
+    tx.order()
     present = tx.mappings.find(project, name)
     if present is not None:
         check_match(if_match, present.version, "mapping", "version")

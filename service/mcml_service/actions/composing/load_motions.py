@@ -21,7 +21,7 @@ from mcml_service.actions.composing.fit_skeleton import are_markers, match_joint
 from mcml_service.actions.editing.reshape_motion import Whole, read_whole
 from mcml_service.analysis.interface import Motion, Progress, silent
 from mcml_service.clips.read_clip import read_clip
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 Input = dict[str, Any]

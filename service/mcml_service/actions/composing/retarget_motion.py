@@ -32,7 +32,7 @@ from mcml_service.actions.importing.store_clip import store_stream
 from mcml_service.actions.reading.preview_motion import Window, preview_motion
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.xpath.queries import Queries
 
 

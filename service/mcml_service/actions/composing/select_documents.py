@@ -9,7 +9,7 @@ from mcml_service.actions.importing.store_clip import PROVENANCE
 from mcml_service.analysis.catalogue import ANALYSES
 from mcml_service.analysis.interface import AnalysisError
 from mcml_service.storage.database import Database
-from mcml_service.storage.filtering import DocumentFilter, parse_condition
+from mcml_service.storage.lists.filtering import DocumentFilter, parse_condition
 from mcml_service.xpath.queries import Queries
 
 MOST = 1_000_000

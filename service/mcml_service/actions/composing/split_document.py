@@ -10,7 +10,7 @@ from mcml_service.actions.importing.store_clip import store_stream
 from mcml_service.clips.read_clip import read_clip
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 MOST_PARTS = 1000

@@ -17,8 +17,8 @@ from mcml_service.actions.editing.change_document import set_facts
 from mcml_service.actions.editing.change_frames import write_values
 from mcml_service.actions.editing.edit_elements import ElementEdit, make_edits, told_edits
 from mcml_service.actions.editing.splice_frames import check_range
-from mcml_service.storage.documents import StoredDocument
-from mcml_service.storage.spans import StoredSpan
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.documents.spans import StoredSpan
 from mcml_service.storage.transaction import Transaction
 
 Label = tuple[str, int, int]

@@ -21,7 +21,7 @@ from mcml_schemas import bodies as wire
 from mcml_service.actions.editing.change_document import change_document
 from mcml_service.clips.bodies import Body, read_bodies
 from mcml_service.clips.read_clip import read_clip
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 LENGTHS = ("floor", "leg")

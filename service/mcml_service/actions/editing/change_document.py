@@ -9,13 +9,13 @@ from mcml.files.check_names import check_frame_time, given_name
 from mcml.files.edit_header import with_facts
 from mcml.language import motion_names
 from mcml.language.elements import Element
-from mcml_service.storage.documents import StoredDocument
-from mcml_service.storage.identifiers import stored_form
-from mcml_service.storage.restoring import reopen_rows
-from mcml_service.storage.rows import skeleton_rows
-from mcml_service.storage.spans import StoredSpan
+from mcml_service.storage.core.identifiers import stored_form
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.documents.rows import skeleton_rows
+from mcml_service.storage.documents.spans import StoredSpan
 from mcml_service.storage.transaction import Transaction
-from mcml_service.storage.undoing import undo_rows
+from mcml_service.storage.undo.restoring import reopen_rows
+from mcml_service.storage.undo.undoing import undo_rows
 
 _HELD_BY_SOURCE = {
     "bvh": {"frame_time"},

@@ -21,8 +21,8 @@ from mcml.motion.skeleton import CHANNEL_INDEX
 from mcml_service.actions.editing.edit_frames import delete_frame, rename_frame, rewrite_frame_bone
 from mcml_service.actions.editing.edit_names import rewrite_motion_name
 from mcml_service.actions.reading.read_element import HEAD, LEAF, missing_at
-from mcml_service.storage.documents import StoredDocument
-from mcml_service.storage.rows import skeleton_rows
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.documents.rows import skeleton_rows
 from mcml_service.storage.transaction import Transaction
 
 MAX_JOINTS = 65_535

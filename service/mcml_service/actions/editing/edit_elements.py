@@ -23,9 +23,9 @@ from mcml_service.actions.editing.edit_element import Change, apply_change, appl
 from mcml_service.actions.editing.insert_elements import Where, insert_elements, replace_element
 from mcml_service.actions.editing.splice_frames import check_range, counts_up, splice_frames
 from mcml_service.actions.reading.read_element import read_element
-from mcml_service.storage.differences import common_frames
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
+from mcml_service.storage.undo.differences import common_frames
 
 _KINDS = ("", "motion_name", "frame_bone")
 

@@ -13,11 +13,11 @@ from mcml.language.lexical import ILLEGAL
 from mcml.language.vocabulary import FRAME_BONE
 from mcml.motion.clip import Shape
 from mcml.motion.skeleton import CHANNELS
-from mcml_service.storage.documents import StoredDocument
-from mcml_service.storage.runs import without_position
-from mcml_service.storage.schema import CHUNK
-from mcml_service.storage.tables import shape_run, timeline
-from mcml_service.storage.tracks import Piece
+from mcml_service.storage.core.schema import CHUNK
+from mcml_service.storage.core.tables import shape_run, timeline
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.documents.runs import without_position
+from mcml_service.storage.documents.tracks import Piece
 from mcml_service.storage.transaction import Transaction
 
 

@@ -6,7 +6,7 @@ from mcml.errors import NotFoundError, Place
 from mcml.language import motion_names
 from mcml.language.addresses import address_child
 from mcml.language.vocabulary import MOTION_NAME
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 

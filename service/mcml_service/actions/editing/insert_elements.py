@@ -19,7 +19,7 @@ from mcml.motion.clip import FrameBlock
 from mcml_service.actions.editing.edit_element import Change, apply_change, edit_head, parent_of
 from mcml_service.actions.editing.splice_frames import check_range, splice_frames
 from mcml_service.actions.reading.read_element import frame_at
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 Where = Literal["before", "after", "into"]

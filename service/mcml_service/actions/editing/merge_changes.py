@@ -21,9 +21,9 @@ from mcml_service.actions.editing.apply_changes import Changes, Label, Values
 from mcml_service.actions.editing.edit_element import Change
 from mcml_service.actions.editing.edit_elements import ElementEdit
 from mcml_service.actions.reading.read_element import read_element
-from mcml_service.storage.differences import common_frames
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
+from mcml_service.storage.undo.differences import common_frames
 
 MOST_VALUES = 1000
 """Of a conflict that are told."""

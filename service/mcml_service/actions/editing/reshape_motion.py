@@ -19,7 +19,7 @@ from mcml_service.actions.checking.check_timed import seconds_of
 from mcml_service.actions.editing.edit_element import Change, apply_change
 from mcml_service.actions.editing.splice_frames import check_range, splice_frames
 from mcml_service.clips.read_clip import read_clip
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 Reshaping = MirrorFrames | SmoothFrames | AdjustFrames | ResampleFrames

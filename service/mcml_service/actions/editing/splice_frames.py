@@ -12,12 +12,12 @@ from mcml.errors import DocumentError, NotFoundError
 from mcml.language.elements import refresh_counts
 from mcml.motion.clip import FrameBlock
 from mcml.motion.extremes import check_numbers
-from mcml_service.storage.documents import StoredDocument
-from mcml_service.storage.encoding import ClipEncoder
-from mcml_service.storage.schema import CHUNK
-from mcml_service.storage.spans import StoredSpan
-from mcml_service.storage.tables import timeline
-from mcml_service.storage.tracks import Piece
+from mcml_service.storage.core.schema import CHUNK
+from mcml_service.storage.core.tables import timeline
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.documents.encoding import ClipEncoder
+from mcml_service.storage.documents.spans import StoredSpan
+from mcml_service.storage.documents.tracks import Piece
 from mcml_service.storage.transaction import Transaction
 
 COMPRESSORS = 2

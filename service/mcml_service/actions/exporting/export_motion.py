@@ -26,7 +26,7 @@ from mcml.motion.units import metres_per_unit
 from mcml_service.cells import safe_cell
 from mcml_service.clips.bodies import read_bodies
 from mcml_service.clips.read_clip import StoredClip, read_clip
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 WITH_REFERENCE = frozenset({"mot", "sto"})

@@ -17,8 +17,8 @@ from mcml.language.vocabulary import FRAME_BONE, FRAMES, FRAMETIME, MOTION_NAME
 from mcml.language.writer import Layout, text_bytes, write_document, write_frames
 from mcml_service.actions.reading.list_children import children_of_frames
 from mcml_service.clips.read_clip import StoredClip, read_clip
-from mcml_service.storage.documents import StoredDocument
-from mcml_service.storage.motion_names import names_of_frames
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.documents.motion_names import names_of_frames
 from mcml_service.storage.transaction import Transaction
 
 _FRAME_LINES = {Layout.LINES: 1, Layout.PRETTY: 2}

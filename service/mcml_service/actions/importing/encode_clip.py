@@ -19,8 +19,8 @@ from mcml.language.elements import Element
 from mcml.motion.clip import ClipHead, ClipStream, Shape
 from mcml_service.actions.reading.make_thumbnail import Thumbnail, poses_of, thumbnail_of
 from mcml_service.settings import Settings
-from mcml_service.storage.encoding import ClipEncoder, TrackRow
-from mcml_service.storage.rows import SkeletonRows, skeleton_rows
+from mcml_service.storage.documents.encoding import ClipEncoder, TrackRow
+from mcml_service.storage.documents.rows import SkeletonRows, skeleton_rows
 
 Progress: TypeAlias = Callable[[str, int, int | None], None]
 """Called with a file name, frames done, and frames in all if known; may raise to stop the import."""

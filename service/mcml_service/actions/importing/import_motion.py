@@ -27,8 +27,8 @@ from mcml_service.actions.importing.import_workers import FEWEST_CLIPS, MOST_BYT
 from mcml_service.actions.importing.keep_upload import WORKERS, Upload, digest_of
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from mcml_service.storage.encoding import DATA_PLACE, ClipEncoder, TrackRow
-from mcml_service.storage.tracks import Piece
+from mcml_service.storage.documents.encoding import DATA_PLACE, ClipEncoder, TrackRow
+from mcml_service.storage.documents.tracks import Piece
 from mcml_service.storage.transaction import Transaction
 
 FLUSH_BYTES = 16 << 20
@@ -272,7 +272,7 @@ class Importer:
             tx.thumbnails.add(key, 1, found.thumbnail.data, found.thumbnail.facts)
         if self.skips_twins:
             # Whoever stores an equal clip at this moment is waited for.
-            tx.dialect.order_commits(tx.connection)
+            tx.order()
         kept = [upload.attach(tx, key) for upload in self.uploads]
         twins = tx.uploads.twins(self.digests, self.project) if all(kept) else []
         if twins and self.skips_twins:

@@ -34,7 +34,7 @@ from mcml.formats.format import SourceFile
 from mcml_service.actions.importing.encode_clip import EncodedClip, encode_clip
 from mcml_service.actions.importing.keep_upload import PackedFile, packed
 from mcml_service.settings import Settings
-from mcml_service.storage.encoding import ClipEncoder, TrackRow
+from mcml_service.storage.documents.encoding import ClipEncoder, TrackRow
 
 FEWEST_CLIPS = 8
 """For which workers are started: to read these takes several times as long as to fork."""

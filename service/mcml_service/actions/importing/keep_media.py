@@ -11,8 +11,8 @@ from mcml.errors import UnsupportedError
 from mcml.files.check_names import file_name
 from mcml.formats.format import SourceFile
 from mcml_service.storage.database import Database
-from mcml_service.storage.media import StoredMedia
-from mcml_service.storage.uploads import BLOCK_BYTES, compress_block
+from mcml_service.storage.documents.media import StoredMedia
+from mcml_service.storage.documents.uploads import BLOCK_BYTES, compress_block
 
 TYPES = {
     "video/mp4": rb"....ftyp(?!M4A)",

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from mcml.errors import NotFoundError, Place
 from mcml.files.check_names import file_name
 from mcml.formats.format import SourceFile
+from mcml_service.storage.documents.uploads import BLOCK_BYTES, compress_block
 from mcml_service.storage.transaction import Transaction
-from mcml_service.storage.uploads import BLOCK_BYTES, compress_block
 
 EARLY_BYTES = 64 << 20
 """Files up to this size are compressed while they are read; larger ones block by block afterwards."""

@@ -19,9 +19,9 @@ from mcml.motion.skeleton import Array
 from mcml_service.actions.exporting.export_motion import skeleton_file
 from mcml_service.clips.read_clip import read_clip
 from mcml_service.settings import Settings
-from mcml_service.storage.documents import StoredDocument
-from mcml_service.storage.encoding import joined
-from mcml_service.storage.schema import CHUNK
+from mcml_service.storage.core.schema import CHUNK
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.documents.encoding import joined
 from mcml_service.storage.transaction import Transaction
 
 

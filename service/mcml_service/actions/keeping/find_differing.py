@@ -18,8 +18,8 @@ from mcml.motion.skeleton import Array
 from mcml_service.actions.naming.apply_names import renames
 from mcml_service.clips.read_clip import read_clip
 from mcml_service.storage.database import Database
-from mcml_service.storage.documents import StoredDocument
-from mcml_service.storage.filtering import DocumentFilter
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.lists.filtering import DocumentFilter
 from mcml_service.storage.transaction import Transaction
 
 HEAD_BYTES = 1 << 20

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
+from mcml_service.storage.core.words import in_words
 from mcml_service.storage.database import Database
-from mcml_service.storage.pruning import Old
-from mcml_service.storage.words import in_words
+from mcml_service.storage.history.pruning import Old
 
 
 @dataclass(frozen=True)

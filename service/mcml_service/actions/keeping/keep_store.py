@@ -8,20 +8,15 @@ from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
 
-from sqlalchemy import func, insert, select
-
 from mcml.errors import ConflictError, SpaceError, StoreError
 from mcml_service.actions.keeping.seal_store import seal_store
+from mcml_service.storage.copying import copy_rows, filled_tables
+from mcml_service.storage.core.dialects.sqlite import PRIVATE
 from mcml_service.storage.database import Database
-from mcml_service.storage.dialects.sqlite import PRIVATE
-from mcml_service.storage.schema import metadata
-from mcml_service.storage.tables import document, store
 from mcml_service.storage.transaction import Transaction
 
 WITH_CHECKSUMS = "0006"
 """The version of the schema from which on rows have checksums."""
-
-ROWS = 2000
 
 
 def backup(database: Database, target: Path) -> int:
@@ -33,7 +28,7 @@ def backup(database: Database, target: Path) -> int:
     copy = Database(f"sqlite:///{part}")
     try:
         copy.migrate()
-        _copy(database, copy)
+        copy_rows(database, copy)
         copy.close()
         # One file that can be moved: without a log beside it.
         connection = sqlite3.connect(part)
@@ -93,7 +88,7 @@ def restore(database: Database, source: Path) -> int:
     if not source.is_file():
         raise StoreError(f"{source} is not a file.", remedy="Name a file that `mcml db backup` wrote.")
     with database.read() as tx:
-        held = [table.name for table in _COPIED if tx.connection.execute(select(table).limit(1)).first() is not None]
+        held = filled_tables(tx)
         if held or tx.newest_commit():
             raise ConflictError(
                 f"The store is not empty: it has rows in {', '.join(held)}.", remedy="Restore into a new store."
@@ -101,15 +96,11 @@ def restore(database: Database, source: Path) -> int:
     copy = Database(f"sqlite:///{source}")
     try:
         _require_schema(copy, source)
-        _copy(copy, database)
+        copy_rows(copy, database)
     finally:
         copy.close()
     with database.read() as tx:
-        return int(tx.connection.execute(select(func.count()).select_from(document)).scalar_one())
-
-
-_COPIED = [table for table in metadata.sorted_tables if table is not store]
-"""All tables but what a store says of itself, which its migration and `_copy` write."""
+        return len(tx.documents.everything())
 
 
 def _require_schema(copy: Database, source: Path) -> None:
@@ -123,15 +114,3 @@ def _require_schema(copy: Database, source: Path) -> None:
             remedy=f"Upgrade a copy of it first: mcml db upgrade --database sqlite:///{source}",
         )
     copy.require_schema()
-
-
-def _copy(source: Database, target: Database) -> None:
-    with source.read() as old, target.write("backup") as new:
-        for table in _COPIED:
-            rows = old.connection.execute(
-                select(table).order_by(*table.primary_key).execution_options(yield_per=ROWS)
-            ).mappings()
-            for block in rows.partitions(ROWS):
-                new.connection.execute(insert(table), [dict(row) for row in block])
-        new.pruning.let_go(old.pruning.whole_since())
-        new.dialect.after_copy(new.connection, old.dialect.last_keys(old.connection))

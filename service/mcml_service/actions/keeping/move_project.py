@@ -24,12 +24,12 @@ import orjson
 from mcml.errors import ConflictError, FormatError, LimitError, Place
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document, zipped
 from mcml_service.settings import Settings
-from mcml_service.storage.checks import document_faults
 from mcml_service.storage.database import Database
+from mcml_service.storage.documents.uploads import BLOCK_BYTES, compress_block
 from mcml_service.storage.layout import LAYOUT
-from mcml_service.storage.project_rows import MOVED, ProjectRows, ProjectWriter, Row
 from mcml_service.storage.transaction import Transaction
-from mcml_service.storage.uploads import BLOCK_BYTES, compress_block
+from mcml_service.storage.upkeep.checks import document_faults
+from mcml_service.storage.upkeep.project_rows import MOVED, ProjectRows, ProjectWriter, Row
 
 FORMAT, VERSION = "mcml-project", 1
 MOST_LINE = 64 << 20
@@ -83,7 +83,7 @@ def import_project(
             about = reading.manifest()
             wanted = name or str(about["project"])
             with database.write(author) as tx:
-                tx.dialect.order_commits(tx.connection)
+                tx.order()
                 if tx.projects.find(wanted) is not None:
                     raise ConflictError(f"There is a project {wanted!r}.", remedy="Give it another name (`name`).")
                 writer = ProjectWriter(tx, tx.projects.get_or_add(wanted))

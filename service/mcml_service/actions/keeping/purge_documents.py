@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
 from mcml.errors import NotFoundError
+from mcml_service.storage.core.words import in_words
 from mcml_service.storage.database import Database
-from mcml_service.storage.words import in_words
 from mcml_service.xpath.library.part_file import forget
 
 
@@ -102,13 +102,13 @@ def finish_purges(
 
 def _remove_tracks(database: Database, key: int, author: str) -> bool:
     with database.write(author) as tx:
-        tx.dialect.erase_what_goes(tx.connection)
+        tx.purging.erase_what_goes()
         return tx.purging.remove_tracks(key)
 
 
 def _finish(database: Database, key: int, uuid: str, author: str) -> None:
     with database.write(author) as tx:
-        tx.dialect.erase_what_goes(tx.connection)
+        tx.purging.erase_what_goes()
         tx.purging.finish(key, uuid)
 
 

@@ -6,9 +6,9 @@ import logging
 
 from mcml_service.actions.keeping.check_uploads import compare_all
 from mcml_service.settings import Settings
-from mcml_service.storage.sealing import seal_rows, spoil
-from mcml_service.storage.tables import content, track
+from mcml_service.storage.core.tables import content, track
 from mcml_service.storage.transaction import Transaction
+from mcml_service.storage.upkeep.sealing import seal_rows, spoil
 
 log = logging.getLogger("mcml.store")
 

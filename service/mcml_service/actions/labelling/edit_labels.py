@@ -14,9 +14,9 @@ from mcml_service.actions.editing.change_document import add_labels
 from mcml_service.actions.editing.splice_frames import check_range
 from mcml_service.cells import read_cell, safe_cell
 from mcml_service.storage.database import Database
-from mcml_service.storage.documents import StoredDocument
-from mcml_service.storage.filtering import DocumentFilter
-from mcml_service.storage.spans import StoredSpan
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.documents.spans import StoredSpan
+from mcml_service.storage.lists.filtering import DocumentFilter
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.queries import Queries
 

@@ -12,7 +12,7 @@ from mcml_service.actions.checking.check_timed import seconds_of
 from mcml_service.actions.editing.change_document import add_labels
 from mcml_service.actions.editing.reshape_motion import read_whole
 from mcml_service.storage.database import Database
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 

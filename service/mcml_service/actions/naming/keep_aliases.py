@@ -9,8 +9,8 @@ from mcml.errors import DocumentError
 from mcml.language.joint_names import alias_key, table
 from mcml_schemas.names import Alias, AliasTable
 from mcml_service.actions.checking.preconditions import check_match
-from mcml_service.storage.aliases import StoredAliases
 from mcml_service.storage.transaction import Transaction
+from mcml_service.storage.work.aliases import StoredAliases
 
 
 def keep_aliases(
@@ -35,7 +35,7 @@ def keep_aliases(
                 remedy="Say each one once.",
             )
         seen[key] = item.source
-    tx.dialect.order_commits(tx.connection)
+    tx.order()
     present = tx.aliases.of(project)
     if present.version:
         check_match(if_match, present.version, "table of aliases", "version")
@@ -44,7 +44,7 @@ def keep_aliases(
 
 def remove_aliases(tx: Transaction, project: str, if_match: str | None) -> None:
     """Take all aliases of a project away. Documents keep the names that they have."""
-    tx.dialect.order_commits(tx.connection)
+    tx.order()
     tx.projects.get(project)
     present = tx.aliases.of(project)
     if present.version:

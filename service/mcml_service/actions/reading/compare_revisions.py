@@ -22,9 +22,9 @@ from mcml_schemas.revisions import (
     LabelDifference,
 )
 from mcml_service.clips.read_clip import read_clip
-from mcml_service.storage.differences import Run, changed_chunks, common_frames, missing, within_chunks
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
+from mcml_service.storage.undo.differences import Run, changed_chunks, common_frames, missing, within_chunks
 
 MOST_HEAD = 1000
 """Differing elements of the head that are told one by one."""

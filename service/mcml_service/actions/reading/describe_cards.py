@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from mcml_schemas.documents import Card, Passport, Span
 from mcml_service.actions.reading.describe_document import summary
 from mcml_service.actions.reading.show_thumbnails import Pictures
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 UNIT, UP = "calibration_unit", "global_axis_of_gravity"

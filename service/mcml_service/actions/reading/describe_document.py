@@ -7,8 +7,8 @@ import json
 from mcml.language.elements import to_head
 from mcml_schemas.documents import Bone, DocumentDetail, DocumentSummary, Label, Property, Receipt, StoredFile
 from mcml_schemas.media import MediaInfo
-from mcml_service.storage.documents import StoredDocument
-from mcml_service.storage.media import StoredMedia
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.documents.media import StoredMedia
 from mcml_service.storage.transaction import Transaction
 
 

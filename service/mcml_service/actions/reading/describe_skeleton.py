@@ -18,7 +18,7 @@ from mcml.motion.units import reading_of
 from mcml_schemas.skeletons import Side, SkeletonBone, SkeletonView, Tip
 from mcml_service.actions.reading.read_origin import first_pose, origin_in
 from mcml_service.clips.read_clip import read_clip
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 POSES = 64

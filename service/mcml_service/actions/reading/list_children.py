@@ -11,7 +11,7 @@ from mcml.language.addresses import MOTION, address_frame, number_steps, read_fr
 from mcml.language.elements import Element
 from mcml.language.vocabulary import FRAME, FRAME_BONE, FRAMES, FRAMETIME
 from mcml_service.actions.reading.read_element import element_at, frame_at
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 ROOT = "/mcml"

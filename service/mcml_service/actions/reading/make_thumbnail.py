@@ -20,7 +20,7 @@ from mcml.motion.skeleton import Array
 from mcml.motion.thumbnails import busiest, carried, draw, loop_times, poses_at, scrub_times
 from mcml.motion.units import reading_of
 from mcml_service.clips.read_clip import read_clip
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 DENSE = 24.0

@@ -13,8 +13,8 @@ from mcml.language.lexical import escape
 from mcml.language.vocabulary import FRAMES, FRAMETIME
 from mcml.language.writer import write_element
 from mcml.motion.skeleton import CHANNELS
-from mcml_service.storage.documents import StoredDocument
-from mcml_service.storage.motion_names import names_of_frames
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.documents.motion_names import names_of_frames
 from mcml_service.storage.transaction import Transaction
 
 LEAF = re.compile(r"/mcml/motion/(frames|frametime)(?:/@[A-Za-z]+)?")

@@ -9,9 +9,9 @@ from typing import TypeAlias
 from mcml_schemas.activity import ActivityEvent
 from mcml_schemas.events import DocumentEvent
 from mcml_service.actions.reading.tell_event import told_event
-from mcml_service.storage.identifiers import now
-from mcml_service.storage.jobs import StoredJob
+from mcml_service.storage.core.identifiers import now
 from mcml_service.storage.transaction import Transaction
+from mcml_service.storage.work.jobs import StoredJob
 
 MOST_BEHIND = 10_000
 """Commits that are told one by one; who has missed more reads anew."""

@@ -13,8 +13,8 @@ from mcml.motion.kinematics import Walker, unseen
 from mcml.motion.skeleton import Array, Convention, Skeleton
 from mcml.motion.units import reading_of
 from mcml_service.clips.read_clip import StoredClip, read_clip
-from mcml_service.storage.columns import Listed
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.columns import Listed
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 

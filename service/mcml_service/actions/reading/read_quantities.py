@@ -12,7 +12,7 @@ from mcml.files.read_numbers import Numbers
 from mcml.motion.bodies.quantities import AskedQuantity, compute, halo_of
 from mcml.motion.skeleton import Array
 from mcml_service.clips.bodies import Body, read_turned
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 

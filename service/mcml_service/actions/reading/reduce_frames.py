@@ -15,8 +15,8 @@ from mcml.files.read_numbers import chosen_bones
 from mcml.motion.skeleton import CHANNELS, Array
 from mcml.numerics.runs import find_true
 from mcml_service.clips.read_clip import read_clip
-from mcml_service.storage.documents import StoredDocument
-from mcml_service.storage.schema import CHUNK
+from mcml_service.storage.core.schema import CHUNK
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 _FACTS = 7

@@ -23,7 +23,7 @@ from mcml.motion.markers import marker_skeleton
 from mcml_schemas.search import MOST_FRAMES, SearchAnswer, SearchHit
 from mcml_service.clips.bodies import Body, read_bodies
 from mcml_service.settings import Settings
-from mcml_service.storage.documents import StoredDocument
+from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.library.caches import Caches
 from mcml_service.xpath.library.likeness import Asked

@@ -9,8 +9,8 @@ from contextlib import suppress
 from mcml.errors import ConflictError, McmlError, StoreError
 from mcml_service.actions.reading.make_thumbnail import read_thumbnail
 from mcml_service.storage.database import Database
-from mcml_service.storage.documents import StoredDocument
-from mcml_service.storage.thumbnails import StoredThumbnail
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.documents.thumbnails import StoredThumbnail
 from mcml_service.storage.transaction import Transaction
 
 LIST_SECONDS = 0.3

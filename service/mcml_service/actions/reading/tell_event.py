@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from mcml_schemas.activity import ActivityEvent
-from mcml_service.storage.activity import Event
+from mcml_service.storage.projects.activity import Event
 
 
 def told_event(event: Event) -> ActivityEvent:

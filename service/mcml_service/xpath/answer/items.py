@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from mcml_schemas.queries import NodeItem, QueryAnswer, RunItem, ScalarItem
-from mcml_service.storage.columns import Listed
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.library.caches import Caches
 from mcml_service.xpath.nodes.frame_runs import IdRuns

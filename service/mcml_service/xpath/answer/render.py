@@ -11,8 +11,8 @@ from mcml.language.vocabulary import FRAME_BONE, MOTION_NAME
 from mcml.language.writer import Layout, attribute_bytes, text_bytes, write_document, write_motion
 from mcml.motion.clip import FrameBlock
 from mcml.motion.skeleton import CHANNELS
-from mcml_service.storage.columns import Listed
-from mcml_service.storage.motion_names import names_of_frames
+from mcml_service.storage.documents.columns import Listed
+from mcml_service.storage.documents.motion_names import names_of_frames
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.engine import frames, values
 from mcml_service.xpath.engine.node_tests import kinds_and_names

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from mcml.errors import LimitError
-from mcml_service.storage.columns import Listed
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.xpath.answer.describe import describe_nodes
 from mcml_service.xpath.answer.render import holds_frames, node_values, runs_of, whole_elements
 from mcml_service.xpath.engine.source import Source

@@ -19,8 +19,8 @@ from mcml.language.writer import Layout, text_bytes, write_frames
 from mcml.motion.clip import FrameBlock
 from mcml_schemas.queries import NodeItem
 from mcml_service.cells import safe_cell
-from mcml_service.storage.columns import Listed
-from mcml_service.storage.tracks import BLOCK_FRAMES
+from mcml_service.storage.documents.columns import Listed
+from mcml_service.storage.documents.tracks import BLOCK_FRAMES
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.answer.describe import describe_nodes
 from mcml_service.xpath.answer.render import frames_with_content, holds_frames, labelled_blocks, node_values, whole_xml

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from mcml.language.vocabulary import FRAME, FRAME_BONE, MCML, MOTION, MOTION_NAME
-from mcml_service.storage.columns import Listed
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.engine.any_attribute import any_attribute, attributes
 from mcml_service.xpath.engine.axes import SIBLINGS

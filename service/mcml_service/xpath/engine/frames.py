@@ -12,8 +12,8 @@ from mcml.language.writer import columns_of, frame_texts
 from mcml.motion.clip import FrameBlock, Shape
 from mcml.motion.skeleton import Array
 from mcml.numerics.runs import evenly, find_equal
-from mcml_service.storage.blocks import Block, Stretch, gathered
-from mcml_service.storage.schema import CHUNK
+from mcml_service.storage.core.schema import CHUNK
+from mcml_service.storage.documents.blocks import Block, Stretch, gathered
 from mcml_service.xpath.library.forest import Forest
 from mcml_service.xpath.library.tracks import BlockKey, read_blocks
 from mcml_service.xpath.nodes.numbering import Ints, documents_of

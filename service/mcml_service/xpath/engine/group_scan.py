@@ -9,7 +9,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from mcml.language.vocabulary import FRAME, FRAME_BONE
-from mcml_service.storage.schema import CHUNK
+from mcml_service.storage.core.schema import CHUNK
 from mcml_service.xpath.engine.axes import step as axis_step
 from mcml_service.xpath.engine.columns import Columns
 from mcml_service.xpath.engine.kernel import fulfilled

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.numerics.runs import find_equal
-from mcml_service.storage.encoding import channels_of
+from mcml_service.storage.documents.encoding import channels_of
 from mcml_service.xpath.engine.comparisons import compare_numbers
 from mcml_service.xpath.engine.condition import Condition
 from mcml_service.xpath.engine.kernel import Columns, fulfilled

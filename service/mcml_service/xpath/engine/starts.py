@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from mcml.language.vocabulary import FRAME, MCML, MOTION, MOTION_NAME
-from mcml_service.storage.columns import Listed
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.language.labels import Groups, compared_text, motion_name_groups, ranges_of, without_self
 from mcml_service.xpath.language.positions import counts, position_of

@@ -6,8 +6,8 @@ import numpy as np
 
 from mcml.motion.skeleton import CHANNELS
 from mcml.numerics.runs import find_equal
-from mcml_service.storage.encoding import channels_of
-from mcml_service.storage.schema import CHUNK
+from mcml_service.storage.core.schema import CHUNK
+from mcml_service.storage.documents.encoding import channels_of
 from mcml_service.xpath.library.forest import Forest
 from mcml_service.xpath.library.track_values import side_by_side
 from mcml_service.xpath.library.tracks import Row
@@ -169,10 +169,6 @@ def _sample_texts(forest: Forest, nodes: Ints) -> Strings:
 
 def _bone_names(forest: Forest, nodes: Ints) -> Strings:
     return Strings(forest.shapes.names[forest.shapes.entries(nodes)], forest.shapes.texts)
-
-
-def _motion_names(forest: Forest, nodes: Ints) -> Strings:
-    return Strings(forest.labels.codes(nodes), forest.labels.texts)
 
 
 def _id_texts(forest: Forest, nodes: Ints) -> Strings:

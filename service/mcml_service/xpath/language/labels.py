@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from mcml.language.lexical import unescape
 from mcml.language.vocabulary import FRAME_BONE, MOTION_NAME, NAME
-from mcml_service.storage.runs import intersection
+from mcml_service.storage.documents.runs import intersection
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.language.positions import position_of
 from mcml_service.xpath.language.tree import (

@@ -17,7 +17,7 @@ from mcml.motion.bodies.poses import NEEDS, pose_features
 from mcml.motion.bodies.quantities import compute, joints_of
 from mcml.motion.bodies.stretch import Stretch
 from mcml_service.clips.bodies import MADE, Body, read_turned
-from mcml_service.storage.columns import Listed
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.xpath.library.body_facts import BodyFacts
 from mcml_service.xpath.library.forest import Forest
 from mcml_service.xpath.library.likeness import Asked, Poses

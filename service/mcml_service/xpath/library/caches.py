@@ -7,8 +7,8 @@ from itertools import count
 from typing import Generic, Protocol, TypeVar
 
 from mcml_service.clips.bodies import Body, read_bodies
-from mcml_service.storage.blocks import Block
-from mcml_service.storage.columns import Listed
+from mcml_service.storage.documents.blocks import Block
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.library.cache import OVERHEAD, Cache, ColumnCache
 from mcml_service.xpath.library.groups import Group

@@ -13,7 +13,7 @@ import orjson
 from mcml.language.lexical import unescape
 from mcml.motion.bodies.pose_index import PoseIndex
 from mcml_service.clips.bodies import MADE
-from mcml_service.storage.columns import Listed
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.language.reach import HeadPart
 from mcml_service.xpath.library import sample_parts

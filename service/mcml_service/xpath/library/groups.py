@@ -12,8 +12,8 @@ import xxhash
 
 from mcml.errors import StoreError
 from mcml.motion.skeleton import CHANNELS
-from mcml_service.storage.columns import Listed
-from mcml_service.storage.schema import CHUNK
+from mcml_service.storage.core.schema import CHUNK
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.xpath.library.cache import Cache
 from mcml_service.xpath.nodes.numbering import MAX_DOCUMENTS, MAX_FRAMES, Ints, code_names
 

@@ -12,7 +12,7 @@ from mcml.motion.bodies.pose_index import WIDTH, PoseIndex, Singles
 from mcml.motion.bodies.poses import JOINTS, NEEDS, at_rate, motion_starts, pose_features
 from mcml.motion.skeleton import Array
 from mcml_service.clips.bodies import Body
-from mcml_service.storage.columns import Listed
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.library.pose_columns import PoseColumns
 from mcml_service.xpath.nodes.numbering import Floats, Ints

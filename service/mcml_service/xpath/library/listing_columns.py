@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mcml_service.storage.columns import Listed
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.xpath.nodes.stored import Columns
 
 NUMBERS = ("key", "skeleton", "frames", "revision", "project")

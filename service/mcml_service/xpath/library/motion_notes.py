@@ -8,7 +8,7 @@ import numpy as np
 
 from mcml.errors import LimitError, McmlError, QueryError
 from mcml.motion.bodies.quantities import QUANTITIES, joints_of
-from mcml_service.storage.columns import Listed
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.language.motion_functions import CONTACT, MOTION_FUNCTIONS, PREFIX, TOP
 from mcml_service.xpath.language.reach import HeadPart

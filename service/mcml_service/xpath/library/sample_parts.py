@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from mcml_service.storage.schema import CHUNK
+from mcml_service.storage.core.schema import CHUNK
 from mcml_service.xpath.nodes.numbering import Floats
 from mcml_service.xpath.nodes.stored import Columns
 

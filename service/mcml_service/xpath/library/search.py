@@ -10,8 +10,8 @@ from itertools import islice
 import numpy as np
 
 from mcml.motion.bodies.pose_index import Singles
-from mcml_service.storage.columns import Listed
 from mcml_service.storage.database import Database
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.language.reach import HeadPart
 from mcml_service.xpath.library.bodies import Bodies

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from mcml_service.storage.schema import CHUNK
+from mcml_service.storage.core.schema import CHUNK
 from mcml_service.xpath.library.zones import BONE, CHUNK_NUMBER, FRAMES, GAPS, Table
 from mcml_service.xpath.nodes.numbering import Bools, Floats, Ints
 from mcml_service.xpath.nodes.timeline import Timeline

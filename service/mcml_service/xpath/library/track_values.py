@@ -7,8 +7,8 @@ from functools import cache, partial
 import numpy as np
 
 from mcml.numerics.runs import Some, evenly
-from mcml_service.storage.encoding import channels_of
-from mcml_service.storage.schema import CHUNK
+from mcml_service.storage.core.schema import CHUNK
+from mcml_service.storage.documents.encoding import channels_of
 from mcml_service.xpath.library.forest import Forest
 from mcml_service.xpath.library.zones import BITS, Table, rows_of
 from mcml_service.xpath.nodes.numbering import Floats, Ints

@@ -6,8 +6,8 @@ from collections.abc import Container, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 from mcml.motion.skeleton import Array
-from mcml_service.storage.blocks import Block, side_by_side
-from mcml_service.storage.encoding import channels_of, decompress
+from mcml_service.storage.documents.blocks import Block, side_by_side
+from mcml_service.storage.documents.encoding import channels_of, decompress
 from mcml_service.xpath.library.cache import OVERHEAD, Cache
 
 if TYPE_CHECKING:

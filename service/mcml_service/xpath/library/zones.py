@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from mcml.motion.skeleton import CHANNELS
-from mcml_service.storage.columns import Listed
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.library.intervals import Interval
 from mcml_service.xpath.library.tracks import Row

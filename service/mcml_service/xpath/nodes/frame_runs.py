@@ -12,8 +12,8 @@ from itertools import pairwise
 import numpy as np
 
 from mcml.language.lexical import escape
-from mcml_service.storage.columns import Listed
-from mcml_service.storage.encoding import is_plain_integer
+from mcml_service.storage.documents.columns import Listed
+from mcml_service.storage.documents.encoding import is_plain_integer
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.nodes.numbering import (
     DOCUMENT_SHIFT,

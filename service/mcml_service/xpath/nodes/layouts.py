@@ -12,7 +12,7 @@ import numpy as np
 
 from mcml.language.lexical import escape, unescape
 from mcml.motion.clip import Shape
-from mcml_service.storage.columns import Listed
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.nodes.numbering import (
     BONE_WIDTH,

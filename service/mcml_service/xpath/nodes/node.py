@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from mcml.errors import QueryError
-from mcml_service.storage.columns import Listed
+from mcml_service.storage.documents.columns import Listed
 
 
 @dataclass(frozen=True, slots=True)

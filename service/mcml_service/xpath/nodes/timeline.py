@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mcml_service.storage.schema import CHUNK
+from mcml_service.storage.core.schema import CHUNK
 from mcml_service.xpath.nodes.layouts import ShapeRuns
 from mcml_service.xpath.nodes.numbering import FRAME_SHIFT, Bools, Ints, frames_of
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.errors import LimitError, QueryError
-from mcml_service.storage.columns import Listed
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.engine.columns import Columns
 from mcml_service.xpath.engine.context import Context

@@ -10,7 +10,7 @@ from mcml.errors import LimitError, QueryError
 from mcml.language.addresses import find_frame
 from mcml.language.writer import Layout, write_document
 from mcml.motion.clip import FrameBlock
-from mcml_service.storage.columns import Listed
+from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.answer.render import bone_names, labelled_blocks
 from mcml_service.xpath.language.labels import without_index

@@ -1,0 +1,1 @@
+"""What all repositories stand on: tables, statements, checksums, dialects, a transaction. Knows none of them."""

@@ -1,0 +1,247 @@
+"""SQLite: the embedded default. Write-ahead log, full synchronisation, one writer at a time."""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import orjson
+from sqlalchemy import Connection, Engine, Table, create_engine, event, text
+from sqlalchemy.pool import QueuePool
+
+from mcml_service.storage.core.dialects.base import Compaction, Dialect
+
+BUSY_SECONDS = 60
+INCREMENTAL = 2
+"""The value of `auto_vacuum` under which pages can be given back some at a time."""
+PAGE_BYTES = 8192
+PAGES_AT_A_TIME = 1000
+RETIRING = ("document", "skeleton")
+"""Tables whose keys are never given again."""
+LAST = "last key of "
+PRIVATE = 0o600
+"""The mode of a store's files: captures are of people."""
+
+
+class SQLite(Dialect):
+    """One file. Writers of one process queue on a lock, writers of several on SQLite's own."""
+
+    personal = True
+
+    # Of a cross join SQLite keeps the order: for each key, look for its track.
+    tracks_by_key = text(
+        "SELECT t.document, t.chunk, t.bone, t.from_commit, t.codec, t.data, t.data_checksum "
+        "FROM json_each(:keys) AS k CROSS JOIN track AS t "
+        "WHERE t.document = json_extract(k.value, '$[0]') AND t.chunk = json_extract(k.value, '$[1]') "
+        "AND t.bone = json_extract(k.value, '$[2]') AND t.from_commit = json_extract(k.value, '$[3]')"
+    )
+
+    tracks_over_chunks = text(
+        "SELECT t.document, t.chunk, t.bone, t.channels, t.count, t.codec, t.data, t.data_checksum "
+        "FROM json_each(:keys) AS k CROSS JOIN track AS t "
+        "WHERE t.document = json_extract(k.value, '$[0]') AND t.chunk = json_extract(k.value, '$[1]') "
+        "AND t.from_commit <= :at AND t.to_commit > :at"
+    )
+
+    def __init__(self, engine: Engine) -> None:
+        super().__init__(engine)
+        self._writer = threading.Lock()
+
+    @classmethod
+    def create_engine(cls, url: str) -> Engine:
+        engine = create_engine(
+            url,
+            poolclass=QueuePool,
+            pool_size=16,
+            max_overflow=48,
+            # The one used last has its pages and statements at hand.
+            pool_use_lifo=True,
+            connect_args={"timeout": BUSY_SECONDS, "check_same_thread": False},
+        )
+
+        @event.listens_for(engine, "do_connect")
+        def _keep_private(_dialect: Any, _record: Any, given: list[Any], _named: Any) -> None:
+            _make_private(given[0])
+
+        @event.listens_for(engine, "connect")
+        def _configure(connection: sqlite3.Connection, _record: Any) -> None:
+            # The driver's own transaction handling would begin deferred transactions, which cannot be upgraded safely.
+            connection.isolation_level = None
+            if connection.execute("PRAGMA page_count").fetchone() == (0,):
+                # Pages that are freed can be given back. It is said before anything is written; later it is a write.
+                connection.execute(f"PRAGMA page_size={PAGE_BYTES}")
+                connection.execute("PRAGMA auto_vacuum=INCREMENTAL")
+            for pragma in (
+                "journal_mode=WAL",
+                "synchronous=FULL",
+                "foreign_keys=ON",
+                "cache_size=-16384",
+                "temp_store=MEMORY",
+                "journal_size_limit=67108864",
+            ):
+                connection.execute(f"PRAGMA {pragma}")
+
+        @event.listens_for(engine, "begin")
+        def _begin(connection: Connection) -> None:
+            writes = connection.get_execution_options().get("writes", False)
+            connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+
+        return engine
+
+    def as_list(self, values: list[int]) -> str:
+        return orjson.dumps(values).decode()
+
+    @contextmanager
+    def writing(self) -> Iterator[Connection]:
+        with self._writer, self.engine.connect().execution_options(writes=True) as connection, connection.begin():
+            yield connection
+
+    @contextmanager
+    def reading(self) -> Iterator[Connection]:
+        with self.engine.connect() as connection, connection.begin():
+            yield connection
+
+    def order_commits(self, connection: Connection) -> None:
+        """Nothing to do: BEGIN IMMEDIATE already holds the one write lock."""
+
+    def insert(
+        self, connection: Connection, table: Table, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]]
+    ) -> None:
+        # The driver's own executemany: SQLAlchemy's handling of parameters takes three times as long as SQLite.
+        connection.exec_driver_sql(_insertion(table.name, names), rows)
+
+    def insert_one(self, connection: Connection, table: Table, row: dict[str, Any]) -> int:
+        # The driver itself, as above.
+        driver: Any = connection.connection.driver_connection
+        if table.name in RETIRING:
+            row = {"id": driver.execute(_next_key(table.name)).fetchone()[0], **row}
+        return int(driver.execute(_insertion(table.name, tuple(row)), tuple(row.values())).lastrowid)
+
+    def retire_keys(self, connection: Connection) -> None:
+        for table in RETIRING:
+            # SQLite gives the number behind the highest that there is.
+            last = f"SELECT '{LAST}{table}', ({_next_key(table)}) - 1"
+            connection.exec_driver_sql(f"INSERT OR REPLACE INTO store (name, value) {last}")
+
+    def size(self, connection: Connection) -> dict[str, int]:
+        pages = connection.execute(text("SELECT page_count * page_size FROM pragma_page_count, pragma_page_size"))
+        uploads = connection.execute(
+            text("SELECT COALESCE(SUM(pgsize), 0) FROM dbstat WHERE name = 'upload_block'")
+            if _has_dbstat(connection)
+            else text("SELECT COALESCE(SUM(LENGTH(data)), 0) FROM upload_block")
+        )
+        return {"total": int(pages.scalar_one()), "uploads": int(uploads.scalar_one())}
+
+    def erase_what_goes(self, connection: Connection) -> None:
+        # It holds for the connection, whose next user loses nothing by it but a little time.
+        connection.exec_driver_sql("PRAGMA secure_delete=ON")
+
+    def settle(self) -> None:
+        # The log holds pages as they were: it is emptied, unless somebody reads an old state just now.
+        with self.engine.connect() as connection:
+            driver: Any = connection.connection.driver_connection
+            driver.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
+
+    @property
+    def file(self) -> Path | None:
+        name = self.engine.url.database
+        return Path(name) if name and name != ":memory:" else None
+
+    def compaction(self) -> Compaction:
+        with self.engine.connect() as connection:
+            size, free, pages, kind = (
+                int(connection.exec_driver_sql(f"PRAGMA {name}").scalar_one())
+                for name in ("page_size", "freelist_count", "page_count", "auto_vacuum")
+            )
+        whole = kind != INCREMENTAL
+        return Compaction(size * free, size * (pages - free) * 2 if whole else 0, whole)
+
+    def compact(self, progress: Callable[[int], None]) -> None:
+        if self.compaction().stops_writers:
+            with self._writer, self.engine.connect() as connection:
+                driver: Any = connection.connection.driver_connection
+                # From then on, pages can be given back some at a time.
+                driver.execute("PRAGMA auto_vacuum=INCREMENTAL")
+                driver.execute("VACUUM")
+        else:
+            while free := self.compaction().bytes:
+                progress(free)
+                with self.writing() as connection:
+                    driver = connection.connection.driver_connection
+                    # Of several pages the driver would free the first one alone.
+                    for _ in range(min(PAGES_AT_A_TIME, free // PAGE_BYTES + 1)):
+                        driver.execute("PRAGMA incremental_vacuum(1)")
+        self.settle()
+
+    def is_full(self, error: BaseException | None) -> bool:
+        # The second is what opening a store meets: the file beside it that connections share cannot grow.
+        code = getattr(error, "sqlite_errorcode", None)
+        return isinstance(error, sqlite3.Error) and code in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR_SHMSIZE)
+
+    def is_clash(self, error: BaseException | None) -> bool:
+        # There is one writer at a time.
+        return False
+
+    def is_away(self, error: BaseException | None) -> bool:
+        # Another process writes for longer than anybody waits. The low byte is the kind.
+        code = getattr(error, "sqlite_errorcode", None) or 0
+        return isinstance(error, sqlite3.Error) and code & 0xFF in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
+
+    def is_damaged(self, error: BaseException | None) -> bool:
+        code = getattr(error, "sqlite_errorcode", None)
+        return isinstance(error, sqlite3.Error) and code in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
+
+    def faults(self, connection: Connection) -> Iterator[str]:
+        for (said,) in connection.exec_driver_sql("PRAGMA integrity_check"):
+            if said != "ok":
+                yield f"SQLite: {said}"
+        for table, *_ in connection.exec_driver_sql("PRAGMA foreign_key_check"):
+            yield f"SQLite: a row of {table} refers to one that is not there"
+
+    def last_keys(self, connection: Connection) -> dict[str, int]:
+        return {table: connection.exec_driver_sql(f"{_next_key(table)} - 1").scalar_one() for table in RETIRING}
+
+    def after_copy(self, connection: Connection, last: dict[str, int]) -> None:
+        # SQLite numbers on from the greatest key by itself.
+        for table in RETIRING:
+            connection.exec_driver_sql(
+                "INSERT OR REPLACE INTO store (name, value) VALUES (?, ?)", (f"{LAST}{table}", str(last.get(table, 0)))
+            )
+
+
+def _make_private(path: str) -> None:
+    """Let only their owner read the files of a store. The log and its index get the mode of the store."""
+    if not path or path == ":memory:" or path.startswith("file:"):
+        return
+    # Before SQLite opens it: there is no moment at which others can. A file that is there must not be opened here: to
+    # close it again would let go of the locks that SQLite holds on it in this process.
+    with suppress(OSError):
+        os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_RDWR, PRIVATE))
+    with suppress(OSError):
+        for name in (path, f"{path}-wal", f"{path}-shm"):
+            if os.path.exists(name) and os.stat(name).st_mode & 0o077:
+                os.chmod(name, PRIVATE)
+
+
+@cache
+def _next_key(table: str) -> str:
+    retired = f"SELECT CAST(value AS INTEGER) FROM store WHERE name = '{LAST}{table}'"
+    return f"SELECT MAX(COALESCE((SELECT MAX(id) FROM {table}), 0), COALESCE(({retired}), 0)) + 1"
+
+
+@cache
+def _insertion(table: str, names: tuple[str, ...]) -> str:
+    places = ", ".join("?" * len(names))
+    quoted = ", ".join(f'"{name}"' for name in names)
+    return f'INSERT INTO "{table}" ({quoted}) VALUES ({places})'
+
+
+def _has_dbstat(connection: Connection) -> bool:
+    options = connection.execute(text("PRAGMA compile_options")).scalars()
+    return "ENABLE_DBSTAT_VTAB" in set(options)

@@ -1,0 +1,50 @@
+"""What all tables share: names of constraints, types of columns, and two numbers that rows are made of."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sqlalchemy import BigInteger, Column, Integer, MetaData, String
+
+from mcml.motion.skeleton import CHANNELS
+
+CHUNK = 256
+"""Frames in one track row."""
+
+CURRENT = 2**63 - 1
+"""`to_commit` of rows that no later commit has closed."""
+
+NAME = String(1024).with_variant(String(1024, collation="C"), "postgresql")
+"""Names compare by code point in every database, as XPath's string comparison does."""
+
+KEY = BigInteger().with_variant(Integer, "sqlite")
+"""SQLite numbers rows by itself only in a column typed INTEGER."""
+
+CHANNEL_ENDS = tuple(f"{end}_{channel}" for channel in CHANNELS for end in ("min", "max"))
+"""Columns of a zone map, in order."""
+
+
+def checksum(name: str = "checksum") -> Column[int]:
+    """Of what a row means (`mcml_service.storage.core.seals`)."""
+    return Column(name, BigInteger)
+
+
+COVERED = "covered"
+
+
+def covered(*columns: str, last: type[bytes | bool] | None = None) -> dict[str, Any]:
+    """What a table says of itself: which columns the checksum of a row covers, in this order.
+
+    last: the type of the last one's values, where JSON has none for them, or databases have several.
+    """
+    return {COVERED: (columns, last)}
+
+
+metadata = MetaData(
+    naming_convention={
+        "ix": "ix_%(table_name)s_%(column_0_N_name)s",
+        "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+        "fk": "fk_%(table_name)s_%(column_0_N_name)s",
+        "pk": "pk_%(table_name)s",
+    }
+)

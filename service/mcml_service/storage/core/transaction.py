@@ -1,0 +1,189 @@
+"""A transaction on one connection: statements, rows compared with their checksums, the number of its commit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, Final, Self
+
+from sqlalchemy import (
+    ClauseElement,
+    Connection,
+    CursorResult,
+    Table,
+    func,
+    select,
+)
+from sqlalchemy.sql import ColumnElement
+
+from mcml.errors import DamageError, StoreError
+from mcml_service.storage.core import tables
+from mcml_service.storage.core.dialects import Dialect
+from mcml_service.storage.core.identifiers import now
+from mcml_service.storage.core.moments import valid
+from mcml_service.storage.core.schema import CURRENT
+from mcml_service.storage.core.seals import Checked, sealed
+from mcml_service.storage.core.views import WHOLE, View
+from mcml_service.storage.core.words import REMEDY
+
+_NEWEST_COMMIT = select(func.coalesce(func.max(tables.commit.c.number), 0))
+
+MOST_KNOWN = 10_000
+"""Answers of which it is kept that they were compared."""
+
+LATEST = CURRENT - 1
+"""Read at this commit to see what is current."""
+
+
+COMMAND_LINE: Final = "command line"
+"""Where somebody comes from who opens the store itself."""
+
+
+class BaseTransaction:
+    """A read or write transaction on one connection.
+
+    at: the commit whose state is read; `LATEST` by default, and always in write transactions. view: what whoever has it
+    sees and may change. author: whose changes they are. origin: from where they come.
+    """
+
+    def __init__(
+        self,
+        connection: Connection,
+        dialect: Dialect,
+        at: int = LATEST,
+        author: str | None = None,
+        view: View = WHOLE,
+        origin: str = COMMAND_LINE,
+    ) -> None:
+        self.connection = connection
+        self.dialect = dialect
+        self.at = at
+        self.view = view
+        self.origin = origin
+        self._author = author
+        self._commit: int | None = None
+        self._newest: int | None = None
+        self._ordered = False
+        self._gathered: dict[tuple[Table, tuple[str, ...]], list[tuple[Any, ...]]] | None = None
+
+    @property
+    def author(self) -> str:
+        """StoreError in a read transaction."""
+        if self._author is None:
+            raise StoreError("A read transaction cannot write.")
+        return self._author
+
+    def order(self) -> None:
+        """Let no other writer number anything until this transaction has ended."""
+        if not self._ordered:
+            self.dialect.order_commits(self.connection)
+            self._ordered = True
+
+    @property
+    def commit(self) -> int:
+        """The number of this write transaction, taken when first asked for; later writers wait from then on."""
+        # Not a cached_property: before Python 3.12 that holds one lock for all transactions while it computes, and
+        # who waits in it for the database's lock would stop the transaction that has it, for ever.
+        if self._commit is not None:
+            return self._commit
+        author = self.author
+        self.order()
+        newest = self.newest_commit()
+        row = (newest + 1, now(), author)
+        self.dialect.insert(self.connection, tables.commit, *sealed(tables.commit, ("number", "time", "author"), [row]))
+        self._commit = newest + 1
+        return self._commit
+
+    def newest_commit(self) -> int:
+        """The number of the last commit that this transaction sees, 0 in an empty store."""
+        # What a transaction that reads sees does not change.
+        if self._newest is None or self._author is not None:
+            self._newest = int(self.rows(_NEWEST_COMMIT)[0][0])
+        return self._newest
+
+    def valid(self, table: Table) -> ColumnElement[bool]:
+        """The condition that a row of a table with `from_commit` and `to_commit` is valid at `self.at`."""
+        return valid(table, self.at)
+
+    def at_commit(self, commit: int) -> Self:
+        """The same transaction, reading the state of an earlier commit."""
+        return type(self)(self.connection, self.dialect, commit, self._author, self.view, self.origin)
+
+    def run(self, statement: ClauseElement, values: dict[str, Any] | None = None) -> CursorResult[Any]:
+        """Execute a statement that the program makes once. Lists among the values are for `OneOf`."""
+        return self.dialect.run(self.connection, statement, values or {})
+
+    def rows(self, statement: ClauseElement, values: dict[str, Any] | None = None) -> list[tuple[Any, ...]]:
+        """What a statement that the program makes once reads. Lists among the values are for `OneOf`."""
+        return self.dialect.rows(self.connection, statement, values or {})
+
+    def checked(self, statement: Checked, values: dict[str, Any]) -> Sequence[tuple[Any, ...]]:
+        """As `rows`, each row compared with its checksum. DamageError for the first that has another."""
+        found, damaged = statement.check(self.rows(statement.statement, values))
+        if damaged is not None:
+            raise self.damage(*damaged)
+        return found
+
+    def checked_again(self, statement: Checked, values: dict[str, Any]) -> Sequence[tuple[Any, ...]]:
+        """As `checked`, for a statement that is often asked and reads the same many rows: what this process has
+        compared before is not compared again."""
+        rows = self.rows(statement.plain, values)
+        mark = hash((id(statement), tuple(rows)))
+        known = self.dialect.known_sound
+        if mark not in known:
+            rows = list(self.checked(statement, values))
+            if len(known) >= MOST_KNOWN:
+                known.clear()
+            known.add(mark)
+        return rows
+
+    def checked_once(self, statement: Checked, values: dict[str, Any] | None = None) -> Sequence[tuple[Any, ...]]:
+        """As `checked`, for a statement that is not made once."""
+        found, damaged = statement.check([tuple(row) for row in self.connection.execute(statement.statement, values)])
+        if damaged is not None:
+            raise self.damage(*damaged)
+        return found
+
+    def damage(self, table: Table, row: tuple[Any, ...]) -> DamageError:
+        """The error for a row that has not its checksum. row: what its seal reads."""
+        return DamageError(f"The store is damaged: a row of {table.name!r}.", remedy=REMEDY)
+
+    def insert_row(self, table: Table, **values: Any) -> int:
+        """Insert one row and answer the key it got."""
+        names, rows = sealed(table, tuple(values), [tuple(values.values())])
+        return self.dialect.insert_one(self.connection, table, dict(zip(names, rows[0], strict=True)))
+
+    def insert_rows(self, table: Table, rows: list[dict[str, Any]]) -> None:
+        """Insert rows that have the same columns."""
+        if rows:
+            names = tuple(rows[0])
+            self.insert_tuples(table, names, [tuple(row[name] for name in names) for row in rows])
+
+    def insert_tuples(self, table: Table, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]]) -> None:
+        """Insert rows that hold the values of these columns."""
+        if not rows:
+            return
+        if self._gathered is None:
+            self.dialect.insert(self.connection, table, *sealed(table, names, rows))
+        else:
+            self._gathered.setdefault((table, names), []).extend(rows)
+
+    @contextmanager
+    def gathering(self) -> Iterator[None]:
+        """What many rows are given meanwhile is written at the end, one statement a table.
+
+        A statement takes as long as some ten rows. Until then nothing that is read holds these rows; `insert_row`
+        inserts at once, so that they may refer to its keys.
+        """
+        self._gathered = {}
+        try:
+            yield
+            self.write_gathered()
+        finally:
+            self._gathered = None
+
+    def write_gathered(self) -> None:
+        """Write what waits, for a read that must see it."""
+        waiting, self._gathered = self._gathered or {}, None if self._gathered is None else {}
+        for (table, names), rows in waiting.items():
+            self.dialect.insert(self.connection, table, *sealed(table, names, rows))

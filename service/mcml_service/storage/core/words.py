@@ -1,0 +1,62 @@
+"""What a database refuses, in words of ours: without its statements, which no user wrote."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import TimeoutError as PoolTimeout
+
+from mcml.errors import (
+    ClashError,
+    ConflictError,
+    DamageError,
+    DocumentError,
+    SpaceError,
+    StoreError,
+    UnavailableError,
+)
+from mcml_service.storage.core.dialects import Dialect
+
+REMEDY = "Run `mcml db check`, and restore the document from a backup or its file."
+
+
+def damage(whose: str, what: str) -> DamageError:
+    """The error for something that is not what was written."""
+    return DamageError(f"{whose} is damaged in the store: {what}.", remedy=REMEDY)
+
+
+@contextmanager
+def in_words(dialect: Dialect) -> Iterator[None]:
+    """What the database refuses, as errors of ours: without its statements, which no user wrote."""
+    # Bulk inserts go to the driver itself, whose errors nobody has wrapped.
+    driver = dialect.engine.dialect.loaded_dbapi
+    try:
+        yield
+    except PoolTimeout as error:
+        raise UnavailableError("All connections to the store are in use.", remedy="Try again soon.") from error
+    except UnicodeDecodeError as error:
+        # The driver meets texts that are none, even in its own messages.
+        raise DamageError("The store is damaged: a text cannot be read.", remedy=REMEDY) from error
+    except (DBAPIError, driver.Error) as error:
+        cause = error.orig if isinstance(error, DBAPIError) else error
+        if isinstance(cause, driver.DataError):
+            raise DocumentError(
+                "The database cannot hold or compare a value of this request.",
+                remedy="Look for NUL and for long names.",
+            ) from error
+        if isinstance(cause, driver.IntegrityError):
+            raise ConflictError("Another write came in between.", remedy="Repeat the request.") from error
+        if dialect.is_full(cause):
+            raise SpaceError from error
+        if dialect.is_clash(cause):
+            raise ClashError from error
+        if dialect.is_away(cause):
+            raise UnavailableError("The store cannot be reached now.", remedy="Try again soon.") from error
+        said = str(cause).strip().split("\n")[0]
+        if dialect.is_damaged(cause):
+            raise DamageError(f"The store is damaged: {said}.", remedy=REMEDY) from error
+        raise StoreError(
+            f"The store does not answer: {said}", remedy="Check its address, the disk and your rights."
+        ) from error

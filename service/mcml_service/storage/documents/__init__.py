@@ -1,0 +1,1 @@
+"""Documents: their heads, tracks, labels, files and what is derived of them."""

@@ -1,0 +1,119 @@
+"""Bodies of documents in space, by the revision that they are of: where joints are, and what is known of the clip. They
+can be derived again at any time; what is damaged counts as not there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import orjson
+from sqlalchemy import BigInteger, and_, bindparam, delete, exists, select
+
+from mcml_service.storage.core.lists import OneOf
+from mcml_service.storage.core.moments import there
+from mcml_service.storage.core.seals import checked
+from mcml_service.storage.core.tables import body, content, document, revision
+from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.documents.shown import Shown, moves
+
+_ROWS = checked(
+    select(body.c.document, body.c.revision, body.c.block, body.c.facts, body.c.data)
+    .where(OneOf(body.c.document, "keys"))
+    .order_by(body.c.document, body.c.revision, body.c.block),
+    body,
+)
+
+_SHOWN = Shown(body)
+
+_KEPT = (
+    select(body.c.document)
+    .where(body.c.document == document.c.id, body.c.block == 0, body.c.facts.like(bindparam("made")))
+    .where(~exists().where(revision.c.document == body.c.document, revision.c.number > body.c.revision, moves()))
+    .exists()
+)
+_WITHOUT = select(document.c.id).where(there(), ~_KEPT)
+
+
+_OF_SKELETON = (
+    select(body.c.facts)
+    .join(content, content.c.document == body.c.document)
+    .where(content.c.skeleton == bindparam("skeleton", type_=BigInteger), body.c.block == 0)
+    .order_by(body.c.document, body.c.revision)
+    .limit(bindparam("most", type_=BigInteger))
+)
+
+
+class AtRevision(Protocol):
+    """A document at one revision."""
+
+    @property
+    def key(self) -> int: ...
+
+    @property
+    def revision(self) -> int: ...
+
+
+@dataclass(frozen=True)
+class StoredBody:
+    """facts: plain values for JSON. blocks: as `steps.pack` makes them."""
+
+    facts: dict[str, Any]
+    blocks: tuple[bytes, ...]
+
+
+class Bodies:
+    def __init__(self, tx: BaseTransaction) -> None:
+        self._tx = tx
+
+    def add(self, made: Sequence[tuple[AtRevision, StoredBody]]) -> None:
+        """Keep bodies of revisions, in the place of what was kept of them."""
+        # Another process may derive the same: who waits for it finds what it made.
+        self._tx.dialect.order_commits(self._tx.connection)
+        there = _SHOWN.of(self._tx, {one.key: one.revision for one, _ in made})
+        for one, _ in made:
+            if one.key in there:
+                mine = and_(body.c.document == one.key, body.c.revision == one.revision)
+                self._tx.connection.execute(delete(body).where(mine))
+        rows = [
+            (one.key, one.revision, place, "" if place else orjson.dumps(found.facts).decode(), data)
+            for one, found in made
+            for place, data in enumerate(found.blocks)
+        ]
+        self._tx.insert_tuples(body, ("document", "revision", "block", "facts", "data"), rows)
+
+    def of(self, documents: Sequence[AtRevision]) -> dict[int, StoredBody]:
+        """By the keys of documents: their bodies at these revisions, as far as there are any."""
+        numbers = _SHOWN.of(self._tx, {stored.key: stored.revision for stored in documents})
+        if not numbers:
+            return {}
+        rows, _ = _ROWS.check(self._tx.rows(_ROWS.statement, {"keys": list(numbers)}))
+        facts: dict[int, dict[str, Any]] = {}
+        blocks: dict[int, list[bytes]] = {}
+        for key, number, place, told, data in rows:
+            if numbers[key] == number and place == len(blocks.setdefault(key, [])):
+                blocks[key].append(bytes(data))
+                if place == 0:
+                    facts[key] = orjson.loads(told)
+        whole = [key for key, told in facts.items() if told["blocks"] == len(blocks[key])]
+        return {key: StoredBody(facts[key], tuple(blocks[key])) for key in whole}
+
+    def facts_of_skeleton(self, skeleton_key: int, most: int) -> list[dict[str, Any]]:
+        """The facts of the first bodies of clips that have, or had, a skeleton."""
+        rows = self._tx.rows(_OF_SKELETON, {"skeleton": skeleton_key, "most": most})
+        return [orjson.loads(row[0]) for row in rows]
+
+    def missing(self, documents: Sequence[AtRevision], made: int) -> list[int]:
+        """The keys of those that have none that is sound and was made in this way."""
+        there = self.of(documents)
+        return [one.key for one in documents if one.key not in there or there[one.key].facts["made"] != made]
+
+    def without(self, made: int) -> list[int]:
+        """The keys of all documents that have none that was made in this way, sound or not."""
+        # Their facts end with it (`Body.facts`): databases read JSON each in a way of its own.
+        rows = self._tx.rows(_WITHOUT, {"at": self._tx.at, "made": f'%"made":{made}}}'})
+        return [row[0] for row in rows]
+
+    def forget(self, document_key: int, before: int) -> None:
+        """Remove the bodies of revisions before one."""
+        self._tx.connection.execute(delete(body).where(and_(body.c.document == document_key, body.c.revision < before)))

@@ -1,0 +1,387 @@
+"""Documents and their revisions: what exists, since when, in which state."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, fields
+from functools import cache
+from typing import Any
+
+import zstandard
+from sqlalchemy import bindparam, delete, func, select, update
+
+from mcml.errors import NotFoundError
+from mcml_service.storage.core.identifiers import new_uuid, stored_form
+from mcml_service.storage.core.lists import OneOf
+from mcml_service.storage.core.moments import imported, there
+from mcml_service.storage.core.schema import CURRENT, metadata
+from mcml_service.storage.core.seals import SEALS, Checked, checked, closing
+from mcml_service.storage.core.tables import content, document, property_, revision
+from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.core.views import seen
+from mcml_service.storage.core.words import damage
+from mcml_service.storage.documents.damage import named
+from mcml_service.storage.documents.selected import all_documents, one_document
+from mcml_service.storage.documents.uploads import LEASE_SECONDS
+from mcml_service.storage.lists.filtering import DocumentFilter, chosen
+from mcml_service.storage.lists.orders import Order, Place, ordered, value_in
+from mcml_service.storage.projects.activity import Activity
+from mcml_service.storage.projects.terms import ProjectTerms
+
+# Made once: to build a statement takes four times as long as to run it.
+_WHOLE = checked(
+    select(*(document.c[name] for name in SEALS[document].columns)).where(document.c.id == bindparam("key")), document
+)
+_IMPORTING = update(document).where(document.c.id == bindparam("key"), document.c.state == "importing")
+_RENEW = _IMPORTING.values(lease=bindparam("until"))
+_MADE = ("document", "number", "commit", "parent", "operation", "message")
+_BEGUN = select(document.c.uuid, document.c.name, document.c.format).where(document.c.id == bindparam("key"))
+_COUNT = select(func.count()).select_from(document).where(there())
+_PROJECT = select(document.c.project).where(document.c.id == bindparam("key"))
+_NAMED = select(document.c.name, document.c.project).where(document.c.id == bindparam("key"))
+_PUBLISH = _IMPORTING.values(
+    state="ready",
+    lease=None,
+    created_commit=bindparam("commit"),
+    next_slot=bindparam("slot"),
+    receipt=bindparam("packed"),
+    checksum=bindparam("sum"),
+)
+
+
+FEW = 1000
+"""Documents that are looked for one by one; of more, all are read."""
+
+
+@dataclass(frozen=True)
+class StoredDocument:
+    """A document at one revision.
+
+    key: its number inside the store; uuid: its name outside. frame_time: seconds a frame, as written.
+    data_rate: frames a second, where the header states them.
+    """
+
+    key: int
+    uuid: str
+    project: str
+    project_key: int
+    name: str
+    format: str
+    version: str
+    skeleton: int
+    frames: int
+    frame_time: str | None
+    data_rate: str | None
+    intact: bool
+    revision: int
+    created: str
+    modified: str
+    next_slot: int
+
+    @property
+    def seconds_per_frame(self) -> float | None:
+        """From the frame time, else from the header's rate; None where neither says anything usable."""
+        if self.frame_time is not None:
+            return float(self.frame_time) if float(self.frame_time) > 0 else None
+        if self.data_rate is not None and float(self.data_rate) > 0:
+            return 1.0 / float(self.data_rate)
+        return None
+
+
+class Documents:
+    def __init__(self, tx: BaseTransaction, activity: Activity, terms: ProjectTerms) -> None:
+        self._tx = tx
+        self._activity = activity
+        self._terms = terms
+
+    def at(self, commit: int) -> Documents:
+        """The same as they were at an earlier commit."""
+        return Documents(self._tx.at_commit(commit), self._activity, self._terms)
+
+    def with_property(self, name: str, beginning: str) -> list[tuple[str, str]]:
+        """(uuid, first 80 characters of the text) of documents with a property whose text begins so."""
+        start = func.substr(property_.c.text, 1, 80)
+        query = select(document.c.uuid, start).join(property_, property_.c.document == document.c.id)
+        having = query.where(
+            seen(self._tx.view), property_.c.name == name, start.startswith(beginning, autoescape=True)
+        )
+        return [(row[0], row[1]) for row in self._tx.connection.execute(having)]
+
+    def begin(self, project_key: int, name: str, format_name: str) -> tuple[int, str]:
+        """A document in state "importing", which no read sees. Returns (key, uuid). AccessError."""
+        self._terms.require(project_key)
+        uuid = new_uuid()
+        row = {
+            "uuid": uuid,
+            "project": project_key,
+            "state": "importing",
+            "lease": time.time() + LEASE_SECONDS,
+            "name": stored_form(name),
+            "format": format_name,
+            "deleted_commit": CURRENT,
+            "next_slot": 0,
+            "receipt": b"",
+        }
+        return self._tx.insert_row(document, **row), uuid
+
+    def renew_lease(self, key: int) -> None:
+        """Say that the import goes on; NotFoundError where it was swept away."""
+        if self._tx.run(_RENEW, {"key": key, "until": time.time() + LEASE_SECONDS}).rowcount != 1:
+            raise _swept()
+
+    def publish(self, key: int, name: str, project_key: int, *, next_slot: int, receipt: str, message: str) -> None:
+        """Make an imported document visible, as revision 1 of this transaction's commit. name, project_key: its own."""
+        number = self._tx.commit
+        begun = self._tx.rows(_BEGUN, {"key": key})
+        if not begun:
+            raise _swept()
+        uuid, begun_as, format_name = begun[0]
+        row = (uuid, project_key, "ready", begun_as, format_name, number, CURRENT, next_slot)
+        values = {"key": key, "commit": number, "slot": next_slot, "packed": _packed(receipt)}
+        values["sum"] = SEALS[document].of(row)
+        if self._tx.dialect.changed(self._tx.connection, _PUBLISH, values) != 1:
+            raise _swept()
+        made = (key, 1, number, None, "import", message, stored_form(name), project_key)
+        self._tx.insert_tuples(revision, (*_MADE, "name", "project"), [made])
+        self._activity.note("document", "import", project_key=project_key, document=uuid, revision=1)
+        self._terms.require_room(project_key)
+
+    def write_content(
+        self,
+        key: int,
+        from_commit: int,
+        *,
+        skeleton: int,
+        version: str,
+        frames: int,
+        frame_time: str | None,
+        intact: bool,
+    ) -> None:
+        """Set the values that a document has once a revision; the last call in a transaction wins. What they are
+        already is not written again: an edit of one value after another touches three pages less."""
+        values = {
+            "skeleton": skeleton,
+            "version": version,
+            "frames": frames,
+            "frame_time": frame_time,
+            "intact": intact,
+        }
+        if from_commit:
+            current = (content.c.document == key, content.c.to_commit == CURRENT)
+            held = self._tx.connection.execute(select(content).where(*current)).mappings().one_or_none()
+            if held is not None and all(held[name] == value for name, value in values.items()):
+                return
+            self._tx.connection.execute(delete(content).where(*current, content.c.from_commit == from_commit))
+            self._tx.connection.execute(update(content).where(*current).values(closing(content, from_commit)))
+        self._tx.insert_rows(content, [{"document": key, "from_commit": from_commit, "to_commit": CURRENT, **values}])
+
+    def add_revision(self, stored: StoredDocument, operation: str, message: str = "") -> int:
+        """Note that this transaction made a revision; returns its number. The caller checked `stored` is newest.
+        AccessError for who may not change the document."""
+        self.require(stored.key)
+        number = stored.revision + 1
+        values = (stored.key, number, self._tx.commit, stored.revision, operation, message)
+        (named,) = self._tx.rows(_NAMED, {"key": stored.key})
+        self._tx.insert_tuples(revision, (*_MADE, "name", "project"), [(*values, *named)])
+        about = {"project_key": named[1], "document": stored.uuid, "revision": number}
+        self._activity.note("document", operation, **about)
+        return number
+
+    def require(self, key: int) -> None:
+        """AccessError unless one may change a document."""
+        self._terms.require(self._project(key))
+
+    def require_room(self, key: int) -> None:
+        """ConflictError where the project of a document holds more than it may."""
+        self._terms.require_room(self._project(key))
+
+    def _project(self, key: int) -> int:
+        """The project that a document is in now."""
+        return int(self._tx.rows(_PROJECT, {"key": key})[0][0])
+
+    def seen(self) -> frozenset[int] | None:
+        """Keys of the documents that are seen, None for all."""
+        if self._tx.view.is_whole:
+            return None
+        return frozenset(self._tx.connection.execute(select(document.c.id).where(seen(self._tx.view))).scalars())
+
+    def lock(self, key: int) -> None:
+        """Let no other transaction change this document until this one ends."""
+        self._tx.connection.execute(select(document.c.id).where(document.c.id == key).with_for_update())
+
+    def find(self, uuid: str, *, deleted: bool = False) -> StoredDocument | None:
+        """The document as it is at the transaction's commit; `deleted` lets a deleted one be found."""
+        statement = one_document(past=self._past, deleted=deleted)
+        rows = self._tx.checked(statement, {"uuid": uuid, "at": self._tx.at})
+        found = _stored(rows[0]) if rows else None
+        if found is None or self._tx.view.is_whole:
+            return found
+        # Of the past too it is the project of now that decides.
+        return found if self._tx.view.shows(uuid, self._project(found.key)) else None
+
+    def get(self, uuid: str, *, deleted: bool = False) -> StoredDocument:
+        """As `find`; NotFoundError where there is none."""
+        found = self.find(uuid, deleted=deleted)
+        if found is None:
+            raise NotFoundError(f"There is no document {uuid}.", remedy="List the documents to see their ids.")
+        return found
+
+    @property
+    def _past(self) -> bool:
+        """Whether a state before the newest is read."""
+        return self._tx.at < CURRENT - 1
+
+    def page(
+        self,
+        wanted: DocumentFilter,
+        *,
+        after: Place | None = None,
+        limit: int,
+        order: Order = Order(),  # frozen
+        offset: int = 0,
+    ) -> list[StoredDocument]:
+        """Documents in an order, those behind a place, without the first `offset`."""
+        return self.told([place.key for place in self.places(wanted, order, after, limit, offset)])
+
+    def places(self, wanted: DocumentFilter, order: Order, after: Place | None, limit: int, offset: int) -> list[Place]:
+        """Where the same stand."""
+        # Which ones first: to ask what is told of all, before they are put in order, takes most of the time.
+        value = value_in(order.column, self._tx)
+        query = ordered(chosen(value, wanted, self._tx), value, order, after)
+        query = query.add_columns(document.c.name, document.c.id).limit(limit).offset(offset)
+        return [Place(*row) for row in self._tx.connection.execute(query)]
+
+    def told(self, keys: list[int]) -> list[StoredDocument]:
+        """What is told of documents, in this order; deleted ones too."""
+        found = self._tx.checked(_told(past=self._past), {"at": self._tx.at, "keys": keys})
+        place = {key: number for number, key in enumerate(keys)}
+        return sorted(map(_stored, found), key=lambda stored: place[stored.key])
+
+    def count(self, wanted: DocumentFilter) -> int:
+        if wanted == DocumentFilter() and self._tx.view.is_whole:
+            # An index alone answers this one.
+            return int(self._tx.rows(_COUNT, {"at": self._tx.at})[0][0])
+        return int(self._tx.connection.execute(chosen(func.count(), wanted, self._tx)).scalar_one())
+
+    def everything(self) -> list[tuple[int, str, str]]:
+        """(key, uuid, name) of all documents whose import was complete, deleted ones too."""
+        query = select(document.c.id, document.c.uuid, document.c.name).where(
+            imported(self._tx.at), seen(self._tx.view)
+        )
+        return [(key, uuid, name) for key, uuid, name in self._tx.connection.execute(query.order_by(document.c.id))]
+
+    def uuids(self, wanted: DocumentFilter) -> list[str]:
+        """Of documents, by name and key."""
+        query = chosen(document.c.uuid, wanted, self._tx).order_by(document.c.name, document.c.id)
+        return list(self._tx.connection.execute(query).scalars())
+
+    def keys_of(self, uuids: Collection[str]) -> list[int]:
+        """Keys of documents whose import was complete, deleted ones too."""
+        if len(uuids) > FEW:
+            return [key for key, uuid, _ in self.everything() if uuid in uuids]
+        query = select(document.c.id).where(document.c.uuid.in_(uuids), imported(self._tx.at), seen(self._tx.view))
+        return sorted(self._tx.connection.execute(query).scalars())
+
+    def receipt(self, key: int) -> str:
+        packed = self._tx.connection.execute(select(document.c.receipt).where(document.c.id == key)).scalar_one()
+        try:
+            return zstandard.ZstdDecompressor().decompress(packed).decode()
+        except (zstandard.ZstdError, UnicodeDecodeError):
+            raise damage(named(self._tx, key), "its receipt") from None
+
+    def rename(self, key: int, name: str) -> None:
+        self._change(key, name=stored_form(name))
+
+    def move(self, key: int, project_key: int) -> None:
+        self.require(key)
+        self._terms.require(project_key)
+        self._change(key, project=project_key)
+        self._terms.require_room(project_key)
+
+    def set_next_slot(self, key: int, slot: int) -> None:
+        self._change(key, next_slot=slot)
+
+    def delete(self, key: int) -> None:
+        """Hide the document from this transaction's commit on; nothing is lost."""
+        self._set_deleted(key, self._tx.commit)
+
+    def undelete(self, key: int) -> None:
+        self._set_deleted(key, CURRENT)
+        self.require_room(key)
+
+    def _set_deleted(self, key: int, number: int) -> None:
+        self._change(key, deleted_commit=number)
+
+    def _change(self, key: int, **values: Any) -> None:
+        """Give the row of a document other values. DamageError where it is not what was written."""
+        (held,) = self._tx.checked(_WHOLE, {"key": key})
+        row = dict(zip(SEALS[document].columns, held, strict=True)) | values
+        self._tx.connection.execute(
+            update(document).where(document.c.id == key).values(**values, checksum=SEALS[document].of((*row.values(),)))
+        )
+
+    def commit_of(self, key: int, number: int) -> int:
+        """The commit that made a revision; NotFoundError."""
+        query = select(revision.c.commit).where(revision.c.document == key, revision.c.number == number)
+        found = self._tx.checked_once(checked(query, revision))
+        if not found:
+            kept = self._tx.connection.execute(
+                select(func.min(revision.c.number), func.max(revision.c.number)).where(revision.c.document == key)
+            ).one()
+            pruned = kept[0] is not None and 1 <= number < kept[0]
+            what = f"Revision {number} was pruned: those from {kept[0]} on are kept."
+            raise NotFoundError(
+                what if pruned else f"The document has no revision {number}.", remedy="List its revisions."
+            )
+        return int(found[0][0])
+
+    def remove_broken_imports(self, lease_before: float) -> int:
+        """Delete all rows of imports that never became visible and whose lease has ended."""
+        query = select(document.c.id).where(document.c.state == "importing", document.c.lease < lease_before)
+        keys = list(self._tx.connection.execute(query).scalars())
+        self._remove(keys)
+        return len(keys)
+
+    def set_state(self, key: int, state: str) -> None:
+        self._change(key, state=state)
+
+    def remove_purged(self, key: int) -> None:
+        """Delete all rows of a document that is being purged."""
+        query = select(document.c.id).where(document.c.state == "purging", document.c.id == key)
+        self._remove(list(self._tx.connection.execute(query).scalars()))
+
+    def remove_import(self, key: int) -> None:
+        """Delete all rows of an import that failed; those of a document that is ready stay."""
+        query = select(document.c.id).where(document.c.state == "importing", document.c.id == key)
+        self._remove(list(self._tx.connection.execute(query).scalars()))
+
+    def _remove(self, keys: list[int]) -> None:
+        for key in keys:
+            for table in reversed(metadata.sorted_tables):
+                if "document" in table.c and table is not document:
+                    self._tx.connection.execute(delete(table).where(table.c.document == key))
+            self._tx.connection.execute(delete(document).where(document.c.id == key))
+
+
+@cache
+def _told(*, past: bool) -> Checked:
+    return checked(all_documents(past=past), document, content).where(OneOf(document.c.id, "keys"))
+
+
+def _swept() -> NotFoundError:
+    return NotFoundError("The import took too long and was swept away.", remedy="Import the file again.")
+
+
+def _packed(receipt: str) -> bytes:
+    return zstandard.ZstdCompressor(level=3, write_checksum=True).compress(receipt.encode())
+
+
+_INTACT = [field.name for field in fields(StoredDocument)].index("intact")
+
+
+def _stored(row: Sequence[Any]) -> StoredDocument:
+    values = list(row)
+    # SQLite has no type of its own for it.
+    values[_INTACT] = bool(values[_INTACT])
+    return StoredDocument(*values)

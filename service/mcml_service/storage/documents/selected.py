@@ -1,0 +1,90 @@
+"""Which documents there are `at` a commit, and what is told of them: statements that are made once."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+from sqlalchemy import Select, and_, bindparam, func, select
+
+from mcml_service.storage.core.moments import AT, imported, there, valid
+from mcml_service.storage.core.seals import Checked, checked
+from mcml_service.storage.core.tables import commit, content, document, header, project, revision
+
+_NEWEST = (
+    select(func.max(revision.c.number))
+    .where(revision.c.document == document.c.id, revision.c.commit <= AT)
+    .scalar_subquery()
+)
+
+
+@cache
+def one_document(*, past: bool, deleted: bool) -> Checked:
+    """The document of a `uuid`. deleted: a deleted one too."""
+    query = all_documents(past=past).where(document.c.uuid == bindparam("uuid"))
+    return checked(query if deleted else query.where(document.c.deleted_commit > AT), document, content)
+
+
+@cache
+def all_documents(*, past: bool) -> Select[Any]:
+    """All documents whose import was complete, deleted ones too, in the columns of `StoredDocument`.
+
+    past: the commit may not be the newest.
+    """
+    rate = (
+        select(header.c.text)
+        .where(header.c.document == document.c.id, header.c.tag == "dataframe_rate", valid(header))
+        .scalar_subquery()
+    )
+    made = select(commit.c.time).where(commit.c.number == document.c.created_commit).scalar_subquery()
+    changed = (
+        select(func.max(commit.c.time))
+        .join(revision, revision.c.commit == commit.c.number)
+        .where(revision.c.document == document.c.id, revision.c.commit <= AT)
+        .scalar_subquery()
+    )
+    source, held = _named(past=past)
+    return (
+        select(
+            document.c.id.label("key"),
+            document.c.uuid,
+            project.c.name.label("project"),
+            project.c.id.label("project_key"),
+            held.c.name.label("name"),
+            document.c.format,
+            content.c.version,
+            content.c.skeleton,
+            content.c.frames,
+            content.c.frame_time,
+            rate.label("data_rate"),
+            content.c.intact,
+            _NEWEST.label("revision"),
+            made.label("created"),
+            changed.label("modified"),
+            document.c.next_slot,
+        )
+        .select_from(source)
+        .join(project, project.c.id == held.c.project)
+        .join(content, and_(content.c.document == document.c.id, valid(content)))
+        .where(imported())
+    )
+
+
+def listed_documents(*, past: bool) -> Select[Any]:
+    """All documents that are there, in the columns of `Listed`. past: as above."""
+    source, held = _named(past=past)
+    about = (document.c.id, document.c.uuid, held.c.name, content.c.version, content.c.skeleton)
+    return (
+        select(*about, content.c.frames, content.c.frame_time, _NEWEST, held.c.project)
+        .select_from(source)
+        .join(content, and_(content.c.document == document.c.id, valid(content)))
+        .where(there())
+    )
+
+
+def _named(*, past: bool) -> tuple[Any, Any]:
+    """Documents, and the table that has their names and projects: of the past only the revision of that time knows."""
+    if not past:
+        return document, document
+    then = revision.alias()
+    return document.join(then, and_(then.c.document == document.c.id, then.c.number == _NEWEST)), then

@@ -1,0 +1,138 @@
+"""Motion names as spans of frames, indexed by name: what makes `//frame[motion_name='…']` cheap."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import BigInteger, bindparam, func, select, update
+
+from mcml_service.storage.core.moments import DOCUMENT, of_document, there, valid
+from mcml_service.storage.core.schema import CURRENT
+from mcml_service.storage.core.seals import checked, closing
+from mcml_service.storage.core.tables import document, project, span
+from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.core.views import seen
+
+
+@dataclass(frozen=True, order=True)
+class StoredSpan:
+    """Frames `first` to `last` (positions from 1, inclusive) carry a motion_name.
+
+    rank: orders the motion_names of one frame. key: the row's number, new with every change.
+    """
+
+    first: int
+    last: int
+    rank: int
+    name: str
+    key: int = 0
+
+
+_VISIBLE = (
+    select(span.c.document, span.c.first, span.c.last)
+    .join(document, document.c.id == span.c.document)
+    .where(valid(span), there())
+    .order_by(span.c.document, span.c.first)
+)
+_NAMED = checked(_VISIBLE.where(span.c.name.in_(bindparam("names", expanding=True))), span)
+_NAMED_IN = _NAMED.where(span.c.document.in_(bindparam("documents", expanding=True)))
+_OF_ONE_NAME = checked(_VISIBLE.where(span.c.name == bindparam("name")), span)
+_OF_ONE_NAME_IN_ONE = _OF_ONE_NAME.where(span.c.document == DOCUMENT)
+_TOUCHING = checked(
+    select(span.c.first, span.c.last, span.c.rank, span.c.name, span.c.id)
+    .where(of_document(span))
+    .where(span.c.last >= bindparam("first", type_=BigInteger), span.c.first <= bindparam("last", type_=BigInteger))
+    .order_by(span.c.first, span.c.rank, span.c.id),
+    span,
+)
+"""Made once: the shortest questions take as long as their statements."""
+
+
+class Spans:
+    def __init__(self, tx: BaseTransaction) -> None:
+        self._tx = tx
+
+    def of(self, document_key: int, first: int = 1, last: int | None = None) -> list[StoredSpan]:
+        """Spans of a document that touch the frames first to last, in order of their first frame and rank."""
+        given = {"document": document_key, "at": self._tx.at, "first": first, "last": CURRENT if last is None else last}
+        return [StoredSpan(*row) for row in self._tx.checked(_TOUCHING, given)]
+
+    def of_many(self, documents: list[int]) -> dict[int, list[tuple[int, int, str]]]:
+        """(first, last, name) of the spans of each document that has some, in order of first frame and rank."""
+        columns = (span.c.document, span.c.first, span.c.last, span.c.name)
+        query = select(*columns).where(span.c.document.in_(documents), self._tx.valid(span))
+        found: dict[int, list[tuple[int, int, str]]] = {}
+        for key, *row in self._tx.checked_once(checked(query.order_by(span.c.first, span.c.rank, span.c.id), span)):
+            found.setdefault(key, []).append((row[0], row[1], row[2]))
+        return found
+
+    def named(self, names: list[str], documents: list[int] | None = None) -> dict[int, list[tuple[int, int]]]:
+        """Ranges (first, last) of frames that carry one of the names, by document key.
+
+        Ranges are ascending and neither overlap nor touch. documents: keys of those that are asked, None for all.
+        """
+        ranges: dict[int, list[tuple[int, int]]] = {}
+        for key, first, last in self._named(names, documents):
+            found = ranges.setdefault(key, [])
+            if found and first <= found[-1][1] + 1:
+                found[-1] = (found[-1][0], max(found[-1][1], last))
+            else:
+                found.append((first, last))
+        return ranges
+
+    def _named(self, names: list[str], documents: list[int] | None) -> Iterable[Any]:
+        # One name, in all documents or one, is what is asked most.
+        if len(names) == 1 and documents is None:
+            return self._tx.checked_again(_OF_ONE_NAME, {"name": names[0], "at": self._tx.at})
+        if len(names) == 1 and documents is not None and len(documents) == 1:
+            given = {"name": names[0], "document": documents[0], "at": self._tx.at}
+            return self._tx.checked_again(_OF_ONE_NAME_IN_ONE, given)
+        query = _NAMED if documents is None else _NAMED_IN
+        narrowed = {} if documents is None else {"documents": documents}
+        return self._tx.checked_once(query, {"names": names, "at": self._tx.at, **narrowed})
+
+    def write(self, document_key: int, rows: list[dict[str, Any]], from_commit: int) -> None:
+        """Add spans ({name, first, last, rank}) that hold from a commit on."""
+        self._tx.insert_rows(
+            span,
+            [row | {"document": document_key, "from_commit": from_commit, "to_commit": CURRENT} for row in rows],
+        )
+
+    def add(self, document_key: int, name: str, first: int, last: int) -> StoredSpan:
+        """A new span, ranked behind all that it overlaps, from this transaction's commit on."""
+        overlapping = self.of(document_key, first, last)
+        rank = max((other.rank for other in overlapping), default=-1) + 1
+        row = {
+            "document": document_key,
+            "from_commit": self._tx.commit,
+            "to_commit": CURRENT,
+            "name": name,
+            "first": first,
+            "last": last,
+            "rank": rank,
+        }
+        return StoredSpan(first, last, rank, name, self._tx.insert_row(span, **row))
+
+    def close(self, keys: list[int]) -> None:
+        """End spans with this transaction's commit."""
+        if keys:
+            self._tx.connection.execute(update(span).where(span.c.id.in_(keys)).values(closing(span, self._tx.commit)))
+
+    def counts(self, project_name: str | None = None) -> list[tuple[str, int, int]]:
+        """(motion name, documents, frames) of every name in use."""
+        query = (
+            select(
+                span.c.name,
+                func.count(span.c.document.distinct()),
+                func.sum(span.c.last - span.c.first + 1),
+            )
+            .join(document, document.c.id == span.c.document)
+            .where(valid(span, self._tx.at), there(self._tx.at), seen(self._tx.view))
+            .group_by(span.c.name)
+            .order_by(span.c.name)
+        )
+        if project_name is not None:
+            query = query.join(project, project.c.id == document.c.project).where(project.c.name == project_name)
+        return [(name, int(documents), int(frames)) for name, documents, frames in self._tx.connection.execute(query)]

@@ -1,0 +1,63 @@
+"""Thumbnails of documents, by the revision that they show. They can be made again at any time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import orjson
+from sqlalchemy import and_, delete, select
+
+from mcml_service.storage.core.seals import checked
+from mcml_service.storage.core.tables import thumbnail
+from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.documents.shown import Shown
+
+if TYPE_CHECKING:
+    from mcml_service.storage.documents.documents import StoredDocument
+
+_SHOWN = Shown(thumbnail)
+
+
+@dataclass(frozen=True)
+class StoredThumbnail:
+    """data: the picture, empty where there is nothing to draw. facts: what was guessed of the clip meanwhile."""
+
+    data: bytes
+    facts: dict[str, Any]
+
+
+class Thumbnails:
+    def __init__(self, tx: BaseTransaction) -> None:
+        self._tx = tx
+
+    def add(self, document_key: int, number: int, data: bytes, facts: dict[str, Any]) -> None:
+        """Keep the picture of a revision."""
+        row = {"document": document_key, "revision": number, "facts": orjson.dumps(facts).decode(), "data": data}
+        self._tx.insert_rows(thumbnail, [row])
+
+    def has(self, document_key: int, number: int) -> bool:
+        query = select(thumbnail.c.revision).where(thumbnail.c.document == document_key, thumbnail.c.revision == number)
+        return self._tx.connection.execute(query).first() is not None
+
+    def of(self, documents: Sequence[StoredDocument]) -> dict[int, StoredThumbnail]:
+        """By the keys of documents: the pictures that show these revisions of them, as far as there are any.
+
+        The newest that is not younger, where no revision since then has changed what is drawn.
+        """
+        numbers = _SHOWN.of(self._tx, {stored.key: stored.revision for stored in documents})
+        # Not pairs of both, for which SQLite would read all pictures of the store.
+        near = and_(thumbnail.c.document.in_(numbers), thumbnail.c.revision.in_(set(numbers.values())))
+        columns = (thumbnail.c.document, thumbnail.c.revision, thumbnail.c.facts, thumbnail.c.data)
+        rows = self._tx.checked_once(checked(select(*columns).where(near), thumbnail)) if numbers else []
+        return {
+            key: StoredThumbnail(bytes(data), orjson.loads(facts))
+            for key, number, facts, data in rows
+            if numbers[key] == number
+        }
+
+    def forget(self, document_key: int, before: int) -> None:
+        """Remove the pictures of revisions before one."""
+        old = and_(thumbnail.c.document == document_key, thumbnail.c.revision < before)
+        self._tx.connection.execute(delete(thumbnail).where(old))

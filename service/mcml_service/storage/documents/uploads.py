@@ -1,0 +1,169 @@
+"""The bytes of uploads, kept as they came: blocks of at most 1 MiB, compressed, equal files once."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import zstandard
+from sqlalchemy import and_, bindparam, delete, func, select, update
+
+from mcml_service.storage.core.seals import checked
+from mcml_service.storage.core.tables import document, document_media, document_upload, upload, upload_block
+from mcml_service.storage.core.transaction import BaseTransaction
+
+BLOCK_BYTES = 1 << 20
+LEASE_SECONDS = 120.0
+"""How long an import may be silent before it counts as broken."""
+
+# Made once: to build a statement takes four times as long as to run it.
+_COMPLETE = (
+    select(upload.c.id)
+    .where(upload.c.sha256 == bindparam("sha256"), upload.c.size == bindparam("size"), upload.c.complete)
+    .limit(1)
+)
+_RENEW = update(upload).where(upload.c.id == bindparam("key")).values(lease=bindparam("until"))
+_PARTS = document_upload.alias()
+_MADE_OF = (
+    select(document.c.uuid)
+    .join(document_upload, document_upload.c.document == document.c.id)
+    .join(upload, upload.c.id == document_upload.c.upload)
+    .where(document_upload.c.part == bindparam("part"), upload.c.sha256 == bindparam("sha256"))
+    # "+ 0": no index. Without statistics SQLite would begin with all documents of the project.
+    .where(document.c.project + 0 == bindparam("project"), document.c.state == "ready")
+    .where(document.c.deleted_commit > bindparam("at"))
+    .where(
+        select(func.count()).select_from(_PARTS).where(_PARTS.c.document == document.c.id).scalar_subquery()
+        == bindparam("parts")
+    )
+)
+_BLOCK = checked(
+    select(upload_block.c.data).where(
+        upload_block.c.upload == bindparam("key"), upload_block.c.number == bindparam("number")
+    ),
+    upload_block,
+)
+_MADE_COMPLETE = update(upload).where(upload.c.id == bindparam("key")).values(complete=True, lease=None)
+
+
+@dataclass(frozen=True)
+class StoredUpload:
+    """A kept file of a document. part: the format's part name."""
+
+    part: str
+    file_name: str
+    size: int
+    sha256: str
+
+
+def compress_block(data: bytes) -> bytes:
+    """One block as it is stored; thread-safe."""
+    return _COMPRESSORS.one.compress(data)
+
+
+class _Compressors(threading.local):
+    """A compressor for each thread: its tables are too large to be made anew for each short file."""
+
+    def __init__(self) -> None:
+        self.one = zstandard.ZstdCompressor(level=1)
+
+
+_COMPRESSORS = _Compressors()
+
+
+class Uploads:
+    def __init__(self, tx: BaseTransaction) -> None:
+        self._tx = tx
+
+    def find(self, sha256: str, size: int) -> int | None:
+        """The key of the complete upload with these bytes, if it is kept already."""
+        found = self._tx.rows(_COMPLETE, {"sha256": sha256, "size": size})
+        return found[0][0] if found else None
+
+    def add(self, sha256: str, size: int, blocks: list[bytes]) -> int:
+        """Store a whole file at once, in compressed blocks, and answer its key."""
+        key = self._tx.insert_row(upload, sha256=sha256, size=size, complete=True, lease=None)
+        self._insert_blocks(key, 0, blocks)
+        return key
+
+    def begin(self, sha256: str, size: int) -> int:
+        """Room for a file that is written in several transactions; `complete` it in the last one."""
+        lease = time.time() + LEASE_SECONDS
+        return self._tx.insert_row(upload, sha256=sha256, size=size, complete=False, lease=lease)
+
+    def add_blocks(self, key: int, first: int, blocks: Iterable[bytes]) -> None:
+        """Append compressed blocks, numbered from `first`, and renew the lease."""
+        self._insert_blocks(key, first, blocks)
+        self._tx.run(_RENEW, {"key": key, "until": time.time() + LEASE_SECONDS})
+
+    def _insert_blocks(self, key: int, first: int, blocks: Iterable[bytes]) -> None:
+        rows = [{"upload": key, "number": first + index, "data": data} for index, data in enumerate(blocks)]
+        self._tx.insert_rows(upload_block, rows)
+
+    def abandon(self, key: int) -> None:
+        """Drop what an import that failed wrote of a file."""
+        unfinished = select(upload.c.id).where(upload.c.id == key, ~upload.c.complete)
+        self._tx.connection.execute(delete(upload_block).where(upload_block.c.upload.in_(unfinished)))
+        self._tx.connection.execute(delete(upload).where(upload.c.id.in_(unfinished)))
+
+    def complete(self, key: int) -> None:
+        self._tx.run(_MADE_COMPLETE, {"key": key})
+
+    def attach(self, document_key: int, part: str, file_name: str, key: int) -> None:
+        row = {"document": document_key, "part": part, "file_name": file_name, "upload": key}
+        self._tx.insert_rows(document_upload, [row])
+
+    def of(self, document_key: int) -> list[StoredUpload]:
+        query = (
+            select(document_upload.c.part, document_upload.c.file_name, upload.c.size, upload.c.sha256)
+            .join(upload, upload.c.id == document_upload.c.upload)
+            .where(document_upload.c.document == document_key)
+            .order_by(document_upload.c.part)
+        )
+        return [StoredUpload(*row) for row in self._tx.connection.execute(query)]
+
+    def twins(self, digests: dict[str, str], project_key: int) -> list[str]:
+        """UUIDs of documents of the project, deleted ones aside, made from exactly these files ({part: sha256})."""
+        self._tx.write_gathered()
+        shared = {"project": project_key, "at": self._tx.at, "parts": len(digests)}
+        candidates: set[str] | None = None
+        for part, sha256 in digests.items():
+            wanted = shared | {"part": part, "sha256": sha256}
+            found = {uuid for (uuid,) in self._tx.rows(_MADE_OF, wanted)}
+            candidates = found if candidates is None else candidates & found
+        return sorted(candidates or ())
+
+    def read(self, document_key: int, part: str) -> Iterator[bytes] | None:
+        """The bytes of a kept file in blocks, or None where it is not kept. DamageError where they are damaged."""
+        query = select(document_upload.c.upload).where(
+            document_upload.c.document == document_key, document_upload.c.part == part
+        )
+        rows = self._tx.checked_once(checked(query, document_upload))
+        return self.blocks(rows[0][0]) if rows else None
+
+    def blocks(self, key: int, number: int = 0) -> Iterator[bytes]:
+        """The bytes of an upload, block by block, from a block on."""
+        while True:
+            rows = self._tx.checked(_BLOCK, {"key": key, "number": number})
+            if not rows:
+                return
+            yield zstandard.ZstdDecompressor().decompress(rows[0][0], max_output_size=BLOCK_BYTES)
+            number += 1
+
+    def forget(self, document_key: int) -> None:
+        """Drop the kept files of a document; exports are then written from the elements."""
+        self._tx.connection.execute(delete(document_upload).where(document_upload.c.document == document_key))
+        self.remove_orphans(0)
+
+    def remove_orphans(self, lease_before: float) -> None:
+        """Delete files that no document names and no running import holds."""
+        orphan = and_(
+            upload.c.id.not_in(select(document_upload.c.upload)), upload.c.id.not_in(select(document_media.c.upload))
+        )
+        query = select(upload.c.id).where(orphan, upload.c.complete | (upload.c.lease < lease_before))
+        keys = list(self._tx.connection.execute(query).scalars())
+        for key in keys:
+            self._tx.connection.execute(delete(upload_block).where(upload_block.c.upload == key))
+            self._tx.connection.execute(delete(upload).where(upload.c.id == key))

@@ -1,0 +1,1 @@
+"""Conditions, orders and counts of lists of documents."""

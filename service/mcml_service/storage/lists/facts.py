@@ -1,0 +1,81 @@
+"""What lists are narrowed and ordered by, of many documents at once: one statement for each kind of fact."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, TypeAlias
+
+from sqlalchemy import Select, and_, case, func, null, or_, select
+
+from mcml_service.storage.core.lists import OneOf
+from mcml_service.storage.core.moments import AT, imported, valid
+from mcml_service.storage.core.tables import content, document, header, project, property_, revision, span
+from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.lists.filtering import IS_SAID, SAID, SHORT, seconds
+
+Row: TypeAlias = tuple[Any, ...]
+
+KEYS_AT_A_TIME = 10_000
+
+
+@dataclass(frozen=True)
+class Facts:
+    """documents: (key, uuid, name, project, format, commit that made it, whether it is there, skeleton, frames, seconds
+    a frame or None, revision, commit of the revision). said: (key, text). named: (key, motion name), each once.
+    having: (key, name, number or None, text, None for one that is long), of properties."""
+
+    documents: list[Row]
+    said: Iterable[Row]
+    named: Iterable[Row]
+    having: Iterable[Row]
+
+
+@cache
+def _statements() -> dict[str, tuple[Select[Any], Select[Any]]]:
+    """Of each kind of fact the statement for all documents, and that for some `keys`."""
+    joined = document.join(project).join(content, and_(content.c.document == document.c.id, valid(content)))
+    about = (document.c.id, document.c.uuid, document.c.name, project.c.name, document.c.format)
+    since = (document.c.created_commit, document.c.deleted_commit > AT, content.c.skeleton, content.c.frames)
+    short = case((func.length(property_.c.text) <= SHORT, property_.c.text), else_=null())
+    facts = (property_.c.document, property_.c.name, property_.c.number, short)
+    newest = select(revision.c.document, func.max(revision.c.number), func.max(revision.c.commit))
+    said = select(header.c.document, SAID).where(IS_SAID, valid(header))
+    short_or_number = or_(func.length(property_.c.text) <= SHORT, property_.c.number.is_not(None))
+    wanted = {
+        "documents": (select(*about, *since, seconds()).select_from(joined).where(imported()), document.c.id),
+        "newest": (newest.where(revision.c.commit <= AT).group_by(revision.c.document), revision.c.document),
+        "said": (said, header.c.document),
+        "named": (select(span.c.document, span.c.name).where(valid(span)).distinct(), span.c.document),
+        "having": (select(*facts).where(short_or_number), property_.c.document),
+    }
+    return {name: (query, query.where(OneOf(key, "keys"))) for name, (query, key) in wanted.items()}
+
+
+_KEYS = select(document.c.id).where(imported())
+
+
+def facts_of(tx: BaseTransaction, keys: Sequence[int] | None = None) -> Facts:
+    """Of documents, of all if no keys are given, whose import was complete; deleted ones too."""
+    newest = {row[0]: row[1:] for row in _rows(tx, "newest", keys)}
+    return Facts(
+        [(*row, *newest[row[0]]) for row in _rows(tx, "documents", keys)],
+        _rows(tx, "said", keys),
+        _rows(tx, "named", keys),
+        _rows(tx, "having", keys),
+    )
+
+
+def _rows(tx: BaseTransaction, kind: str, keys: Sequence[int] | None) -> Iterable[Row]:
+    whole, some = _statements()[kind]
+    if keys is None:
+        yield from tx.rows(whole, {"at": tx.at})
+        return
+    for start in range(0, len(keys), KEYS_AT_A_TIME):
+        yield from tx.rows(some, {"at": tx.at, "keys": list(keys[start : start + KEYS_AT_A_TIME])})
+
+
+def keys_there(tx: BaseTransaction) -> list[int]:
+    """The documents of `facts_of`, all of them."""
+    return [row[0] for row in tx.rows(_KEYS, {"at": tx.at})]

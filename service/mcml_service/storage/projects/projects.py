@@ -1,0 +1,77 @@
+"""Projects."""
+
+from __future__ import annotations
+
+from sqlalchemy import bindparam, select
+
+from mcml.errors import AccessError, NotFoundError
+from mcml_service.storage.core.identifiers import now, stored_form
+from mcml_service.storage.core.tables import project
+from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.core.views import may, seen
+from mcml_service.storage.projects.terms import ProjectTerms
+
+_ALL = select(project.c.name).order_by(project.c.name)
+_BY_NAME = select(project.c.id).where(project.c.name == bindparam("name"))
+
+
+class Projects:
+    def __init__(self, tx: BaseTransaction, terms: ProjectTerms) -> None:
+        self._tx = tx
+        self._terms = terms
+        self._added: dict[str, int] = {}
+
+    def names(self) -> list[str]:
+        """Of those that are seen."""
+        return list(self._tx.connection.execute(_ALL.where(seen(self._tx.view, project.c.id))).scalars())
+
+    def name(self, key: int) -> str:
+        return str(self._tx.connection.execute(select(project.c.name).where(project.c.id == key)).scalar_one())
+
+    def find(self, name: str) -> int | None:
+        """The key of one that is seen."""
+        found = self._key(name)
+        return found if found is not None and self._tx.view.sees(found) else None
+
+    def _key(self, name: str) -> int | None:
+        return self._tx.run(_BY_NAME, {"name": stored_form(name)}).scalar_one_or_none()
+
+    def get(self, name: str) -> int:
+        """The project's key; NotFoundError."""
+        found = self.find(name)
+        if found is None:
+            raise NotFoundError(
+                f"There is no project {name!r}.", remedy="Upload into it to make it, or check the name."
+            )
+        return found
+
+    def get_or_add(self, name: str) -> int:
+        """The key of a project to write into, of a new one where there is none. Asked again in one transaction, it
+        looks no more. AccessError where one may not write there, or make projects."""
+        if name not in self._added:
+            self._added[name] = self._found_or_added(name)
+        return self._added[name]
+
+    def _found_or_added(self, name: str) -> int:
+        found = self._writable(name)
+        if found is not None:
+            return found
+        self._tx.dialect.order_commits(self._tx.connection)
+        found = self._writable(name)
+        if found is not None:
+            return found
+        return self._tx.insert_row(project, name=stored_form(name), created=now())
+
+    def _writable(self, name: str) -> int | None:
+        """The key of one that one may write into, None where there is none and one may make it. AccessError."""
+        found = self._key(name)
+        view = self._tx.view
+        if found is not None and view.sees(found):
+            self._terms.require(found)
+        elif found is not None or not may(view.everywhere, "edit"):
+            # Whether there is one is not told.
+            raise AccessError(
+                f"There is no project {name!r} that you may write into.",
+                remedy="Name one that you are an editor of, or ask an owner for more.",
+            )
+        return found

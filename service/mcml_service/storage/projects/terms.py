@@ -1,0 +1,107 @@
+"""On which terms projects are kept: how much may be in them, and whether they are archived."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import BigInteger, Column, ForeignKey, String, Table, bindparam, delete, func, insert, select
+
+from mcml.errors import AccessError, ConflictError
+from mcml_service.storage.core.moments import there
+from mcml_service.storage.core.schema import metadata
+from mcml_service.storage.core.tables import document, document_media, document_upload, project, upload
+from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.core.views import may
+
+terms = Table(
+    "project_terms",
+    metadata,
+    Column("project", ForeignKey("project.id"), primary_key=True),
+    Column("archived", String(32)),
+    Column("most_documents", BigInteger),
+    Column("most_bytes", BigInteger),
+)
+"""`archived`: since when nothing in it changes. `most_bytes`: of the files that its documents came of, and their media,
+each counted once."""
+
+_OF = select(terms.c.archived, terms.c.most_documents, terms.c.most_bytes).where(
+    terms.c.project == bindparam("project")
+)
+
+
+@dataclass(frozen=True)
+class Terms:
+    """archived: since when, None where it is not. most_documents, most_bytes: None for no bound."""
+
+    archived: str | None = None
+    most_documents: int | None = None
+    most_bytes: int | None = None
+
+
+class ProjectTerms:
+    """Of each project, as one transaction sees them."""
+
+    def __init__(self, tx: BaseTransaction) -> None:
+        self._tx = tx
+        self._known: dict[int, Terms] = {}
+
+    def of(self, project: int) -> Terms:
+        if project not in self._known:
+            rows = self._tx.rows(_OF, {"project": project})
+            self._known[project] = Terms(*rows[0]) if rows else Terms()
+        return self._known[project]
+
+    def put(self, project: int, chosen: Terms) -> None:
+        self._tx.connection.execute(delete(terms).where(terms.c.project == project))
+        if chosen != Terms():
+            self._tx.connection.execute(insert(terms).values(project=project, **vars(chosen)))
+        self._known[project] = chosen
+
+    def held(self, project: int) -> tuple[int, int]:
+        """(documents that are there, bytes of the files and media of all, deleted ones too)."""
+        mine = select(document.c.id).where(document.c.project == project)
+        shown = select(func.count()).select_from(document).where(there(self._tx.at), document.c.project == project)
+        kept = [select(table.c.upload).where(table.c.document.in_(mine)) for table in (document_upload, document_media)]
+        size = select(func.coalesce(func.sum(upload.c.size), 0)).where(upload.c.id.in_(kept[0].union(kept[1])))
+        return self._one(shown), self._one(size)
+
+    def _one(self, query: Any) -> int:
+        return int(self._tx.connection.execute(query).scalar_one())
+
+    def require(self, project: int, scope: str = "edit") -> None:
+        """AccessError unless whoever has the transaction may do this in a project. ConflictError for changes of what is
+        in one that is archived."""
+        if not may(self._tx.view.scope(project), scope):
+            raise AccessError(
+                f"This needs the right to {scope} in the project {self._name(project)!r}.",
+                remedy="Ask an owner of the project for another role in it.",
+            )
+        if scope == "edit":
+            self.require_open(project)
+
+    def require_open(self, project: int) -> None:
+        """ConflictError where it is archived."""
+        since = self.of(project).archived
+        if since is not None:
+            raise ConflictError(
+                f"The project {self._name(project)!r} is archived since {since[:10]}.",
+                remedy="An owner of it may open it again: mcml project open.",
+            )
+
+    def require_room(self, project: int) -> None:
+        """ConflictError where more is in it than may be, which a document just came into."""
+        chosen = self.of(project)
+        if chosen.most_documents is None and chosen.most_bytes is None:
+            return
+        self._tx.write_gathered()
+        documents, size = self.held(project)
+        for count, most, what in ((documents, chosen.most_documents, "documents"), (size, chosen.most_bytes, "bytes")):
+            if most is not None and count > most:
+                raise ConflictError(
+                    f"The project {self._name(project)!r} may hold {most:,} {what}.",
+                    remedy="Delete or move some, purge deleted ones, or ask an owner of the repository for more room.",
+                )
+
+    def _name(self, key: int) -> str:
+        return str(self._tx.connection.execute(select(project.c.name).where(project.c.id == key)).scalar_one())

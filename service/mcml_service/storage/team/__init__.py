@@ -1,0 +1,1 @@
+"""People: accounts, tokens, links, comments, webhooks."""

@@ -1,0 +1,63 @@
+"""Attempts to get in that may have failed, counted for all servers of a store: a bound for each address and each name.
+
+Rows end by themselves: they carry no checksum.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Collection
+from typing import TYPE_CHECKING, Final
+
+from sqlalchemy import delete, func, select
+
+from mcml.errors import AttemptsError
+from mcml_service.storage.core.identifiers import digest_of, stored_form
+from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.team.tables import attempt
+
+if TYPE_CHECKING:
+    pass
+
+LIMITS: Final = {"address": (10, 60.0), "name": (30, 3600.0), "password": (30, 3600.0)}
+"""How many in how many seconds. name: that somebody logs in as. password: whose current one is asked for in a session;
+counted apart, so that nobody outside keeps people from changing theirs."""
+
+
+class Attempts:
+    def __init__(self, tx: BaseTransaction) -> None:
+        self._tx = tx
+
+    def require(self, of: dict[str, str], counted: int = 0) -> None:
+        """AttemptsError where no more than `counted` of those that are kept may be one's own, and there are too many.
+        of: what it counts for, by the names of LIMITS."""
+        at = time.time()
+        for kind, what in of.items():
+            its = (attempt.c.sha256 == _digest(kind, what), attempt.c.expires > at)
+            kept = select(func.count(), func.min(attempt.c.expires)).where(*its)
+            number, first = self._tx.connection.execute(kept).one()
+            if number - counted >= LIMITS[kind][0]:
+                raise AttemptsError(max(1, math.ceil(first - at)))
+
+    def add(self, of: dict[str, str]) -> list[int]:
+        """Count one more; the keys of its rows."""
+        at = time.time()
+        self._tx.connection.execute(delete(attempt).where(attempt.c.expires <= at))
+        return [
+            self._tx.insert_row(attempt, sha256=_digest(kind, what), expires=at + LIMITS[kind][1])
+            for kind, what in of.items()
+        ]
+
+    def take_back(self, keys: Collection[int]) -> None:
+        """Those that were refused do not count."""
+        self._tx.connection.execute(delete(attempt).where(attempt.c.id.in_(keys)))
+
+    def forget(self, of: dict[str, str]) -> None:
+        """Somebody got in, and begins anew."""
+        its = attempt.c.sha256.in_([_digest(kind, what) for kind, what in of.items()])
+        self._tx.connection.execute(delete(attempt).where(its))
+
+
+def _digest(kind: str, what: str) -> str:
+    return digest_of(f"{kind} {stored_form(what)}")

@@ -1,0 +1,71 @@
+"""Who comes in, and what they may do: roles, and what tokens, sessions and accounts open."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from sqlalchemy import select
+
+from mcml_service.storage.core.identifiers import stored_form
+from mcml_service.storage.core.tables import token
+from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.core.views import SCOPES, WHOLE, View
+from mcml_service.storage.team.tables import account, membership
+
+if TYPE_CHECKING:
+    from mcml_service.storage.team.shares import Share
+
+ROLES: Final[Mapping[str, str | None]] = {"member": None, "reader": "read", "editor": "edit", "owner": "operate"}
+"""What people are in the repository, and the scope of what they may do in all its projects."""
+
+
+PROJECT_ROLES: Final[Mapping[str, str]] = {"reader": "read", "editor": "edit", "owner": "own"}
+"""What people are in a project, and the scope of what they may do there."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Who came in. author: whose name revisions carry. view: what they see, and may do there. account: its name; None
+    for tokens that are nobody's, and for links. share: by which they see some documents, None for everybody else."""
+
+    author: str
+    view: View = WHOLE
+    account: str | None = None
+    share: Share | None = None
+
+
+def entry_of(tx: BaseTransaction, author: str, rows: Sequence[Any]) -> Entry | None:
+    """Who comes in by a token or a session, None where their account is closed. What is damaged opens nothing.
+
+    rows: one, or one for each project where alone the token opens something, all of one statement: token (key) and its
+    scope, person (key of the account), account (its name), role and closed, project (key); None where there is none.
+    """
+    row = rows[0]
+    if row.closed is not None:
+        return None
+    view = WHOLE
+    if row.person is not None:
+        if row.role not in ROLES:
+            return None
+        view = View(ROLES[row.role], scopes_of(tx, row.person))
+    if row.token is not None:
+        if row.scope not in SCOPES:
+            return None
+        view = view.within(row.scope, frozenset(each.project for each in rows if each.project is not None) or None)
+    return Entry(row.account or author, view, row.account)
+
+
+def scopes_of(tx: BaseTransaction, account_key: int) -> frozenset[tuple[int, str]]:
+    """(key of a project, scope there) of the projects that an account belongs to."""
+    wanted = select(membership.c.project, membership.c.role).where(membership.c.account == account_key)
+    rows = tx.connection.execute(wanted)
+    return frozenset((key, PROJECT_ROLES[role]) for key, role in rows if role in PROJECT_ROLES)
+
+
+def is_taken(tx: BaseTransaction, name: str) -> bool:
+    """Whether an account or a token has a name: revisions and history tell who did something by it."""
+    named = select(account.c.id).where(account.c.name == stored_form(name))
+    called = select(token.c.id).where(token.c.name == name)
+    return any(tx.connection.execute(query.limit(1)).first() is not None for query in (named, called))

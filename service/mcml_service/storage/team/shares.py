@@ -1,0 +1,172 @@
+"""Links by which somebody without an account sees some documents."""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import timedelta
+
+from sqlalchemy import (
+    ColumnElement,
+    delete,
+    insert,
+    select,
+)
+
+from mcml.errors import NotFoundError, RequestError
+from mcml_service.storage.core.identifiers import digest_of, now, stored_form
+from mcml_service.storage.core.tables import document, project
+from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.core.views import View, may
+from mcml_service.storage.documents.documents import Documents
+from mcml_service.storage.projects.activity import Activity
+from mcml_service.storage.projects.projects import Projects
+from mcml_service.storage.projects.terms import ProjectTerms
+from mcml_service.storage.team.tables import session, share, shared_document
+
+
+@dataclass(frozen=True)
+class SharedDocument:
+    revision: int
+    latest: bool
+
+    def shown(self, asked: int | None) -> int | None:
+        """The revision that is shown for one that is asked for, None for the last. NotFoundError for what is not."""
+        if not self.latest and asked in (None, self.revision):
+            return self.revision
+        if self.latest and (asked is None or asked >= self.revision):
+            return asked
+        raise NotFoundError(f"This link does not show revision {asked}.", remedy="Leave the revision out.")
+
+
+@dataclass(frozen=True)
+class Share:
+    """number: by which it is taken back. documents: by their ids."""
+
+    number: int
+    name: str
+    project: str
+    formats: frozenset[str]
+    author: str
+    created: str
+    expires: str
+    documents: Mapping[str, SharedDocument]
+
+
+@dataclass(frozen=True)
+class SharedMotion:
+    id: str
+    name: str
+    revision: int
+    frames: int
+    seconds_per_frame: float | None
+
+
+_ROWS = select(
+    *(share.c.id, share.c.name, project.c.name.label("project_name"), share.c.formats, share.c.author),
+    *(share.c.created, share.c.expires, share.c.project),
+).join(project)
+
+
+class Shares:
+    def __init__(
+        self, tx: BaseTransaction, activity: Activity, documents: Documents, projects: Projects, terms: ProjectTerms
+    ) -> None:
+        self._tx = tx
+        self._activity = activity
+        self._documents = documents
+        self._projects = projects
+        self._terms = terms
+
+    def add(
+        self,
+        name: str,
+        documents: Sequence[str],
+        formats: Sequence[str],
+        author: str,
+        lasts: timedelta,
+        *,
+        latest: bool,
+    ) -> tuple[str, Share]:
+        """The secret of a new link, and what it is. AccessError, NotFoundError; RequestError for documents of several
+        projects."""
+        stored = [self._documents.get(uuid) for uuid in dict.fromkeys(documents)]
+        projects = {one.project_key for one in stored}
+        if len(projects) != 1:
+            raise RequestError("A link shows documents of one project.", remedy="Make a link for each project.")
+        (key,) = projects
+        self._terms.require(key)
+        secret = secrets.token_urlsafe(32)
+        row = {"sha256": digest_of(secret), "name": stored_form(name), "project": key, "formats": " ".join(formats)}
+        number = self._tx.insert_row(share, **row, author=author, created=now(), expires=now(lasts))
+        for one in stored:
+            about = {"share": number, "document": one.key, "revision": one.revision, "latest": latest}
+            self._tx.connection.execute(insert(shared_document).values(**about))
+        self._activity.note("share", "add", project_key=key, subject=stored_form(name))
+        (made,) = self._found(share.c.id == number)
+        return secret, made
+
+    def all(self, project_key: int | None = None) -> list[Share]:
+        """Links that open something still into projects that one may change, the newest first."""
+        wanted = share.c.expires >= now()
+        found = self._found(wanted if project_key is None else wanted & (share.c.project == project_key))
+        return [one for one in found if may(self._tx.view.scope(self._projects.get(one.project)), "edit")]
+
+    def remove(self, number: int) -> None:
+        """Who came by it sees nothing from then on. NotFoundError."""
+        found = next((one for one in self.all() if one.number == number), None)
+        if found is None:
+            raise NotFoundError(f"There is no link {number}.", remedy="It has ended, or was taken back.")
+        self._activity.note("share", "revoke", project_key=self._projects.get(found.project), subject=found.name)
+        self._tx.connection.execute(delete(session).where(session.c.share == number))
+        self._tx.connection.execute(delete(shared_document).where(shared_document.c.share == number))
+        self._tx.connection.execute(delete(share).where(share.c.id == number))
+
+    def find(self, secret: str) -> Share | None:
+        """By its secret, None where it has ended or there is none."""
+        found = self._found((share.c.sha256 == digest_of(secret)) & (share.c.expires >= now()))
+        return found[0] if found else None
+
+    def numbered(self, number: int) -> Share | None:
+        """None where it has ended."""
+        found = self._found((share.c.id == number) & (share.c.expires >= now()))
+        return found[0] if found else None
+
+    def view(self, shown: Share) -> View:
+        """What is seen by it."""
+        key = self._projects.find(shown.project)
+        return View(None, frozenset({(key, "read")}) if key else frozenset(), True, frozenset(shown.documents))
+
+    def motions(self, shown: Share) -> list[SharedMotion]:
+        """The documents of a link that are still there, at the revisions that it shows."""
+        found = []
+        for uuid, one in shown.documents.items():
+            current = self._documents.find(uuid)
+            if current is not None:
+                number = one.shown(None) or current.revision
+                stored = self._documents.at(self._documents.commit_of(current.key, number)).get(uuid)
+                rate = stored.seconds_per_frame
+                found.append(SharedMotion(stored.uuid, stored.name, stored.revision, stored.frames, rate))
+        return found
+
+    def _found(self, wanted: ColumnElement[bool]) -> list[Share]:
+        rows = self._tx.connection.execute(_ROWS.where(wanted).order_by(share.c.id.desc())).all()
+        inside = select(shared_document, document.c.uuid).join(document, document.c.id == shared_document.c.document)
+        inside = inside.where(shared_document.c.share.in_([row.id for row in rows]))
+        held: dict[int, dict[str, SharedDocument]] = {row.id: {} for row in rows}
+        for one in self._tx.connection.execute(inside):
+            held[one.share][one.uuid] = SharedDocument(one.revision, bool(one.latest))
+        return [
+            Share(
+                row.id,
+                row.name,
+                row.project_name,
+                frozenset(row.formats.split()),
+                row.author,
+                row.created,
+                row.expires,
+                held[row.id],
+            )
+            for row in rows
+        ]

@@ -1,0 +1,182 @@
+"""Who visits, and what they asked: sessions of browsers, one-time links, and requests that must be done only once.
+
+Rows of both end by themselves: they carry no checksum.
+"""
+
+from __future__ import annotations
+
+import secrets
+from dataclasses import dataclass
+from datetime import timedelta
+from typing import TYPE_CHECKING
+
+from sqlalchemy import (
+    and_,
+    bindparam,
+    delete,
+    func,
+    insert,
+    or_,
+    select,
+    update,
+)
+from sqlalchemy.exc import IntegrityError
+from sqlalchemy.sql import ColumnElement
+
+from mcml_service.storage.core.identifiers import digest_of, now
+from mcml_service.storage.core.tables import token
+from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.team.accounts import Account
+from mcml_service.storage.team.entries import Entry, entry_of
+from mcml_service.storage.team.shares import Shares
+from mcml_service.storage.team.tables import account, grant, granted_project, request, session
+
+if TYPE_CHECKING:
+    from mcml_service.storage.team.shares import Share
+
+_PERSON = func.coalesce(session.c.account, grant.c.account)
+_VISITING = (
+    select(
+        session.c.author,
+        session.c.token,
+        _PERSON.label("person"),
+        token.c.expires.label("until"),
+        grant.c.scope,
+        account.c.name.label("account"),
+        account.c.role,
+        account.c.closed,
+        granted_project.c.project,
+    )
+    .select_from(session)
+    .outerjoin(token, session.c.token == token.c.id)
+    .outerjoin(grant, token.c.id == grant.c.token)
+    .outerjoin(account, account.c.id == _PERSON)
+    .outerjoin(granted_project, granted_project.c.token == token.c.id)
+    .where(
+        session.c.sha256 == bindparam("digest"),
+        session.c.kind == bindparam("of"),
+        session.c.expires >= bindparam("at"),
+    )
+)
+
+SESSION_HOURS, LINK_MINUTES, KEY_HOURS = 12, 15, 24
+
+
+class Sessions:
+    """Sessions: 32 random bytes, of which only the SHA-256 is kept."""
+
+    def __init__(self, tx: BaseTransaction, shares: Shares) -> None:
+        self._tx = tx
+        self._shares = shares
+
+    def open(self, author: str, token_name: str | None = None) -> str:
+        """A new session of an author; its secret. token_name: of the token that it was exchanged for."""
+        key = None
+        if token_name is not None:
+            key = self._tx.connection.execute(select(token.c.id).where(token.c.name == token_name)).scalar_one()
+        return self._add("session", author, timedelta(hours=SESSION_HOURS), token=key)
+
+    def open_for(self, person: Account) -> str:
+        """A new session of somebody who has an account; its secret."""
+        return self._add("session", person.name, timedelta(hours=SESSION_HOURS), account=person.key)
+
+    def link(self, author: str) -> str:
+        """The secret of a link that opens one session, soon."""
+        return self._add("link", author, timedelta(minutes=LINK_MINUTES))
+
+    def follow(self, secret: str) -> str | None:
+        """The author of a link, which is used up by this; None where there is none."""
+        found = self._find("link", secret)
+        used = delete(session).where(session.c.sha256 == digest_of(secret))
+        # Of two that come at once one finds nothing to delete.
+        if found is None or not self._tx.connection.execute(used).rowcount:
+            return None
+        return found.author
+
+    def entry(self, secret: str) -> Entry | None:
+        """Whose session this is, None where there is none, or it has ended."""
+        return self._find("session", secret)
+
+    def open_share(self, shown: Share) -> str:
+        """A new session of somebody who has a link to some documents; its secret."""
+        return self._add("share", f"link {shown.name}", timedelta(hours=SESSION_HOURS), share=shown.number)
+
+    def share_entry(self, secret: str) -> Entry | None:
+        """Who comes by a link, None where it has ended."""
+        its = (session.c.sha256 == digest_of(secret), session.c.kind == "share", session.c.expires >= now())
+        row = self._tx.connection.execute(select(session.c.share, session.c.author).where(*its)).one_or_none()
+        shown = None if row is None or row.share is None else self._shares.numbered(row.share)
+        if row is None or shown is None:
+            return None
+        return Entry(row.author, self._shares.view(shown), share=shown)
+
+    def close(self, secret: str) -> None:
+        """End a session."""
+        self._tx.connection.execute(delete(session).where(session.c.sha256 == digest_of(secret)))
+
+    def end_all(self, account_key: int) -> None:
+        """End all sessions of an account, those that its tokens were exchanged for too."""
+        its_tokens = select(grant.c.token).where(grant.c.account == account_key)
+        its_own = or_(session.c.account == account_key, session.c.token.in_(its_tokens))
+        self._tx.connection.execute(delete(session).where(its_own))
+
+    def _add(self, kind: str, author: str, lasts: timedelta, **whose: int | None) -> str:
+        self._tx.connection.execute(delete(session).where(session.c.expires < now()))
+        secret = secrets.token_urlsafe(32)
+        row = {"sha256": digest_of(secret), "kind": kind, "author": author, **whose}
+        self._tx.connection.execute(insert(session).values(**row, created=now(), expires=now(lasts)))
+        return secret
+
+    def _find(self, kind: str, secret: str) -> Entry | None:
+        given = {"digest": digest_of(secret), "of": kind, "at": now()}
+        rows = self._tx.run(_VISITING, given).all()
+        if not rows or (rows[0].until is not None and rows[0].until < given["at"]):
+            return None
+        row = rows[0]
+        # A token without its rights, or a person who is not there, opens nothing.
+        if (row.token is not None and row.scope is None) or (row.person is not None and row.account is None):
+            return None
+        return entry_of(self._tx, row.author, rows)
+
+
+@dataclass(frozen=True)
+class Remembered:
+    """A request that was sent before. status: None where it is not known to have ended."""
+
+    operation: str
+    digest: str
+    status: int | None
+    location: str | None
+    answer: str | None
+
+
+class Requests:
+    """Requests with a key of their client's, each of which is done once."""
+
+    def __init__(self, tx: BaseTransaction) -> None:
+        self._tx = tx
+
+    def begin(self, author: str, key: str, operation: str, digest: str) -> Remembered | None:
+        """Note a request; None, or what is known of one that had this key before."""
+        self._tx.connection.execute(delete(request).where(request.c.created < now(-timedelta(hours=KEY_HOURS))))
+        values = {"author": author, "key": key, "operation": operation, "digest": digest, "created": now()}
+        try:
+            with self._tx.connection.begin_nested():
+                self._tx.connection.execute(insert(request).values(**values))
+        except IntegrityError:
+            found = self._tx.connection.execute(select(request).where(_named(author, key))).one()
+            return Remembered(found.operation, found.digest, found.status, found.location, found.answer)
+        return None
+
+    def end(self, author: str, key: str, status: int, location: str | None, answer: str) -> None:
+        """Keep what was answered."""
+        values = {"status": status, "location": location, "answer": answer}
+        self._tx.connection.execute(update(request).where(_named(author, key)).values(**values))
+
+    def forget(self, author: str, key: str) -> None:
+        """The request failed: nothing was done, and it may be sent again."""
+        self._tx.connection.execute(delete(request).where(_named(author, key)))
+
+
+def _named(author: str, key: str) -> ColumnElement[bool]:
+    return and_(request.c.author == author, request.c.key == key)

@@ -1,0 +1,1 @@
+"""Changes compared and taken back."""

@@ -1,0 +1,82 @@
+"""Where two commits' states of a document differ: by rows, so that what is the same is not read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from sqlalchemy import Column, Table, select
+
+from mcml_service.storage.core.schema import CHUNK
+from mcml_service.storage.core.tables import CLOSED_TRACK, shape_run, track
+from mcml_service.storage.documents.tracks import Piece
+
+if TYPE_CHECKING:
+    from mcml_service.storage.transaction import Transaction
+
+
+@dataclass(frozen=True)
+class Run:
+    """`count` frames that both states have: at positions from `before` in the one, from `after` in the other."""
+
+    before: int
+    after: int
+    count: int
+
+
+def common_frames(before: list[Piece], after: list[Piece]) -> list[Run]:
+    """The frames that lie in the same slots in two timelines, in the order of the later one."""
+    runs: list[Run] = []
+    old = sorted(before, key=lambda piece: piece.slot)
+    for piece in after:
+        for other in old:
+            start = max(piece.slot, other.slot)
+            end = min(piece.slot + piece.count, other.slot + other.count)
+            if start < end:
+                runs.append(Run(other.first + start - other.slot, piece.first + start - piece.slot, end - start))
+    return sorted(runs, key=lambda run: run.after)
+
+
+def missing(runs: list[tuple[int, int]], frames: int) -> list[tuple[int, int]]:
+    """The ranges (first, last) of 1 … frames that no run (first, count) covers."""
+    result, following = [], 1
+    for first, count in sorted(runs):
+        if first > following:
+            result.append((following, first - 1))
+        following = max(following, first + count)
+    if following <= frames:
+        result.append((following, frames))
+    return result
+
+
+def changed_chunks(before: Transaction, after: Transaction, document_key: int) -> set[int]:
+    """Chunks of which some row, a track's or a shape's, is not the same in two states of the document."""
+    first, last = sorted((before.at, after.at))
+
+    def differing(table: Table, *columns: Column[int]) -> Iterator[Any]:
+        """Rows that came between the two and stayed, and rows that were there and went."""
+        of_document = select(*columns).where(table.c.document == document_key)
+        came = (table.c.from_commit > first, table.c.from_commit <= last, table.c.to_commit > last)
+        went = (table.c.to_commit > first, table.c.to_commit <= last, table.c.from_commit <= first)
+        closed = (CLOSED_TRACK,) if table is track else ()
+        yield from after.connection.execute(of_document.where(*came).distinct())
+        yield from after.connection.execute(of_document.where(*closed, *went).distinct())
+
+    chunks = {row[0] for row in differing(track, track.c.chunk)}
+    for slot, count in differing(shape_run, shape_run.c.slot, shape_run.c.count):
+        chunks |= set(range(slot // CHUNK, (slot + count - 1) // CHUNK + 1))
+    return chunks
+
+
+def within_chunks(runs: list[Run], slots: list[Piece], chunks: set[int]) -> list[Run]:
+    """The parts of runs whose slots lie in the chunks. slots: the timeline of the later state."""
+    result: list[Run] = []
+    for run in runs:
+        piece = next(p for p in slots if p.first <= run.after < p.first + p.count)
+        slot = piece.slot + run.after - piece.first
+        for chunk in range(slot // CHUNK, (slot + run.count - 1) // CHUNK + 1):
+            if chunk in chunks:
+                start, end = max(slot, chunk * CHUNK), min(slot + run.count, (chunk + 1) * CHUNK)
+                result.append(Run(run.before + start - slot, run.after + start - slot, end - start))
+    return result

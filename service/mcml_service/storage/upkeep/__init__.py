@@ -1,0 +1,1 @@
+"""The store as a whole: checked, sealed, moved project by project."""

@@ -1,0 +1,248 @@
+"""What `mcml db check` looks for: that rows are what was written, that they fit together, that blocks can be read."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Collection, Iterable, Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import zstandard
+from sqlalchemy import Table, and_, func, select
+from sqlalchemy.exc import SQLAlchemyError
+
+from mcml.errors import DamageError, McmlError
+from mcml.motion.clip import FrameBlock
+from mcml_service.storage.core.schema import CURRENT
+from mcml_service.storage.core.seals import SEALS, TRACK_FACTS, data_checksum, track_checksums, visible
+from mcml_service.storage.core.tables import (
+    content,
+    document,
+    document_upload,
+    property_,
+    revision,
+    skeleton,
+    skeleton_element,
+    timeline,
+    track,
+    upload,
+    upload_block,
+)
+from mcml_service.storage.documents.damage import describe_damage, describe_track_damage, files_of
+from mcml_service.storage.documents.encoding import channels_of
+from mcml_service.storage.documents.heads import properties_of
+from mcml_service.storage.documents.rows import ELEMENT_COLUMNS, to_rows, to_skeleton
+from mcml_service.storage.layout import require_layout
+
+if TYPE_CHECKING:
+    from mcml_service.storage.transaction import Transaction
+
+ROWS = 1000
+MOST_OF_A_KIND = 100
+"""Faults that are told of one table."""
+_NAMED = upload.c.id.in_(select(document_upload.c.upload))
+
+
+def faults(tx: Transaction, *, past: bool = False) -> list[str]:
+    """One sentence a fault. Reads every row and every kept upload once. past: fits the rows of all past revisions
+    together too."""
+    found = _told("The database", lambda: tx.dialect.faults(tx.connection))
+    found += _told("The store", lambda: _layout_faults(tx))
+    for table in SEALS:
+        found += _told(f"The table {table.name}", lambda table=table: _sealed_faults(tx, table))  # type: ignore[misc]
+    found += _told("The table track", lambda: _track_faults(tx))
+    found += _told("The skeletons", lambda: _skeleton_faults(tx))
+    for one in _rows(tx.documents.everything, found):
+        found += _document_faults(tx, *one, past=past)
+    files = select(upload.c.id, upload.c.sha256, upload.c.size).where(_NAMED)
+    for key, sha256, size in _rows(lambda: tx.connection.execute(files).all(), found):
+        found += _told("An upload", lambda key=key, sha256=sha256, size=size: _upload_faults(tx, key, sha256, size))  # type: ignore[misc]
+    return list(dict.fromkeys(found))
+
+
+def document_faults(tx: Transaction, keys: Collection[int]) -> list[str]:
+    """One sentence for each fault of some documents, in all of their revisions."""
+    wanted = set(keys)
+    found = [one for one in tx.documents.everything() if one[0] in wanted]
+    return [fault for one in found for fault in _document_faults(tx, *one, past=True)]
+
+
+def _document_faults(tx: Transaction, key: int, uuid: str, name: str, *, past: bool) -> list[str]:
+    whose = f"{name} ({uuid})"
+    found = _told(whose, lambda: _head_faults(tx, key), whose)
+    for then in _states(tx, key, past=past):
+        found += _told(whose, lambda then=then: _motion_faults(then, key), whose)  # type: ignore[misc]
+    return found
+
+
+def _told(where: str, look: Callable[[], Iterator[str]], whose: str = "") -> list[str]:
+    """The faults that a look finds; what it meets that cannot be read is one too."""
+    found: list[str] = []
+    prefix = f"{whose}: " if whose else ""
+    try:
+        for fault in look():
+            found.append(prefix + fault)
+            if len(found) == MOST_OF_A_KIND:
+                return [*found, f"{where}: and more"]
+    except DamageError as error:
+        found.append(error.what)
+    except McmlError as error:
+        found.append(f"{prefix}{error.what}")
+    # Rows that are no longer what was written lead to anything; the check goes on.
+    except Exception as error:
+        found.append(f"{where} cannot be read: {_said(error)}")
+    return found
+
+
+def _rows(read: Callable[[], Iterable[Any]], found: list[str]) -> list[Any]:
+    try:
+        return list(read())
+    except Exception as error:
+        found.append(f"The store cannot be read: {_said(error)}")
+        return []
+
+
+def _said(error: Exception) -> str:
+    """What the database says of itself; of other errors only the kind."""
+    cause = getattr(error, "orig", error)
+    return str(cause).splitlines()[0] if isinstance(error, SQLAlchemyError) and str(cause) else type(cause).__name__
+
+
+def _states(tx: Transaction, key: int, *, past: bool) -> list[Transaction]:
+    """The present one; or one for each revision."""
+    if not past:
+        return [tx]
+    query = select(revision.c.commit).where(revision.c.document == key).distinct().order_by(revision.c.commit)
+    return [tx.at_commit(number) for number in tx.connection.execute(query).scalars().all()]
+
+
+def _layout_faults(tx: Transaction) -> Iterator[str]:
+    require_layout(tx.connection)
+    yield from ()
+
+
+# -- rows --------------------------------------------------------------------------------------------------------------
+
+
+def _sealed_faults(tx: Transaction, table: Table) -> Iterator[str]:
+    seal = SEALS[table]
+    for row in tx.connection.execute(select(*seal.read).execution_options(yield_per=ROWS)):
+        if not seal.holds(tuple(row)):
+            yield describe_damage(tx, table, tuple(row)).what
+
+
+def _track_faults(tx: Transaction) -> Iterator[str]:
+    read = (*TRACK_FACTS, "from_commit", "to_commit", "checksum", "data")
+    query = select(*(track.c[name] for name in read)).execution_options(yield_per=ROWS)
+    for block in tx.connection.execute(query).partitions(ROWS):
+        rows = [tuple(row) for row in block]
+        for (key, chunk, bone, *_), sound in zip(rows, _sound_tracks(rows), strict=True):
+            if not sound:
+                yield describe_track_damage(tx, key, chunk, bone).what
+
+
+def _sound_tracks(rows: list[tuple[Any, ...]]) -> list[bool]:
+    """Whether each track has its two checksums."""
+    try:
+        integers = np.array([row[:8] for row in rows], np.int64).T
+        ends = np.array([row[8 : len(TRACK_FACTS)] for row in rows], np.float64).T
+        sums = track_checksums(np.ascontiguousarray(integers), ends).tolist()
+        return [
+            data_checksum(row[6], row[-1]) == row[7] and total + visible(row[-4], row[-3]) == row[-2]
+            for row, total in zip(rows, sums, strict=True)
+        ]
+    except (TypeError, ValueError, OverflowError):
+        # One of them has a value of another type.
+        return [False] if len(rows) == 1 else [found for row in rows for found in _sound_tracks([row])]
+
+
+def _skeleton_faults(tx: Transaction) -> Iterator[str]:
+    for key, hashed in tx.connection.execute(select(skeleton.c.id, skeleton.c.hash)).all():
+        columns = [skeleton_element.c[name] for name in ELEMENT_COLUMNS]
+        query = select(*columns).where(skeleton_element.c.skeleton == key).order_by(skeleton_element.c.pre)
+        rows = [tuple(row) for row in tx.connection.execute(query)]
+        used = f"skeleton {key}, used by {', '.join(_users(tx, key)) or 'no document'}"
+        try:
+            if to_rows(to_skeleton([row[2:] for row in rows], hashed), level=1) != rows:
+                yield f"{used}: its elements do not fit together"
+        except (McmlError, TypeError, ValueError):
+            yield f"{used}: its elements are not those that were written"
+
+
+def _users(tx: Transaction, key: int) -> list[str]:
+    query = select(document.c.name).join(content, content.c.document == document.c.id)
+    return sorted(set(tx.connection.execute(query.where(content.c.skeleton == key).limit(5)).scalars()))
+
+
+# -- documents ---------------------------------------------------------------------------------------------------------
+
+
+def _head_faults(tx: Transaction, key: int) -> Iterator[str]:
+    tx.documents.receipt(key)
+    query = select(*(property_.c[name] for name in ("name", "number", "text", "unit")))
+    held = {tuple(row) for row in tx.connection.execute(query.where(property_.c.document == key))}
+    rows = properties_of(key, tx.heads.header(key))
+    if held != {(row["name"], row["number"], row["text"], row["unit"]) for row in rows}:
+        yield "its properties are not those of its header"
+    joined = and_(upload.c.id == document_upload.c.upload, document_upload.c.document == key)
+    if tx.connection.execute(select(upload.c.id).join(document_upload, joined).where(~upload.c.complete)).first():
+        yield "a file it came from is not whole"
+
+
+def _motion_faults(tx: Transaction, key: int) -> Iterator[str]:
+    rows = tx.connection.execute(select(content).where(content.c.document == key, tx.valid(content))).all()
+    if len(rows) != 1:
+        yield f"{len(rows)} {'current ' if tx.at >= CURRENT - 1 else ''}contents where one belongs"
+        return
+    frames = int(rows[0].frames)
+    tx.heads.header(key)
+    tx.heads.skeleton(rows[0].skeleton)
+    covered = tx.connection.execute(
+        select(func.coalesce(func.sum(timeline.c.count), 0)).where(timeline.c.document == key, tx.valid(timeline))
+    ).scalar_one()
+    if covered != frames:
+        yield f"the timeline has {covered} frames of {frames}"
+    read = 0
+    for block in tx.tracks.blocks(key, 1, frames):
+        if len(block.ids) != len(block):
+            yield "some frames have no id"
+        if not _is_whole(block):
+            yield f"frames {read + 1} to {read + len(block)}: their bones have other samples than is said of them"
+        read += len(block)
+    if read != frames:
+        yield f"{read} of {frames} frames can be read"
+    for span in tx.spans.of(key):
+        if not 1 <= span.first <= span.last <= frames:
+            yield f"the name {span.name!r} lies on frames {span.first} to {span.last} of {frames}"
+
+
+def _is_whole(block: FrameBlock) -> bool:
+    """Whether frames have just the samples that their shapes announce."""
+    there = ~np.isnan(block.values)
+    for number, shape in enumerate(block.shapes):
+        announced = {(bone, channel) for bone, bits in shape for channel in channels_of(bits)}
+        if not announced <= set(block.columns):
+            return False
+        own = there if block.shape_of is None else there[block.shape_of == number]
+        if (own != [column in announced for column in block.columns]).any():
+            return False
+    return True
+
+
+def _upload_faults(tx: Transaction, key: int, sha256: str, size: int) -> Iterator[str]:
+    hashed, length = hashlib.sha256(), 0
+    rows = tx.connection.execute(
+        select(upload_block.c.number, upload_block.c.data)
+        .where(upload_block.c.upload == key)
+        .order_by(upload_block.c.number)
+        .execution_options(yield_per=16)
+    )
+    for expected, (number, data) in enumerate(rows):
+        if number != expected:
+            yield f"the kept file {files_of(tx, key)}: block {expected} is missing"
+            return
+        block = zstandard.ZstdDecompressor().decompress(data)
+        hashed.update(block)
+        length += len(block)
+    if length != size or hashed.hexdigest() != sha256:
+        yield f"the kept file {files_of(tx, key)}: its bytes are not those that were uploaded"

@@ -1,0 +1,1 @@
+"""What people make beside documents: jobs, results, mappings, saved things."""

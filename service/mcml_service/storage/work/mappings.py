@@ -1,0 +1,96 @@
+"""Mappings of joints that a project keeps under names."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Row, Select, delete, select, tuple_, update
+
+from mcml.errors import NotFoundError
+from mcml_service.storage.core.identifiers import now, stored_form
+from mcml_service.storage.core.seals import SEALS
+from mcml_service.storage.core.tables import project
+from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.core.views import seen
+from mcml_service.storage.projects.projects import Projects
+from mcml_service.storage.projects.terms import ProjectTerms
+from mcml_service.storage.work.tables import joint_mapping
+
+_LISTED = select(joint_mapping, project.c.name.label("project_name")).join(
+    project, project.c.id == joint_mapping.c.project
+)
+
+
+@dataclass(frozen=True)
+class StoredMapping:
+    """pairs: names of joints of the source and the target. version: counts changes from 1."""
+
+    key: int
+    project: str
+    name: str
+    version: int
+    author: str
+    changed: str
+    pairs: tuple[tuple[str, str], ...]
+
+
+class Mappings:
+    def __init__(self, tx: BaseTransaction, projects: Projects, terms: ProjectTerms) -> None:
+        self._tx = tx
+        self._projects = projects
+        self._terms = terms
+
+    def page(self, project_name: str | None, after: tuple[str, str] | None, limit: int) -> list[StoredMapping]:
+        """Mappings by project and name, those behind (project, name) `after`."""
+        query = self._seen().order_by(project.c.name, joint_mapping.c.name).limit(limit)
+        if project_name is not None:
+            query = query.where(joint_mapping.c.project == self._projects.get(project_name))
+        if after is not None:
+            query = query.where(tuple_(project.c.name, joint_mapping.c.name) > after)
+        return [_stored(row) for row in self._tx.connection.execute(query)]
+
+    def find(self, project_name: str, name: str) -> StoredMapping | None:
+        query = self._seen().where(
+            project.c.name == stored_form(project_name), joint_mapping.c.name == stored_form(name)
+        )
+        row = self._tx.connection.execute(query).one_or_none()
+        return None if row is None else _stored(row)
+
+    def get(self, project_name: str, name: str) -> StoredMapping:
+        """NotFoundError."""
+        found = self.find(project_name, name)
+        if found is None:
+            raise NotFoundError(
+                f"The project {project_name!r} has no mapping {name!r}.", remedy="List them, or save one."
+            )
+        return found
+
+    def put(self, project_name: str, name: str, pairs: tuple[tuple[str, str], ...], author: str) -> StoredMapping:
+        """Keep a mapping under a name, in the place of what was there."""
+        values = {"pairs": json.dumps(pairs, ensure_ascii=False), "author": author, "changed": now()}
+        found = self.find(project_name, name)
+        if found is None:
+            key = self._projects.get_or_add(project_name)
+            self._tx.insert_row(joint_mapping, project=key, name=stored_form(name), version=1, **values)
+        else:
+            key = self._projects.get_or_add(project_name)
+            row = {"project": key, "name": found.name, "version": found.version + 1, **values}
+            checksum = SEALS[joint_mapping].of(tuple(row[name] for name in SEALS[joint_mapping].columns))
+            chosen = update(joint_mapping).where(joint_mapping.c.id == found.key)
+            self._tx.connection.execute(chosen.values(**row, checksum=checksum))
+        return self.get(project_name, name)
+
+    def _seen(self) -> Select[Any]:
+        return _LISTED.where(seen(self._tx.view, joint_mapping.c.project))
+
+    def remove(self, stored: StoredMapping) -> None:
+        """AccessError."""
+        self._terms.require(self._projects.get(stored.project))
+        self._tx.connection.execute(delete(joint_mapping).where(joint_mapping.c.id == stored.key))
+
+
+def _stored(row: Row[tuple[object, ...]]) -> StoredMapping:
+    pairs = tuple((source, target) for source, target in json.loads(row.pairs))
+    return StoredMapping(row.id, row.project_name, row.name, row.version, row.author, row.changed, pairs)
