@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -18,9 +18,13 @@ from mcml.motion.bodies.stretch import Stretch
 from mcml.motion.bodies.turned_angles import turned_angle
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, ReferencePose
 from mcml.motion.hub import rest_of
-from mcml.motion.kinematics import Walker
+from mcml.motion.kinematics import Walker, unseen
+from mcml.motion.layout import Held
 from mcml.motion.skeleton import Array
 from mcml.motion.units import reading_of
+
+FRAMES_TOGETHER = 8192
+"""Frames of which all joints are in memory at a time, where few are wanted of each."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,19 +70,39 @@ def pose_of_frame(head: ClipHead, values: Array, frame: int) -> ReferencePose:
 
 
 def turned_degrees(clip: ClipStream, name: str, calibration: Calibration) -> Array:
-    """(n,) degrees of an angle that takes rotations (`limb_angles.turn_named`), NaN where unknown."""
+    """(n,) degrees of an angle that takes rotations (`limb_angles.turn_named`), NaN where unknown. Some frames at a
+    time are in memory with all joints."""
     skeleton, reading = clip.head.skeleton, reading_of(clip.head)
-    frames = filled(skeleton, clip.blocks())
-    degrees = np.full(len(frames.values), np.nan)
+    stance = None
     # Where nothing tells left from right there are no such angles.
     with suppress(ConversionError):
         stance = stance_of(calibration.start, skeleton, reading)
-        if stance is not None and len(degrees):
-            _, rotations = Walker(skeleton, reading).poses_at(frames.values)
-            rest = rest_of(skeleton, reading)
-            degrees = turned_angle(name, skeleton, rest, stance, rotations, frames.unseen)
+    walker, held = Walker(skeleton, reading), Held(skeleton)
+    rest = rest_of(skeleton, reading)
+    found: list[Array] = [np.empty(0)]
+    for blocks in _together(clip.blocks()):
+        values = np.concatenate([held.values(block) for block in blocks])
+        if stance is None:
+            found.append(np.full(len(values), np.nan))
+            continue
+        gaps = np.concatenate([unseen(skeleton, block) for block in blocks]) if held.missing else None
+        _, rotations = walker.poses_at(values)
+        found.append(turned_angle(name, skeleton, rest, stance, rotations, gaps))
+    degrees = np.concatenate(found)
     degrees[: calibration.skipped] = np.nan
     return degrees
+
+
+def _together(blocks: Iterable[FrameBlock]) -> Iterator[list[FrameBlock]]:
+    """Consecutive blocks, so many that their frames are worth being worked on as one array."""
+    some: list[FrameBlock] = []
+    for block in blocks:
+        some.append(block)
+        if sum(map(len, some)) >= FRAMES_TOGETHER:
+            yield some
+            some = []
+    if some:
+        yield some
 
 
 def quantity_values(clip: ClipStream, body: ClipBody, asked: AskedQuantity) -> Array:

@@ -66,6 +66,6 @@ def _least_distances(runs: Runs, asked: Asked) -> Floats:
     documents = documents_of(runs.first)
     ends = [index.segments(documents, frames_of(frames) - 1) for frames in (runs.first, runs.last)]
     # Behind the last segment lies one that nothing is near to.
-    least = np.append(asked.least(index, bodies.seconds), np.float32(np.inf))
+    least = np.append(asked.least(index, bodies.seconds, bodies.frames), np.float32(np.inf))
     inside: Ints = np.stack([ends[0], ends[1] + 1], axis=1).reshape(-1)
     return np.minimum.reduceat(least, inside)[::2].astype(np.float64)

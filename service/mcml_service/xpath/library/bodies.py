@@ -42,6 +42,11 @@ class Bodies:
         """Where in a column the frames of each document begin; behind the last, how many there are."""
         return np.concatenate([[0], np.cumsum(self._forest.frames)]).astype(np.int64)
 
+    @property
+    def frames(self) -> Ints:
+        """Of each document."""
+        return self._forest.frames
+
     @cached_property
     def seconds(self) -> Floats:
         """Seconds a frame of each document, NaN where unknown."""

@@ -98,23 +98,29 @@ class Asked:
         if not self.moves:
             return columns.from_pose(self.poses[0], check)
         found = np.full(len(columns.vectors), np.nan)
-        for rate in self._rates(seconds):
+        for rate in self._rates(seconds, frames):
             own = np.repeat(seconds == rate, frames)
             found[own] = columns.from_motion(self._at(rate), own, check)[own]
         return found
 
-    def least(self, index: PoseIndex, seconds: Floats) -> Singles:
+    def least(self, index: PoseIndex, seconds: Floats, frames: Ints) -> Singles:
         """What it is in each segment of an index at least, infinite where it is not known. seconds: a frame of each
-        document."""
+        document. frames: of each."""
         if not self.moves:
             return index.near_pose(self.poses[0])
         found = np.full(len(index.radius), np.inf, np.float32)
-        for rate in self._rates(seconds):
+        for rate in self._rates(seconds, frames):
             found = np.minimum(found, index.near_motion(self._at(rate), rate, seconds == rate))
         return found
 
-    def _rates(self, seconds: Floats) -> list[float]:
-        rates: list[float] = np.unique(seconds[seconds > 0]).tolist() if self.seconds is not None else []
+    def _rates(self, seconds: Floats, frames: Ints) -> list[float]:
+        """Those of documents that are long enough for the motion: a frame of theirs may stand for two of it. What a
+        single odd document says of its frame time costs the others nothing."""
+        if self.seconds is None:
+            return []
+        known = seconds > 0
+        needed = (len(self.poses) - 1) * self.seconds / np.where(known, seconds, np.nan)
+        rates: list[float] = np.unique(seconds[known & (needed <= 2 * frames + 2)]).tolist()
         return rates
 
     def _at(self, seconds: float) -> Array:

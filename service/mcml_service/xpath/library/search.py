@@ -62,7 +62,8 @@ def search(
     for group in scope.groups():
         bodies = Bodies(Forest(tx, group, caches, head_part=HeadPart.MOTION), check)
         index = bodies.pose_index()
-        bounds.append(_of_documents(asked.least(index, bodies.seconds), index.starts, index.ends))
+        least = asked.least(index, bodies.seconds, bodies.frames)
+        bounds.append(_of_documents(least, index.starts, index.ends))
         documents += group
     every = np.concatenate([np.empty(0), *bounds])
     best: list[Hit] = []
