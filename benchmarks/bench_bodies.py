@@ -13,6 +13,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -107,7 +108,7 @@ def _asked(url: str) -> dict[str, float]:
             for condition in (quantity, channel):
                 question = f"count(//frame[{condition}])"
                 _ms(client, question.format(k=FIRST))
-                times.append(_median(client, lambda k, q=question: q.format(k=k)))
+                times.append(_median(client, partial(_filled, question)))
             found[name] = report(f"{name}: ms warm", times[0] - empty)
             found[f"{name}, channel"] = report(f"{name}: the same of a channel", times[1] - empty)
             # What is left of a channel's time may be less than the noise of the way.
@@ -133,6 +134,10 @@ def _about(question: str, document: str) -> Callable[[int], str]:
 
 def _client(port: int) -> httpx.Client:
     return httpx.Client(base_url=f"http://127.0.0.1:{port}/api/v1", timeout=120)
+
+
+def _filled(question: str, k: float) -> str:
+    return question.format(k=k)
 
 
 def _median(client: httpx.Client, question: Callable[[int], str]) -> float:

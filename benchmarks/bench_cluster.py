@@ -9,15 +9,16 @@ from __future__ import annotations
 import os
 import tempfile
 import time
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from benchmarks.timing import report
 from mcml_service.actions.importing.load_demo import add_clips
-from mcml_service.analysis.interface import Parts
+from mcml_service.analysis.interface import Part, Parts
 from mcml_service.demo.dance_clips import dance_clip
 from mcml_service.jobs.cluster import Cluster
 from mcml_service.jobs.worker import Refused, on_dask
@@ -71,7 +72,7 @@ def _measured(
     figures.setdefault("busiest", {})[workers] = busiest
     words = " and ".join(f"{seconds:.1f}" for seconds in own)
     figures[f"wall of {workers}"] = report(f"{workers} at work ({words} s of processor time): wall, s", wall)
-    return outcome
+    return cast(Mapping[str, Part], outcome)
 
 
 def _used() -> float:

@@ -12,6 +12,7 @@ import os
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -87,7 +88,7 @@ def _stages(method: str) -> None:
     motions = takes(gaps=0.01)
     stages = _Stages()
     start = time.perf_counter()
-    parts = EXPRESSION.run(motions, ExpressionParameters(method=method), stages)  # type: ignore[arg-type]  # a text, one of its names
+    parts = EXPRESSION.run(motions, ExpressionParameters(method=method), stages)
     seconds = time.perf_counter() - start
     frames = parts["space"].data["summary"]["frames"]
     found = {"frames": frames, "seconds": seconds, "stages": stages.seconds, "operations": _operations(parts)}
@@ -125,7 +126,7 @@ def _operations(parts: Parts) -> dict[str, float]:
 
 def _chain(ready: Any) -> list[Any]:
     """Up to four candidates of level 0, each linked to the next, by the longest links."""
-    level = EXPRESSION.operations["level"].run(ready, ExpressionLevelChoice(level=0)).value
+    level: Any = EXPRESSION.operations["level"].run(ready, ExpressionLevelChoice(level=0)).value
     keys = [level.links[-1].a, level.links[-1].b]
     for link in reversed(level.links):
         ends = {link.a, link.b}
@@ -157,7 +158,7 @@ def _large() -> None:
 def tables() -> None:
     """Threshold curves, levels and fit of the generated set, as Markdown."""
     for name, method, noise in (("paper, no noise", "paper", 0.0), ("paper", "paper", 0.1), ("robust", "robust", 0.1)):
-        parts = EXPRESSION.run(takes(noise=noise), ExpressionParameters(method=method), silent)  # type: ignore[arg-type]  # a text, one of its names
+        parts = EXPRESSION.run(takes(noise=noise), ExpressionParameters(method=method), silent)
         summary = parts["space"].data["summary"]
         print(f"\n{name}: tau {summary['tau_mm']:.1f}, connecting {summary['connecting_tau_mm']:.1f}")
         print(f"speed {summary['speed_mm_s']:.0f}, warnings {summary['warnings']}")
@@ -191,5 +192,5 @@ def _extremes(parts: Parts) -> int:
 
 
 if __name__ == "__main__":
-    work = {"stages": _stages, "large": _large, "tables": tables}
+    work: dict[str, Callable[..., None]] = {"stages": _stages, "large": _large, "tables": tables}
     work[sys.argv[1]](*sys.argv[2:])

@@ -11,7 +11,9 @@ import os
 import tempfile
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import orjson
@@ -26,6 +28,16 @@ from mcml.motion.clip import ClipStream
 
 MEGABYTES = 50
 REPEAT = 3
+
+
+def _parsed(array: bytes) -> object:
+    """The numbers of a JSON array, by simdjson alone."""
+    numbers: Any = simdjson.Parser().parse(array)
+    return np.frombuffer(numbers.as_buffer(of_type="d"))
+
+
+def _written(clip: ClipStream) -> int:
+    return sum(map(len, FORMATS["bvh"].write(clip, "bvh")))
 
 
 def run() -> dict[str, object]:
@@ -52,7 +64,8 @@ def _motion() -> np.ndarray:
     frames, channels = MEGABYTES * 1_000_000 // (183 * 9), 183
     table = np.cumsum(rng.normal(0, 0.3, (frames, channels)), axis=0)
     table[:, rng.random(channels) < 0.2] = 0.0
-    return np.round(table % 360 - 180 * (table != 0), 4)
+    rounded: np.ndarray = np.round(table % 360 - 180 * (table != 0), 4)
+    return rounded
 
 
 def _file(channels: int, motion: str, frames: int) -> str:
@@ -92,7 +105,7 @@ def _measure_reading(path: Path, name: str) -> dict[str, float]:
     ours = median_seconds(lambda: _read(path), REPEAT)
     peer = median_seconds(lambda: pybvh.read_bvh_file(str(path), world_up="+y"), REPEAT)
     array = b"[" + b",".join(motion.split()) + b"]"
-    bare = median_seconds(lambda: np.frombuffer(simdjson.Parser().parse(array).as_buffer(of_type="d")), REPEAT)
+    bare = median_seconds(lambda: _parsed(array), REPEAT)
     plain = median_seconds(lambda: np.array(motion.split(), dtype=np.float64), 1)
     report(f"reading {name}, {size:.0f} MB: MB/s", size / ours)
     report("   bare simdjson parse of the numbers: MB/s", len(array) / 1e6 / bare)
@@ -141,7 +154,7 @@ def _measure_writing(path: Path) -> dict[str, float]:
     for style, other in (("shortest", peer), ("fixed:4", fixed_peer)):
         styled = held.with_head(replace(held.head, number_style=style))
         size = sum(map(len, FORMATS["bvh"].write(styled, "bvh"))) / 1e6
-        ours = median_seconds(lambda clip=styled: sum(map(len, FORMATS["bvh"].write(clip, "bvh"))), REPEAT)
+        ours = median_seconds(partial(_written, styled), REPEAT)
         report(f"writing {style}, {size:.0f} MB: MB/s", size / ours)
         target = ">= 4" if style == "shortest" else ""
         figures[style] = report("   numpy.savetxt takes so many times longer", other / ours, target)

@@ -17,6 +17,7 @@ from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import httpx
 
@@ -65,28 +66,25 @@ def _library(paths: list[Path]) -> dict[str, Any]:
                 sizes = size(tx.connection)
     text = sum(path.stat().st_size for path in paths)
     figures["size"] = report("store without uploads / text", (sizes["total"] - sizes["uploads"]) / text)
-    drawn = encode_clip.thumbnail_of
-    encode_clip.thumbnail_of = lambda *_: None
-    with _store() as database:
+    with _store() as database, patch.object(encode_clip, "thumbnail_of", lambda *_: None):
         wall, own, readers = _timed(lambda: _imported(database, paths))
-    encode_clip.thumbnail_of = drawn
     figures["without thumbnails"] = report(
         f"without thumbnails, s (importer {own:.1f}, readers {readers:.1f} of processor time)", wall
     )
     some = paths[:: max(1, len(paths) // ALONE)]
     with _store() as database:
-        wall, own, _ = _timed(lambda: [_imported(database, [path]) for path in some])
+        wall, own, _ = _timed(lambda: _one_by_one(partial(_imported, database), [[path] for path in some]))
     figures["alone"] = report(
         f"one by one, ms a file ({1000 * own / len(some):.1f} of processor time)", _each(wall, some)
     )
     groups = [paths[at : at + TOGETHER] for at in range(0, len(paths), TOGETHER)]
     for derive in ("no", "yes") * ROUNDS:
         with _served(derive) as client:
-            wall, _, _ = _timed(lambda: [_uploaded(client, group) for group in groups])
+            wall, _, _ = _timed(partial(_one_by_one, partial(_uploaded, client), groups))
             words = f"over HTTP in {len(groups)} uploads, bodies derived meanwhile: {derive}, s"
             figures.setdefault(f"uploads {derive}", []).append(report(words, wall))
     with _served() as client:
-        wall, _, _ = _timed(lambda: [_uploaded(client, [path]) for path in some])
+        wall, _, _ = _timed(lambda: _one_by_one(partial(_uploaded, client), [[path] for path in some]))
     figures["alone over HTTP"] = report("over HTTP one by one, ms a file", _each(wall, some))
     return figures
 
@@ -121,6 +119,11 @@ def _timed(action: Callable[[], object]) -> tuple[float, float, float]:
     after = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     used = [b.ru_utime + b.ru_stime - a.ru_utime - a.ru_stime for a, b in zip(before, after, strict=True)]
     return wall, used[0], used[1]
+
+
+def _one_by_one(work: Callable[[list[Path]], None], groups: list[list[Path]]) -> None:
+    for group in groups:
+        work(group)
 
 
 def _each(seconds: float, paths: list[Path]) -> float:

@@ -9,6 +9,7 @@ import statistics
 import tempfile
 import time
 from abc import ABC, abstractmethod
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -232,11 +233,9 @@ def run() -> dict[str, object]:
             layout.database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
             size = os.path.getsize(path) / text
             longest = max(range(len(motions)), key=lambda clip: len(motions[clip][0]))
-            part = median_seconds(lambda layout=layout, clip=longest: layout.frames(clip, 300, 343)) * 1e3
-            whole = median_seconds(
-                lambda layout=layout, clip=longest: layout.frames(clip, 0, len(motions[clip][0]))
-            ) * 1e3  # fmt: skip
-            scan = median_seconds(lambda layout=layout: layout.above(0, 1, bound), 3) * 1e3
+            part = median_seconds(partial(layout.frames, longest, 300, 343)) * 1e3
+            whole = median_seconds(partial(layout.frames, longest, 0, len(motions[longest][0]))) * 1e3
+            scan = median_seconds(partial(layout.above, 0, 1, bound), 3) * 1e3
             answers.add(layout.above(0, 1, bound))
             written = statistics.median(layout.edit(longest, 300 + n, 0, float(n)) for n in range(5))
             print(

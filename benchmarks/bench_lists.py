@@ -101,7 +101,7 @@ def _feed(client: httpx.Client, figures: dict[str, float]) -> None:
     """What somebody is told who knows all but the last change."""
     newest = client.get("/events", params={"seconds": 0}).text.partition("id: ")[2].partition("\n")[0]
     number, _, moment = newest.partition("@")
-    known = {"since": f"{int(number) - 1}@{moment}", "seconds": 0}
+    known: dict[str, str | int] = {"since": f"{int(number) - 1}@{moment}", "seconds": 0}
     told = client.get("/events", params=known).text.count("event: document")
     _median(client, figures, f"feed of changes, {told} since", "/events", known)
 

@@ -136,6 +136,7 @@ async def _person(client: httpx.AsyncClient, seen: Seen, number: int, frames: di
 
 async def _read(client: httpx.AsyncClient, seen: Seen, rng: random.Random, frames: dict[str, int]) -> None:
     kind = rng.choices(["frames", "xpath", "list"], [6, 3, 1])[0]
+    params: dict[str, Any]
     if kind == "frames":
         uuid, many = rng.choice(list(frames.items()))
         first = rng.randrange(1, max(2, many - 64))

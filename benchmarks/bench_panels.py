@@ -205,6 +205,7 @@ def _nearest(places: np.ndarray) -> np.ndarray:
     """(n, 2) pairs of places that are near each other, two of each at most."""
     from scipy.spatial import cKDTree
 
-    _, found = cKDTree(places).query(places, k=3)
+    _, nearest = cKDTree(places).query(places, k=3)
+    found = np.asarray(nearest)
     pairs = np.concatenate([np.stack([found[:, 0], found[:, place]], axis=1) for place in (1, 2)])
     return np.unique(np.sort(pairs, axis=1), axis=0)

@@ -11,6 +11,7 @@ import os
 import subprocess
 import sys
 import time
+from functools import partial
 
 from benchmarks.timing import median_seconds, report
 from mcml_schemas.analyses.reach import ReachParameters, ReachWish
@@ -18,8 +19,8 @@ from mcml_service.analysis.interface import Motion, silent
 from mcml_service.analysis.reach_blending.analyses import REACH
 from mcml_service.analysis.reach_blending.fit import fit
 from mcml_service.analysis.reach_blending.options import options_of
-from mcml_service.demo.reach_clips import OLD, YOUNG
-from tests.analysis.reach.reach_motions import motion_of, reach_clips
+from mcml_service.demo.reach_clips import OLD, YOUNG, reach_clips
+from tests.analysis.reach.reach_motions import motion_of
 
 SIZES = (100, 200, 400, 800)
 MANY = 2000
@@ -36,10 +37,10 @@ def run() -> dict[str, object]:
     figures: dict[str, object] = {}
     clips = motions(185)
     for method in ("robust", "paper"):
-        parameters = ReachParameters(method=method, duplicates="mean")  # type: ignore[arg-type]  # a text, one of its names
-        options = options_of(method, duplicates="mean")  # type: ignore[arg-type]  # a text, one of its names
-        fitting = median_seconds(lambda options=options: fit(clips, options))
-        whole = median_seconds(lambda parameters=parameters: REACH.run(clips, parameters, silent))
+        parameters = ReachParameters(method=method, duplicates="mean")
+        options = options_of(method, duplicates="mean")
+        fitting = median_seconds(partial(fit, clips, options))
+        whole = median_seconds(partial(REACH.run, clips, parameters, silent))
         ready = REACH.prepare(REACH.run(clips, parameters, silent))
         make = REACH.operations["synthesize"].run
         wishes = [ReachWish(attributes=wish) for wish in WISHES]

@@ -156,7 +156,8 @@ def _bare_parse(files: list[tuple[str, bytes]]) -> Callable[[], None]:
 
     def parse() -> None:
         for text in texts:
-            parser.parse(text).as_buffer(of_type="d")
+            numbers: Any = parser.parse(text)
+            numbers.as_buffer(of_type="d")
 
     return parse
 

@@ -70,9 +70,8 @@ def fill(database: Database, documents: int) -> None:
     with database.read() as tx:
         rows = {table: _rows_by_document(tx, table) for table in COPIED}
         names = _names(document)
-        kinds = [
-            dict(zip(names, row, strict=True)) for row in tx.connection.execute(select(*map(document.c.get, names)))
-        ]
+        read = select(*(document.c[name] for name in names))
+        kinds = [dict(zip(names, row, strict=True)) for row in tx.connection.execute(read)]
         keys = list(tx.connection.execute(select(document.c.id)).scalars())
     for first in range(KINDS, documents, A_COMMIT * 50):
         numbers = range(first, min(documents, first + A_COMMIT * 50))

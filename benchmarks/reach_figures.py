@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from tests.analysis.reach.hdm05 import read_reaches
 from tests.analysis.reach.reach_motions import motion_of
 from tests.conftest import shared_folder
 
-WAYS = (
+WAYS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("paper", {"method": "paper", "duplicates": "mean"}),
     ("robust", {}),
     ("global", {"space": "global"}),
@@ -43,7 +44,7 @@ def percent(found: Fitted) -> tuple[str, str, str]:
 
 def components(name: str, motions: Sequence[Motion], **stated: object) -> None:
     for way, options in WAYS:
-        found = fit(motions, options_of(**{**options, **stated}))  # type: ignore[arg-type]  # options by their names
+        found = fit(motions, options_of(**{**options, **stated}))
         errors, unit = reconstruction(found), 1000 * (found.model.metres or 1.0)
         row(f"{name}, {way}", *percent(found), errors.joints, errors.phase_joint, errors.hand * unit, len(found.clips))
 
@@ -63,7 +64,7 @@ def people(motions: Sequence[Motion]) -> None:
     for way, options in cases:
         if "2 x mean" in way:
             options = {**options, "s": 2 * fit(motions, options_of(lam=1.0, s=1.0)).model.neighbour}
-        found = fit(motions, options_of(**options))  # type: ignore[arg-type]  # options by their names
+        found = fit(motions, options_of(**options))
         unit = 1000 * (found.model.metres or 1.0)
         for found_way in predictions(found):
             if found_way.left_out == "subject":
@@ -117,7 +118,7 @@ def phase_times() -> None:
                 place = 12
                 for clip in clips:
                     motion = motion_of(clip)
-                    found = find_phases(motion.rotations[:, place], motion.fps, method)  # type: ignore[arg-type]  # options by their names
+                    found = find_phases(motion.rotations[:, place], motion.fps, method)
                     away = (np.array(found.times) - np.array(clip.times)) * 30 / fps
                     within.append(np.abs(away).max() <= 2)
                     bias.append(away)
