@@ -13,6 +13,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
+from mcml.errors import Place, QueryError
 from mcml_service.xpath.language.calls import argument_spans, written_calls
 from mcml_service.xpath.language.motion_functions import KNOWN, MOTION_FUNCTIONS
 from mcml_service.xpath.language.tree import (
@@ -40,6 +41,7 @@ NOTHING = Items(())
 _QUOTED = re.compile(r"""'[^']*'|"[^"]*\"""")
 _NOT = re.compile(r"(?<![\w.$:-])(?:fn:)?not\s*(?=\()")
 _CONDITION = re.compile(r"\b(not|if|some|every|empty|exists|boolean)\b")
+_UNCERTAIN = re.compile(r"(!=|(?<![\w.$:/@-])ne(?![\w.:(-]))|(?<![\w.$:-])(if)\s*(?=\()")
 _ITEM = "known"
 """The name of a variable that no expression of a user binds."""
 
@@ -226,3 +228,37 @@ def certain_text(text: str) -> str:
             result += f"{text[end : match.start()]}(not({inside}) and {' and '.join(known)})"
             end = after
     return result + text[end:]
+
+
+def require_certain(text: str) -> None:
+    """Raise QueryError for a condition that only Saxon reads, about a body, which an unknown value would make true:
+    with `!=` or `ne`, or chosen by `if`. The text is that of `certain_text`."""
+    plain = _QUOTED.sub(lambda found: " " * len(found[0]), text)
+    if not any(type_of(one.call) in ("number", "boolean") for one in written_calls(text, {})):
+        return
+    for match in _UNCERTAIN.finditer(plain):
+        first, end = _bracket(plain, match.start())
+        asked = [one for one in written_calls(" " * first + text[first:end], {}) if one.call.function != KNOWN]
+        if asked and "mo:known" not in plain[first:end]:
+            call = text[slice(*asked[0].span)]
+            raise QueryError(
+                f"{match[1] or match[2]!r} beside {call} would take what is unknown as known here.",
+                at=Place(column=match.start() + 1),
+                remedy="Write not(a = b) for a != b, `and` and `or` for if, or ask for mo:known(…) beside it.",
+            )
+
+
+def _bracket(plain: str, place: int) -> tuple[int, int]:
+    """The innermost predicate around a place, or all of the text."""
+    depth, first = 0, 0
+    for at in range(place - 1, -1, -1):
+        depth += (plain[at] == "]") - (plain[at] == "[")
+        if depth < 0:
+            first = at + 1
+            break
+    depth = 0
+    for at in range(place, len(plain)):
+        depth += (plain[at] == "[") - (plain[at] == "]")
+        if depth < 0:
+            return first, at
+    return first, len(plain)

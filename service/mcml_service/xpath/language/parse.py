@@ -10,7 +10,7 @@ from difflib import get_close_matches
 from mcml.errors import LimitError, McmlError, Place, QueryError
 from mcml.motion.bodies.quantities import QUANTITIES
 from mcml_service.xpath.language.arity import ArityError
-from mcml_service.xpath.language.certain import certain, certain_text
+from mcml_service.xpath.language.certain import certain, certain_text, require_certain
 from mcml_service.xpath.language.functions import SAFE_FUNCTIONS
 from mcml_service.xpath.language.grammar import read
 from mcml_service.xpath.language.meaning import bind, from_document, with_stored_names
@@ -113,6 +113,7 @@ def _read_xpath2(text: str, error: QueryError, variables: Mapping[str, str | flo
         # The parser that came further is the one that the writer had in mind.
         chosen = max(error, other, key=_column)
         raise QueryError(chosen.what, at=chosen.at, remedy=chosen.remedy or _hint(text, chosen.what)) from None
+    require_certain(sure)
     for part in walk(tree):
         if isinstance(part, Call):
             _check_motion(part)
