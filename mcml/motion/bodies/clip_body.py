@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from mcml.errors import ConversionError
 from mcml.motion.bodies.calibration import Calibration, Shared, calibrate, calibration_frames
-from mcml.motion.bodies.positions import Steps, clip_positions, filled, rounded
+from mcml.motion.bodies.positions import Filled, Steps, clip_positions, filled, rounded
 from mcml.motion.bodies.quantities import AskedQuantity, compute
 from mcml.motion.bodies.reference import pose_in, stance_of
 from mcml.motion.bodies.stretch import Stretch
@@ -62,6 +63,47 @@ def body_at(head: ClipHead, positions: Array, values: Array | None = None, share
     pose_at = None if values is None else partial(pose_of_frame, head, values)
     calibration = calibrate(head, sample, frames=frames, pose_at=pose_at, shared=shared)
     return ClipBody(head.skeleton.names, rounded(positions, calibration.step), calibration, head.seconds_per_frame())
+
+
+def calibrate_clip(
+    clip: ClipStream, frames: int, overrides: Mapping[str, Any] | None = None, shared: Shared | None = None
+) -> Calibration:
+    """The calibration of a clip of so many frames, which is read once, some frames at a time. overrides, shared: as
+    `calibrate` takes them."""
+    rows = calibration_frames(frames)
+    wanted = set(rows.tolist())
+    sample = [np.empty((0, len(clip.head.skeleton), 3))]
+    kept: dict[int, Array] = {}
+    for first, values, positions in _walked(clip):
+        chosen = rows[(rows >= first) & (rows < first + len(values))] - first
+        sample.append(positions[chosen])
+        kept.update(zip((chosen + first).tolist(), values[chosen], strict=True))
+
+    def pose_at(frame: int) -> ReferencePose:
+        if frame not in wanted:
+            row = next(values[frame - at] for at, values, _ in _walked(clip) if frame < at + len(values))
+            return pose_in(clip.head.skeleton, reading_of(clip.head), row)
+        return pose_in(clip.head.skeleton, reading_of(clip.head), kept[frame])
+
+    return calibrate(clip.head, np.concatenate(sample), overrides, rows, pose_at=pose_at, shared=shared)
+
+
+def steps_of(clip: ClipStream, step: float) -> Iterator[Steps]:
+    """Rounded positions (n, J, 3) of a clip, some frames at a time."""
+    for _, _, positions in _walked(clip):
+        yield rounded(positions, step)
+
+
+def _walked(clip: ClipStream) -> Iterator[tuple[int, Array, Array]]:
+    """(place of the first, values (n, D) without gaps, positions (n, J, 3), NaN where unknown) of frames in turn."""
+    skeleton, reading = clip.head.skeleton, reading_of(clip.head)
+    held, first = Held(skeleton), 0
+    for blocks in _together(clip.blocks()):
+        values = np.concatenate([held.values(block) for block in blocks])
+        gaps = np.concatenate([unseen(skeleton, block) for block in blocks]) if held.missing else None
+        (positions,) = clip_positions(skeleton, [Filled(values, gaps)], reading)
+        yield first, values, positions
+        first += len(values)
 
 
 def pose_of_frame(head: ClipHead, values: Array, frame: int) -> ReferencePose:

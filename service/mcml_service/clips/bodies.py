@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from mcml.motion.bodies.calibration import Calibration, calibrate, calibration_frames
-from mcml.motion.bodies.clip_body import ClipBody, body_at, pose_of_frame, turned_degrees
+from mcml.motion.bodies.calibration import Calibration
+from mcml.motion.bodies.clip_body import ClipBody, body_at, calibrate_clip, steps_of, turned_degrees
 from mcml.motion.bodies.positions import clip_positions, filled
 from mcml.motion.bodies.stretch import Stretch
 from mcml.motion.clip import Reference
@@ -18,11 +18,13 @@ from mcml_service.clips.read_clip import Skeletons, read_clip
 from mcml_service.storage.documents.bodies import StoredBody
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.documents.documents import StoredDocument
-from mcml_service.storage.documents.steps import pack, unpack
+from mcml_service.storage.documents.steps import pack, pack_parts, unpack
 from mcml_service.storage.transaction import Transaction
 
 FRAMES_TOGETHER = 8192
 """Frames of documents whose joints are placed together."""
+LONG = 65_536
+"""Frames of a document from which on some of it is in memory at a time."""
 MOST_LOOKED_AT = 8
 """Clips of a skeleton, where a reference pose is looked for."""
 MADE = 2
@@ -88,6 +90,9 @@ def derive_bodies(tx: Transaction, documents: Sequence[Listed], skeletons: Skele
 
 
 def _derived(tx: Transaction, documents: Sequence[Listed], skeletons: Skeletons) -> list[Body]:
+    if documents[0].frames > LONG:
+        (listed,) = documents
+        return [_derived_in_parts(tx, listed, skeletons)]
     clips = [read_clip(tx, listed, bare=True, skeletons=skeletons) for listed in documents]
     same: dict[tuple[int, Reading], list[int]] = {}
     for place, clip in enumerate(clips):
@@ -101,6 +106,14 @@ def _derived(tx: Transaction, documents: Sequence[Listed], skeletons: Skeletons)
             shared = partial(references.of, documents[place])
             found[place] = Body.packed(body_at(clips[place].clip.head, positions, own.values, shared))
     return [found[place] for place in range(len(clips))]
+
+
+def _derived_in_parts(tx: Transaction, listed: Listed, skeletons: Skeletons) -> Body:
+    """The same of a long document, which is read twice: for its calibration, and for its positions."""
+    clip = read_clip(tx, listed, bare=True, skeletons=skeletons).clip
+    calibration = calibrate_clip(clip, listed.frames, shared=partial(References(tx).of, listed))
+    blocks = tuple(pack_parts(steps_of(clip, calibration.step)))
+    return Body(clip.head.skeleton.names, listed.frames, calibration, clip.head.seconds_per_frame(), blocks)
 
 
 class References:
@@ -130,16 +143,7 @@ class References:
     def _first(self, skeleton: int, stated: str | None) -> Reference | None:
         for commit, listed in self._tx.heads.clips_of_skeleton(skeleton, MOST_LOOKED_AT):
             clip = read_clip(self._tx.at_commit(commit), listed, bare=True).clip
-            head, frames = clip.head, filled(clip.head.skeleton, clip.blocks())
-            (positions,) = clip_positions(head.skeleton, [frames], reading_of(head))
-            rows = calibration_frames(len(positions))
-            found = calibrate(
-                head,
-                positions[rows],
-                {} if stated is None else {"up": stated},
-                rows,
-                pose_at=partial(pose_of_frame, head, frames.values),
-            )
+            found = calibrate_clip(clip, clip.frames or 0, {} if stated is None else {"up": stated})
             if found.origins["reference"].kind == "measured" and found.start.stated == stated:
                 return replace(found.start, of=listed.name if found.start.frame is not None else "")
         return None

@@ -4,7 +4,7 @@ is read without the others."""
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from itertools import accumulate
 
@@ -32,6 +32,20 @@ def _config() -> ChunkConfig:
 def pack(steps: Steps) -> list[bytes]:
     """(n, J, 3) as blocks of up to BLOCK frames; one where there are none."""
     return [_block(steps[first : first + BLOCK]) for first in range(0, max(len(steps), 1), BLOCK)]
+
+
+def pack_parts(parts: Iterable[Steps]) -> Iterator[bytes]:
+    """The blocks of (n, J, 3) that comes in parts, of any numbers of frames."""
+    waiting: list[Steps] = []
+    for part in parts:
+        waiting.append(part)
+        if sum(map(len, waiting)) >= BLOCK:
+            together = np.concatenate(waiting)
+            whole = len(together) // BLOCK * BLOCK
+            yield from pack(together[:whole])
+            waiting = [together[whole:]]
+    if waiting and len(waiting[-1]):
+        yield from pack(np.concatenate(waiting))
 
 
 def _block(steps: Steps) -> bytes:
