@@ -23,7 +23,7 @@ import simdjson
 from benchmarks.timing import median_seconds, report
 from mcml.formats import FORMATS
 from mcml.formats.format import ReadOptions, SourceFile
-from mcml.formats.number_text import rows_of_text
+from mcml.formats.text.number_text import rows_of_text
 from mcml.motion.clip import ClipStream
 
 MEGABYTES = 50

@@ -9,7 +9,7 @@ from pathlib import Path
 from random import Random
 
 from mcml.errors import LimitError, QueryError
-from mcml_schemas.queries import QueryRequest
+from mcml_schemas.querying.queries import QueryRequest
 from mcml_service.storage.database import Database
 from mcml_service.xpath.language.parse import parse
 from tests.conftest import shared_folder

@@ -20,10 +20,10 @@ import numpy as np
 from mcml.files.import_options import ImportOptions, Label
 from mcml.files.shared_skeleton import kept_skeleton
 from mcml.formats import FORMATS
-from mcml.formats.bvh_hierarchy import shared_hierarchy
+from mcml.formats.bvh.hierarchy import shared_hierarchy
 from mcml.formats.format import SourceFile
-from mcml.formats.number_text import detect_style, rows_of_text
-from mcml.formats.numbers import parse_numbers
+from mcml.formats.text.number_text import detect_style, rows_of_text
+from mcml.formats.text.numbers import parse_numbers
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.actions.importing.import_motion import import_files
 from mcml_service.demo import body

@@ -1,4 +1,4 @@
-"""MT1 read again, as a browser reads it: by the words of `mcml.motion.thumbnails` alone."""
+"""MT1 read again, as a browser reads it: by the words of `mcml.motion.pictures.thumbnails` alone."""
 
 from __future__ import annotations
 

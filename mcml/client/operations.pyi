@@ -5,23 +5,6 @@ from typing import Any, Literal
 from mcml.answers import Content
 from mcml.client.client import Client, FileProgress
 from mcml.formats.format import SourceFile
-from mcml_schemas.accounts import (
-    AccountChange,
-    AccountList,
-    AccountView,
-    InvitationList,
-    InvitationMade,
-    InvitationRequest,
-    Me,
-    MemberChange,
-    MemberList,
-    OwnerRequest,
-    PasswordChange,
-    TokenList,
-    TokenMade,
-    TokenRequest,
-)
-from mcml_schemas.activity import ActivityPage
 from mcml_schemas.bodies import Calibration, CalibrationChange
 from mcml_schemas.catalogues import (
     FormatList,
@@ -35,7 +18,6 @@ from mcml_schemas.catalogues import (
     SkeletonPage,
 )
 from mcml_schemas.changes import ChangeSet, ChangesMade
-from mcml_schemas.comments import CommentChange, CommentPage, CommentRequest, CommentView
 from mcml_schemas.compose import Composed, ComposeRequest, SplitParts, SplitRequest
 from mcml_schemas.documents import (
     ChangedDocuments,
@@ -51,7 +33,6 @@ from mcml_schemas.documents import (
 )
 from mcml_schemas.elements import ChildPage, ElementChange, ElementEdited, ElementEdits, TextFound
 from mcml_schemas.exports import ExportRequest
-from mcml_schemas.facets import FacetList
 from mcml_schemas.frames import FrameEdits, FramesEdited
 from mcml_schemas.jobs import (
     AnalysisInfo,
@@ -69,12 +50,10 @@ from mcml_schemas.jobs import (
 from mcml_schemas.labels import LabelChange, LabelQuery, SuggestedLabels
 from mcml_schemas.media import MediaChange, MediaInfo
 from mcml_schemas.names import AliasTable, AppliedNames, SavedAliases
-from mcml_schemas.presence import PresenceRequest, PresentList
-from mcml_schemas.queries import Completions, QueryAnswer, QueryRequest
-from mcml_schemas.retarget import Mapping, MappingPage, Retargeted, RetargetMany, RetargetRequest, SavedMapping
-from mcml_schemas.revisions import Difference
-from mcml_schemas.running import RunningQueries
-from mcml_schemas.saved import (
+from mcml_schemas.querying.facets import FacetList
+from mcml_schemas.querying.queries import Completions, QueryAnswer, QueryRequest
+from mcml_schemas.querying.running import RunningQueries
+from mcml_schemas.querying.saved import (
     Collection,
     CollectionPage,
     CollectionToSave,
@@ -86,11 +65,32 @@ from mcml_schemas.saved import (
     Vocabulary,
     VocabularyToSave,
 )
-from mcml_schemas.search import SearchAnswer, SearchRequest
+from mcml_schemas.querying.search import SearchAnswer, SearchRequest
+from mcml_schemas.retarget import Mapping, MappingPage, Retargeted, RetargetMany, RetargetRequest, SavedMapping
+from mcml_schemas.revisions import Difference
 from mcml_schemas.selections import CopiedDocuments, ManyChanges, ManyCopies, ManyDocuments
-from mcml_schemas.shares import ShareList, ShareMade, ShareRequest
 from mcml_schemas.skeletons import SkeletonView
-from mcml_schemas.webhooks import DeliveryPage, DeliveryView, WebhookList, WebhookMade, WebhookRequest
+from mcml_schemas.team.accounts import (
+    AccountChange,
+    AccountList,
+    AccountView,
+    InvitationList,
+    InvitationMade,
+    InvitationRequest,
+    Me,
+    MemberChange,
+    MemberList,
+    OwnerRequest,
+    PasswordChange,
+    TokenList,
+    TokenMade,
+    TokenRequest,
+)
+from mcml_schemas.team.activity import ActivityPage
+from mcml_schemas.team.comments import CommentChange, CommentPage, CommentRequest, CommentView
+from mcml_schemas.team.presence import PresenceRequest, PresentList
+from mcml_schemas.team.shares import ShareList, ShareMade, ShareRequest
+from mcml_schemas.team.webhooks import DeliveryPage, DeliveryView, WebhookList, WebhookMade, WebhookRequest
 
 class Operations:
     def __init__(self, client: Client) -> None: ...

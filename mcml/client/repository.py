@@ -23,7 +23,7 @@ from mcml.files.on_disk import write_file
 from mcml.files.read_numbers import Space
 from mcml.frames import Frames
 from mcml_schemas.documents import DocumentDetail, DocumentSummary, FileProblem, Label
-from mcml_schemas.queries import NodeItem, QueryAnswer, RunItem, ScalarItem, ValueItem
+from mcml_schemas.querying.queries import NodeItem, QueryAnswer, RunItem, ScalarItem, ValueItem
 from mcml_schemas.skeletons import SkeletonView
 
 _IN_FRAME = re.compile(r"/mcml(?:\[1\])?/motion(?:\[1\])?/frame\[(\d+)\]")

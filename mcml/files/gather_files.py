@@ -15,8 +15,8 @@ from mcml.files.limits import FileLimits
 from mcml.files.unpack import unpacked
 from mcml.formats import FORMATS, find_format
 from mcml.formats.format import SourceFile
-from mcml.formats.lines import utf16_codec
 from mcml.formats.other_formats import refuse_other_xml
+from mcml.formats.text.lines import utf16_codec
 
 SNIFF_BYTES = 4096
 

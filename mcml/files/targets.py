@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from mcml.errors import UnsupportedError
 from mcml.formats import WRITERS
 from mcml.language import joint_names
 from mcml.motion.clip import ClipStream
-from mcml.motion.conventions import convert
+from mcml.motion.conventions.convert import convert
 
 
 def targets() -> dict[str, tuple[str, str | None]]:
@@ -18,6 +19,14 @@ def targets() -> dict[str, tuple[str, str | None]]:
         if len(format_.parts) > 1:
             result.update({part.name: (name, part.name) for part in format_.parts})
     return result
+
+
+def find_target(name: str) -> tuple[str, str | None]:
+    """What `targets` says of a format that people ask for. Raises UnsupportedError, with those that there are."""
+    known = targets()
+    if name not in known:
+        raise UnsupportedError(f"Unknown export format {name!r}.", remedy=f"Use one of: {', '.join(sorted(known))}.")
+    return known[name]
 
 
 def part_without_frames(name: str) -> str | None:

@@ -9,7 +9,7 @@ import zlib
 from collections.abc import Sequence
 
 from mcml.errors import Notice
-from mcml.formats.plausible_text import EASTERN, plausible_codecs, title_of
+from mcml.formats.text.plausible_text import EASTERN, plausible_codecs, title_of
 
 _IS_UTF8 = 0x800
 _UNICODE_PATH = 0x7075

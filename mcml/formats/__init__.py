@@ -5,16 +5,16 @@
 
 from __future__ import annotations
 
-from mcml.formats.asf_amc import AsfAmc
-from mcml.formats.bvh import Bvh
-from mcml.formats.c3d import C3d
+from mcml.formats.asf_amc.format import AsfAmc
+from mcml.formats.bvh.format import Bvh
+from mcml.formats.c3d.format import C3d
 from mcml.formats.format import Format, Writer
-from mcml.formats.htr import Htr
+from mcml.formats.htr.format import Htr
 from mcml.formats.opensim.storage import OpenSim
 from mcml.formats.recognition import UNSUPPORTED, recognise
 from mcml.formats.scenes.glb import Glb
 from mcml.formats.scenes.usd import Usd
-from mcml.formats.trc import Trc
+from mcml.formats.trc.format import Trc
 
 __all__ = ["FORMATS", "NEEDED", "UNSUPPORTED", "WRITERS", "find_format"]
 

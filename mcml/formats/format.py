@@ -132,8 +132,10 @@ class SourceFile:
 class Writer(Protocol):
     """A file format that clips leave in.
 
-    name: as in the catalogue. convention: the only one that `write` takes, None where it takes any. media_type: of its
-    files.
+    name: as in the catalogue. title, label: for people, the label short. convention: the only one that `write` takes,
+    None where it takes any. media_type: of its files. bodies, markers: which documents it can hold. needs: facts
+    without which a document is not written, of "frame_time" and "unit". assumes: the unit that programs take the
+    numbers for where the document states none, "" where they take none.
     """
 
     @property
@@ -141,11 +143,21 @@ class Writer(Protocol):
     @property
     def title(self) -> str: ...
     @property
+    def label(self) -> str: ...
+    @property
     def parts(self) -> tuple[FileKind, ...]: ...
     @property
     def convention(self) -> Convention | None: ...
     @property
     def media_type(self) -> str: ...
+    @property
+    def bodies(self) -> bool: ...
+    @property
+    def markers(self) -> bool: ...
+    @property
+    def needs(self) -> frozenset[str]: ...
+    @property
+    def assumes(self) -> str: ...
 
     def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:
         """One part of the clip as bytes. Raises ConversionError where the clip is in another convention.
@@ -156,10 +168,15 @@ class Writer(Protocol):
 
 
 class Format(Writer, Protocol):
-    """A file format: bytes to clips and back."""
+    """A file format: bytes to clips and back.
+
+    states: facts of a document that its files hold, of "unit", "up" and "frame_time".
+    """
 
     @property
     def convention(self) -> Convention: ...
+    @property
+    def states(self) -> frozenset[str]: ...
 
     def sniff(self, name: str, first_bytes: bytes) -> str | None:
         """The part that a file is, by its first bytes (at least 4 kB or all) and its name; None if it is none."""

@@ -8,8 +8,8 @@ from typing import Final
 
 from mcml.errors import FormatError, McmlError, Place, UnsupportedError
 from mcml.formats.format import Format
-from mcml.formats.lines import utf16_codec
 from mcml.formats.other_formats import TO_BVH, other_format
+from mcml.formats.text.lines import utf16_codec
 
 UNSUPPORTED: Final[Mapping[str, str]] = {
     "aoa": "Adaptive Optics: a tracker's raw points with no public grammar and no files to be found",

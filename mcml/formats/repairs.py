@@ -2,7 +2,7 @@
 
 `split-numbers`: a number whose minus touches the one before it (`0.0-7.5094748`) begins a number of its own.
 `decimal-commas`: `0,5` becomes `0.5`. `missing-samples`: `nan` and its like in a BVH are samples that are missing.
-`stated-dof`, `three-dof`: see `amc_repairs`.
+`stated-dof`, `three-dof`: see `asf_amc.repairs`.
 `whole-frames`: of a motion that ends early the frames are kept that are whole. A last number without anything behind it
 may lack digits, so its frame is none.
 """
@@ -16,8 +16,8 @@ from dataclasses import replace
 from typing import TypeAlias
 
 from mcml.errors import LimitError
-from mcml.formats.amc_repairs import stated_dof, three_dof
-from mcml.formats.bvh_motion import MISSING
+from mcml.formats.asf_amc.repairs import stated_dof, three_dof
+from mcml.formats.bvh.motion import MISSING
 from mcml.formats.format import SourceFile
 
 MOST_BYTES = 256 << 20

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from mcml.errors import Notice
 from mcml.motion.clip import FrameBlock, full_shape
+from mcml.motion.conventions.plans import is_identity, product_order
 from mcml.motion.hub import HubReader
-from mcml.motion.plans import is_identity, product_order
 from mcml.motion.rotation_vectors import angle_between
 from mcml.motion.rotations import from_euler, inverse, multiply, rotate, to_euler
 from mcml.motion.skeleton import CHANNEL_INDEX, Array, Convention, Skeleton

@@ -10,8 +10,13 @@ from mcml_schemas.request_body import RequestBody
 _BVH = {
     "name": "bvh",
     "title": "Biovision BVH",
+    "label": "BVH",
     "parts": [{"name": "bvh", "title": "Skeleton and motion", "extensions": [".bvh"]}],
     "convention": "listed",
+    "bodies": True,
+    "markers": False,
+    "needs": ["frame_time"],
+    "assumes": "",
     "reads": True,
     "writes": True,
 }
@@ -38,8 +43,15 @@ class FormatPart(BaseModel):
 class FormatInfo(BaseModel):
     name: str
     title: str
+    label: str = Field(description="A short title, for menus")
     parts: list[FormatPart]
     convention: str
+    bodies: bool = Field(description="Whether it can hold bodies")
+    markers: bool = Field(description="Whether it can hold markers")
+    needs: list[str] = Field(description="Facts that a document must state to be exported: frame_time, unit")
+    assumes: str = Field(
+        description="Unit that programs take its numbers for where the document states none; empty: they take none"
+    )
     reads: bool = Field(True, description="Whether it can be uploaded")
     writes: bool = Field(True, description="Whether it can be exported: USD where the server has the extra `usd`")
 

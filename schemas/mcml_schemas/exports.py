@@ -17,7 +17,7 @@ class ExportRequest(RequestBody):
 
     selection: Selection = Field(description="Which documents")
     format: str = Field(
-        "bvh", description="bvh, asf-amc, asf, amc, htr, c3d, trc, glb, usd, usda, mot, sto, mcml or csv"
+        "bvh", description="A format that `GET /formats` lists as written, a part of one (asf, amc), or csv"
     )
     names: str | None = Field(None, description="Joint names: mcml, bvh1, bvh2, asf or htr; default the source's")
     unit: str | None = Field(None, description="Scale lengths to this unit; the documents must state their own")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import BaseModel, ConfigDict, Field
 
 from mcml_schemas.examples import MOTION_NAME, PROJECT, QUERY, shown
-from mcml_schemas.queries import MOST_DOCUMENTS
+from mcml_schemas.querying.queries import MOST_DOCUMENTS
 from mcml_schemas.request_body import RequestBody
 
 

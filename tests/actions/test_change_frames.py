@@ -13,7 +13,7 @@ from lxml import etree
 
 from mcml.errors import DocumentError, NotFoundError
 from mcml.language.dtd import violations
-from mcml_schemas.queries import NodeItem, QueryRequest
+from mcml_schemas.querying.queries import NodeItem, QueryRequest
 from mcml_service.actions.editing.change_document import add_labels, restore_revision
 from mcml_service.actions.editing.change_frames import (
     delete_frames,

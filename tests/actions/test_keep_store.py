@@ -13,7 +13,7 @@ import pytest
 from sqlalchemy import func, insert, select, text
 
 from mcml.errors import ConflictError, StoreError
-from mcml_schemas.queries import QueryRequest
+from mcml_schemas.querying.queries import QueryRequest
 from mcml_service.actions.editing.change_document import add_labels
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.actions.keeping.keep_store import backup, restore

@@ -12,7 +12,7 @@ from pydantic import BaseModel
 from typer.testing import CliRunner
 
 from mcml.errors import ConflictError, NotFoundError
-from mcml_schemas.queries import QueryRequest
+from mcml_schemas.querying.queries import QueryRequest
 from mcml_service.actions.analysing.use_result import Results
 from mcml_service.actions.editing.change_document import add_labels, delete_document
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document

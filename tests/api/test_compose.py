@@ -13,7 +13,7 @@ from fastapi.testclient import TestClient
 
 from mcml.formats import FORMATS
 from mcml.motion.clip import ClipStream
-from mcml.motion.resizing import scale, turn_up
+from mcml.motion.conventions.resizing import scale, turn_up
 from mcml_service.demo import body
 from tests.builders import bvh, c3d_file, one_kind
 

@@ -11,7 +11,7 @@ import pytest
 from fastapi.testclient import TestClient
 
 from mcml.formats import FORMATS
-from mcml.motion.resizing import turn_up
+from mcml.motion.conventions.resizing import turn_up
 from mcml_service.demo import body
 from tests.builders import bvh, c3d_file, one_kind
 

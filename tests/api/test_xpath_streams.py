@@ -11,7 +11,7 @@ import pytest
 from fastapi.testclient import TestClient
 from lxml import etree
 
-from mcml_schemas.queries import QueryRequest
+from mcml_schemas.querying.queries import QueryRequest
 from mcml_service.xpath.answer.writing import STREAMS
 from mcml_service.xpath.finding import addresses
 from mcml_service.xpath.queries import Queries

@@ -36,7 +36,7 @@ def added(database: Database, name: str) -> str:
 def measured(database: Database, monkeypatch: pytest.MonkeyPatch) -> str:
     """A document of which a program before took angles and the like as markers."""
     with monkeypatch.context() as patch:
-        patch.setattr("mcml.formats.c3d.quantities_of", lambda said, labels: {})
+        patch.setattr("mcml.formats.c3d.format.quantities_of", lambda said, labels: {})
         return store(database, {"lab.c3d": c3d_bytes(POINTS, labels=LABELS, parameters=TYPED)}, project="lab")[0]
 
 
@@ -86,7 +86,7 @@ def test_up_that_was_guessed_otherwise(database: Database, shared: Path) -> None
 def test_files_of_laboratories(database: Database, shared: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     files = {name: (shared / "lab" / name).read_bytes() for name in ("s4_am_gait04.c3d", "hc030a05.c3d")}
     with monkeypatch.context() as patch:
-        patch.setattr("mcml.formats.c3d.quantities_of", lambda said, labels: {})
+        patch.setattr("mcml.formats.c3d.format.quantities_of", lambda said, labels: {})
         before = store(database, files)
     told = {one.id for one in found_in(database) if "stored as markers" in one.what}
     assert told == set(before)

@@ -14,7 +14,7 @@ from mcml.client.client import Client
 from mcml.client.folders import _stored, groups_of
 from mcml.client.pace import Pace
 from mcml.errors import UnsupportedError
-from mcml_service.cli import bar as bars
+from mcml_service.cli.terminal import bar as bars
 from tests.builders import ASF, amc, bvh, read_by
 from tests.cli.test_access import library as server  # noqa: F401
 from tests.cli.test_cli import Mcml, environment, mcml  # noqa: F401

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from mcml.motion.bodies.limb_angles import angle_names
-from mcml_schemas.queries import NodeItem, QueryRequest
+from mcml_schemas.querying.queries import NodeItem, QueryRequest
 from mcml_service.actions.importing.load_demo import load_people
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from lxml import etree
 
-from mcml_schemas.queries import NodeItem, QueryRequest, ScalarItem, ValueItem
+from mcml_schemas.querying.queries import NodeItem, QueryRequest, ScalarItem, ValueItem
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.actions.importing.load_demo import load_people
 from mcml_service.settings import Settings

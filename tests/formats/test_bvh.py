@@ -242,7 +242,7 @@ def test_a_hierarchy_read_before_says_the_same(
         return clip.head, read_in_full, clip.notices
 
     first, again = said(), said()
-    monkeypatch.setattr("mcml.formats.bvh.LONGEST_SHARED", 0)
+    monkeypatch.setattr("mcml.formats.bvh.format.LONGEST_SHARED", 0)
     assert first == again == said()
 
 

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcml.errors import McmlError, Notice
-from mcml.formats.bvh_hierarchy import SharedHierarchy, read_hierarchy, shared_hierarchy
-from mcml.formats.bvh_plain import read_plain
+from mcml.formats.bvh.hierarchy import SharedHierarchy, read_hierarchy, shared_hierarchy
+from mcml.formats.bvh.plain import read_plain
 from mcml.formats.format import Limits
-from mcml.formats.lines import Encoding, Lines, Tokens
+from mcml.formats.text.lines import Encoding, Lines, Tokens
 
 LIMITS = Limits(joints=12, depth=5, name=20)
 WORDS = ("ROOT", "JOINT", "End Site", "OFFSET", "CHANNELS", "{", "}", "0", "1.5", "3", "Xposition", "Zrotation", "a b")

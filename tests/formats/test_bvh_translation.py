@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mcml.formats import FORMATS
-from mcml.formats.bvh_translation import differing_translations, read_translations
+from mcml.formats.bvh.translation import differing_translations, read_translations
 from mcml.formats.format import ReadOptions, SourceFile
 from mcml.motion.clip import ClipStream
 from tests.formats.contract import read

@@ -12,10 +12,10 @@ import pytest
 
 from mcml.errors import ConversionError, FormatError, LimitError, McmlError
 from mcml.formats import FORMATS
-from mcml.formats.c3d_quantities import kept_quantities
+from mcml.formats.c3d.quantities import kept_quantities
 from mcml.formats.format import Limits, ReadOptions
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, full_shape
-from mcml.motion.conventions import convert
+from mcml.motion.conventions.convert import convert
 from mcml.motion.markers import marker_skeleton
 from mcml.motion.skeleton import Convention
 from tests.builders import bvh, c3d_file

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from mcml.formats import FORMATS
-from mcml.formats.c3d import quantity_labels
-from mcml.formats.c3d_quantities import kept_quantities
+from mcml.formats.c3d.format import quantity_labels
+from mcml.formats.c3d.quantities import kept_quantities
 from mcml.formats.format import ReadOptions, SourceFile
 from mcml.language.elements import from_head
 from mcml.language.reader import read_document
@@ -128,7 +128,7 @@ def test_a_file_of_quantities_alone_has_no_markers() -> None:
 
 
 def test_quantities_that_are_too_long_stay_in_the_kept_file(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("mcml.formats.c3d_quantities.MOST_TEXT", 100)
+    monkeypatch.setattr("mcml.formats.c3d.quantities.MOST_TEXT", 100)
     clip = clip_of(TYPED)
     assert kept_quantities(clip.head.sources[0].sections) == []
     assert any("the kept file has them" in notice.what for notice in clip.notices)

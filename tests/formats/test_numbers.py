@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcml.formats.number_text import detect_style, number_tokens, rows_of_text
-from mcml.formats.numbers import bad_token, is_number, parse_numbers, token_bounds, what_is_wrong
+from mcml.formats.text.number_text import detect_style, number_tokens, rows_of_text
+from mcml.formats.text.numbers import bad_token, is_number, parse_numbers, token_bounds, what_is_wrong
 
 doubles = st.floats(allow_nan=False, allow_infinity=False)
 spellings = st.sampled_from(["{!r}", "{:.6f}", "{:g}", "{:.17g}", "{:.25e}", "{:+}", "{:E}"])

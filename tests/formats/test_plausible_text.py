@@ -6,7 +6,7 @@ import pytest
 
 from mcml.formats import FORMATS
 from mcml.formats.format import ReadOptions
-from mcml.formats.plausible_text import plausible_codecs
+from mcml.formats.text.plausible_text import plausible_codecs
 from tests.builders import bvh
 from tests.formats.contract import read
 

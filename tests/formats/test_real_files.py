@@ -13,7 +13,7 @@ from mcml.errors import FormatError
 from mcml.formats import FORMATS, find_format
 from mcml.formats.format import ReadOptions, SourceFile
 from mcml.motion.clip import ClipStream
-from mcml.motion.conventions import convert
+from mcml.motion.conventions.convert import convert
 from mcml.motion.hub import rest_of
 from mcml.motion.kinematics import Walker
 from mcml.motion.skeleton import Convention

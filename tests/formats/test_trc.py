@@ -15,7 +15,7 @@ from mcml.errors import ConversionError, FormatError
 from mcml.formats import FORMATS
 from mcml.formats.format import ReadOptions
 from mcml.motion.clip import ClipStream
-from mcml.motion.conventions import convert
+from mcml.motion.conventions.convert import convert
 from mcml.motion.kinematics import Walker
 from mcml.motion.skeleton import Convention
 from tests.builders import ASF, TRC, amc, bvh, c3d_file

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from benchmarks.reader_inputs import INPUTS, bvh_of_one_line, mcml_of_one_name, read_through, trc
-from mcml.formats import lines
+from mcml.formats.text import lines
 from mcml.language import frames, reader
 from mcml.language.element import Element
 
@@ -59,7 +59,7 @@ def test_twice_the_input_is_twice_the_work(name: str) -> None:
 
 def test_no_line_is_counted_where_nothing_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
     counted: list[int] = []
-    monkeypatch.setattr("mcml.formats.trc_rows.line_and_column", lambda *given: counted.append(1))
+    monkeypatch.setattr("mcml.formats.trc.rows.line_and_column", lambda *given: counted.append(1))
     assert read_through(trc(200)) == 200
     assert counted == []
 

@@ -16,7 +16,7 @@ from sqlalchemy import Connection, Table, and_, select, update
 from sqlalchemy.exc import SQLAlchemyError
 
 from mcml.errors import McmlError
-from mcml_schemas.queries import QueryRequest
+from mcml_schemas.querying.queries import QueryRequest
 from mcml_service.actions.editing.change_document import add_labels, change_document, delete_document
 from mcml_service.actions.editing.edit_element import Change
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document

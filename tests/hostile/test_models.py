@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi import FastAPI
 
-from mcml_schemas.queries import QueryRequest
+from mcml_schemas.querying.queries import QueryRequest
 from mcml_service.storage.database import Database
 from tests.builders import one_kind, served
 

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from mcml.errors import ConversionError
 from mcml.motion.clip import ClipStream, FrameBlock, full_shape
-from mcml.motion.composing import LARGEST_JUMP, Composed, Piece, compose, layered
+from mcml.motion.edits.composing import LARGEST_JUMP, Composed, Piece, compose, layered
 from mcml.motion.frames import in_columns
 from mcml.motion.hub import HubReader
 from mcml.motion.skeleton import Array, Convention, Joint, Skeleton

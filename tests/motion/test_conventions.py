@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from mcml.errors import ConversionError
 from mcml.motion.clip import ClipStream, full_shape
-from mcml.motion.conventions import convert, scale, turn_up
+from mcml.motion.conventions.convert import convert, scale, turn_up
 from mcml.motion.skeleton import CHANNELS, Convention, Joint, Skeleton
 from mcml.motion.units import metres_per_unit
 from tests import fuzz

@@ -12,12 +12,12 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from mcml.errors import ConversionError
 from mcml.motion.clip import ClipStream, FrameBlock, full_shape
+from mcml.motion.edits.resampling import frame_places, resampled, sampled
+from mcml.motion.edits.smoothing import smoothed
 from mcml.motion.frames import adjusted, eased, in_columns, joined, reversed_frames
 from mcml.motion.hub import HubReader
-from mcml.motion.resampling import frame_places, resampled, sampled
 from mcml.motion.rotation_vectors import angle_between
 from mcml.motion.skeleton import Array, Convention, Joint, Skeleton
-from mcml.motion.smoothing import smoothed
 from mcml.motion.units import reading_of
 from tests import fuzz
 from tests.formats.test_real_files import opened

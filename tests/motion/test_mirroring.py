@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from mcml.errors import ConversionError
 from mcml.motion.clip import ClipStream, FrameBlock, full_shape
+from mcml.motion.edits.mirroring import mirrored, own_plane
 from mcml.motion.frames import joined
 from mcml.motion.hub import HubReader, walked
-from mcml.motion.mirroring import mirrored, own_plane
 from mcml.motion.rotation_vectors import angle_between
 from mcml.motion.sides import Sagittal, is_left, partners, sagittal
 from mcml.motion.skeleton import Array, Convention, Joint, Skeleton

@@ -15,11 +15,11 @@ from scipy.spatial.transform import Rotation
 
 from mcml.errors import ConversionError
 from mcml.language.motion_names import MotionName, parse, parts
-from mcml.motion.anatomical_axes import PARTS
+from mcml.motion.anatomy.axes import PARTS
+from mcml.motion.anatomy.movement_names import CIRCLING, Suggestion, suggest_movements
 from mcml.motion.frames import joined
 from mcml.motion.hub import HubReader, rest_of
 from mcml.motion.lexemes import triple
-from mcml.motion.movement_names import CIRCLING, Suggestion, suggest_movements
 from mcml.motion.skeleton import Array, Convention, EndSite, Joint, Skeleton
 from mcml.motion.units import reading_of
 from tests import fuzz

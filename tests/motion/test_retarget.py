@@ -13,15 +13,15 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from mcml.errors import ConversionError
-from mcml.motion.bone_mapping import Match, check_matches, suggest_matches
 from mcml.motion.clip import FrameBlock, full_shape
+from mcml.motion.conventions.resizing import scale
 from mcml.motion.frames import joined
-from mcml.motion.hinges import best_twist, beyond_limits
 from mcml.motion.hub import HubReader
 from mcml.motion.hub_writer import HubWriter
 from mcml.motion.lexemes import triple
-from mcml.motion.resizing import scale
-from mcml.motion.retarget import Retargeted, retarget
+from mcml.motion.retargeting.bone_mapping import Match, check_matches, suggest_matches
+from mcml.motion.retargeting.hinges import best_twist, beyond_limits
+from mcml.motion.retargeting.retarget import Retargeted, retarget
 from mcml.motion.rotation_vectors import angle_between
 from mcml.motion.rotations import from_euler, inverse, multiply
 from mcml.motion.skeleton import Array, Convention, Joint, Skeleton, numbers

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from mcml.errors import ConversionError
-from mcml.motion.bone_mapping import suggest_matches
 from mcml.motion.clip import ClipStream, FrameBlock
 from mcml.motion.frames import joined
-from mcml.motion.retarget import retarget
+from mcml.motion.retargeting.bone_mapping import suggest_matches
+from mcml.motion.retargeting.retarget import retarget
 from mcml.motion.skeleton import Skeleton
 from tests.clips.test_references import floating
 from tests.motion.bodies.made import PARTS, clip_of, person

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mcml.motion import thumbnails
-from mcml.motion.figures import Figure, farthest, figure_of, finite, view_of
 from mcml.motion.hub import rest_of
+from mcml.motion.pictures import thumbnails
+from mcml.motion.pictures.figures import Figure, farthest, figure_of, finite, view_of
+from mcml.motion.pictures.thumbnails import busiest, draw, loop_times, poses_at, scrub_times
 from mcml.motion.skeleton import Array, Convention, EndSite, Joint, Skeleton
-from mcml.motion.thumbnails import busiest, draw, loop_times, poses_at, scrub_times
 from tests import thumbnails as mt1
 
 FRONT = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1]])

@@ -8,7 +8,7 @@ import pytest
 from sqlalchemy import text, update
 
 from mcml.errors import DamageError, StoreError
-from mcml_schemas.queries import QueryRequest
+from mcml_schemas.querying.queries import QueryRequest
 from mcml_service.actions.editing.change_document import add_labels, restore_revision
 from mcml_service.actions.editing.edit_element import Change
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document

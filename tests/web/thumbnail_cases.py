@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from mcml.motion.figures import Figure
-from mcml.motion.thumbnails import draw
+from mcml.motion.pictures.figures import Figure
+from mcml.motion.pictures.thumbnails import draw
 from tests import thumbnails
 
 

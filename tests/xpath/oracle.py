@@ -16,7 +16,7 @@ from typing import Any
 
 from lxml import etree
 
-from mcml_schemas.queries import NodeItem, QueryAnswer, QueryRequest, RunItem, ScalarItem
+from mcml_schemas.querying.queries import NodeItem, QueryAnswer, QueryRequest, RunItem, ScalarItem
 from mcml_service.xpath.language.labels import without_index
 from mcml_service.xpath.language.parse import Query, parse
 from mcml_service.xpath.language.tree import (

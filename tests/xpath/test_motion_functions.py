@@ -13,7 +13,7 @@ import pytest
 from mcml.errors import McmlError
 from mcml.formats import FORMATS
 from mcml.motion.skeleton import Convention
-from mcml_schemas.queries import NodeItem, QueryRequest, ScalarItem
+from mcml_schemas.querying.queries import NodeItem, QueryRequest, ScalarItem
 from mcml_service.actions.editing.change_document import add_labels, change_document, delete_document, restore_document
 from mcml_service.actions.editing.change_frames import delete_frames, move_frames, reverse
 from mcml_service.actions.editing.edit_element import Change

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from mcml.errors import LimitError, QueryError
-from mcml_schemas.queries import NodeItem, QueryRequest
+from mcml_schemas.querying.queries import NodeItem, QueryRequest
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.xpath.answer.writing import STREAMS

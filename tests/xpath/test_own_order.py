@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from mcml_schemas.queries import NodeItem, QueryRequest, RunItem
+from mcml_schemas.querying.queries import NodeItem, QueryRequest, RunItem
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.xpath.answer.writing import STREAMS

@@ -17,7 +17,7 @@ import pytest
 
 from mcml.files.import_options import ImportOptions
 from mcml.formats.format import SourceFile
-from mcml_schemas.queries import QueryRequest
+from mcml_schemas.querying.queries import QueryRequest
 from mcml_service.actions.editing.change_document import delete_document, restore_document
 from mcml_service.actions.editing.change_frames import delete_frames
 from mcml_service.actions.importing.import_motion import import_files
@@ -26,7 +26,7 @@ from mcml_service.actions.keeping.purge_documents import purge_documents
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.xpath.library import groups
-from mcml_service.xpath.library.part_file import path_of, why_not
+from mcml_service.xpath.library.disk.part_file import path_of, why_not
 from mcml_service.xpath.queries import Queries
 from tests import fuzz
 from tests.builders import bvh

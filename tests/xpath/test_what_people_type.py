@@ -10,7 +10,7 @@ from random import Random
 import pytest
 
 from mcml.errors import McmlError, QueryError
-from mcml_schemas.queries import QueryRequest
+from mcml_schemas.querying.queries import QueryRequest
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.xpath.language.functions import SAFE_FUNCTIONS

@@ -9,7 +9,8 @@ from random import Random
 import pytest
 
 from mcml_service.storage.database import Database
-from mcml_service.xpath.engine import column_source, frame_bones, values
+from mcml_service.xpath.engine import column_source, values
+from mcml_service.xpath.engine.samples import frame_bones
 from mcml_service.xpath.language.parse import parse
 from tests.conftest import shared_folder
 from tests.xpath.grammar import Grammar

@@ -13,7 +13,7 @@ import pytest
 
 from mcml.files.import_options import ImportOptions
 from mcml.formats.format import SourceFile
-from mcml_schemas.queries import NodeItem, QueryRequest
+from mcml_schemas.querying.queries import NodeItem, QueryRequest
 from mcml_service.actions.importing.import_motion import import_files
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database

@@ -7,8 +7,8 @@ from random import Random
 import numpy as np
 
 from mcml_service.xpath.engine.columns import Columns
-from mcml_service.xpath.engine.condition import Condition
-from mcml_service.xpath.engine.kernel import fulfilled
+from mcml_service.xpath.engine.samples.condition import Condition
+from mcml_service.xpath.engine.samples.kernel import fulfilled
 from mcml_service.xpath.language.conditions import Sample, condition
 from mcml_service.xpath.language.parse import parse
 from mcml_service.xpath.language.rules import normal

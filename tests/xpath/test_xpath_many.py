@@ -17,7 +17,7 @@ from lxml import etree
 from mcml.errors import McmlError
 from mcml.files.import_options import ImportOptions
 from mcml.formats.format import SourceFile
-from mcml_schemas.queries import NodeItem, QueryRequest
+from mcml_schemas.querying.queries import NodeItem, QueryRequest
 from mcml_service.actions.editing.change_document import add_labels, delete_document, restore_document
 from mcml_service.actions.editing.change_frames import delete_frames
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
@@ -25,7 +25,8 @@ from mcml_service.actions.importing.import_motion import import_files
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.storage.lists.filtering import DocumentFilter
-from mcml_service.xpath.engine import frame_bones, group_scan, values
+from mcml_service.xpath.engine import group_scan, values
+from mcml_service.xpath.engine.samples import frame_bones
 from mcml_service.xpath.language.parse import parse
 from mcml_service.xpath.language.types import type_of
 from mcml_service.xpath.library import groups

@@ -10,7 +10,7 @@ import psutil
 import pytest
 
 from mcml.errors import LimitError, QueryError
-from mcml_schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueItem
+from mcml_schemas.querying.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueItem
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.xpath.finding import addresses

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from mcml.errors import QueryError
-from mcml_schemas.queries import QueryRequest
+from mcml_schemas.querying.queries import QueryRequest
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.xpath.queries import Queries

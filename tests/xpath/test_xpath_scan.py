@@ -10,7 +10,7 @@ import pytest
 
 from mcml.errors import McmlError
 from mcml.files.import_options import Label
-from mcml_schemas.queries import NodeItem, QueryAnswer, QueryRequest
+from mcml_schemas.querying.queries import NodeItem, QueryAnswer, QueryRequest
 from mcml_service.actions.editing.change_document import add_labels, delete_document, restore_document
 from mcml_service.actions.editing.change_frames import move_frames, reverse
 from mcml_service.actions.editing.edit_element import Change
@@ -22,7 +22,8 @@ from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath import queries as run
 from mcml_service.xpath.answer import streams
 from mcml_service.xpath.answer.sources import described
-from mcml_service.xpath.engine import frame_bones, group_scan, stacked, values
+from mcml_service.xpath.engine import group_scan, values
+from mcml_service.xpath.engine.samples import frame_bones, stacked
 from mcml_service.xpath.engine.scan_plan import plan_scan
 from mcml_service.xpath.language.parse import parse
 from mcml_service.xpath.language.rules import normal

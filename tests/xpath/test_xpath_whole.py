@@ -11,7 +11,7 @@ import pytest
 from saxonche import PySaxonProcessor
 
 from mcml.errors import QueryError
-from mcml_schemas.queries import NodeItem, QueryRequest
+from mcml_schemas.querying.queries import NodeItem, QueryRequest
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.xpath.library import groups

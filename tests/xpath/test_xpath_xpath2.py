@@ -11,9 +11,10 @@ import pytest
 from saxonche import PySaxonApiError, PySaxonProcessor
 
 from mcml.errors import QueryError
-from mcml_schemas.queries import NodeItem, QueryRequest
+from mcml_schemas.querying.queries import NodeItem, QueryRequest
 from mcml_service.storage.database import Database
-from mcml_service.xpath.engine import frame_bones, values
+from mcml_service.xpath.engine import values
+from mcml_service.xpath.engine.samples import frame_bones
 from mcml_service.xpath.xml.saxon_worker import evaluate
 from tests import postgres
 from tests.conftest import shared_folder

@@ -14,7 +14,7 @@ import numpy as np
 
 from mcml.errors import ConversionError
 from mcml.formats.format import note
-from mcml.motion.anatomical_axes import Stance
+from mcml.motion.anatomy.axes import Stance
 from mcml.motion.bodies.calibration import Calibration, calibrate, calibration_frames
 from mcml.motion.bodies.limb_angles import ANGLES, NEEDS_ROTATIONS, angle_named
 from mcml.motion.bodies.positions import rounded, world_positions

@@ -13,7 +13,7 @@ import numpy as np
 
 from mcml.errors import ConversionError
 from mcml.formats.format import FileKind, need_seconds, note
-from mcml.formats.number_text import SHORTEST, rows_of_text
+from mcml.formats.text.number_text import SHORTEST, rows_of_text
 from mcml.motion.clip import ClipHead, ClipStream
 from mcml.motion.skeleton import Convention
 
@@ -29,10 +29,14 @@ class OpenSim:
 
     convention = None
     media_type = "text/plain"
+    bodies, markers = True, False
+    needs = frozenset({"frame_time"})
+    assumes = ""
 
     def __init__(self, name: str, title: str) -> None:
         self.name = name
         self.title = title
+        self.label = f"OpenSim {name.upper()}"
         self.parts = (FileKind(name, (f".{name}",), "Angles of the body"),)
 
     def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:

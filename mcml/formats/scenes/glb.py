@@ -42,6 +42,10 @@ class Glb:
     parts = (FileKind("glb", (".glb",), "Skeleton, motion and a simple body"),)
     convention = None
     media_type = "model/gltf-binary"
+    label = "glTF"
+    bodies, markers = True, True
+    needs = frozenset({"frame_time"})
+    assumes = "m"
 
     def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:
         try:

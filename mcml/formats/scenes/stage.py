@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from mcml.errors import ConversionError, Notice
 from mcml.formats.format import need_seconds, note
 from mcml.motion.clip import ClipHead, ClipStream
-from mcml.motion.conventions import with_scale_factor
+from mcml.motion.conventions.convert import with_scale_factor
+from mcml.motion.conventions.survey import STILL
 from mcml.motion.guesses import likely_unit
 from mcml.motion.hub import HubReader, Rest, walked
 from mcml.motion.rotations import multiply
 from mcml.motion.skeleton import Array, Convention, Skeleton
-from mcml.motion.survey import STILL
 from mcml.motion.units import UNITS, reading_of
 
 LARGEST = float(np.finfo(np.float32).max)

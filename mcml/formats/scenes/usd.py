@@ -38,10 +38,14 @@ class Usd:
     """The formats `usd` (binary) and `usda` (text); see `mcml.formats.format.Writer`."""
 
     convention = None
+    bodies, markers = True, True
+    needs = frozenset({"frame_time"})
+    assumes = "cm"
 
     def __init__(self, name: str, title: str, extensions: tuple[str, ...]) -> None:
         self.name = name
         self.title = title
+        self.label = "USD" if name == "usd" else "USD (text)"
         self.parts = (FileKind(name, extensions, "Skeleton, motion and a simple body"),)
         self.media_type = "model/vnd.usda" if name == "usda" else "model/vnd.usd"
 

@@ -15,15 +15,15 @@ import numpy as np
 import orjson
 
 from mcml.errors import RequestError
-from mcml.motion.anatomical_axes import uprightness
+from mcml.motion.anatomy.axes import uprightness
 from mcml.motion.bodies.beginnings import LOOKED_AT, frames_before_motion
 from mcml.motion.bodies.origins import Origin
 from mcml.motion.bodies.reference import could_stand
 from mcml.motion.clip import ClipHead, Reference, ReferencePose
-from mcml.motion.figures import axis_of
 from mcml.motion.frames import Rows
 from mcml.motion.guesses import changed_up, likely_up, stated_up
 from mcml.motion.kinematics import rest_positions
+from mcml.motion.pictures.figures import axis_of
 from mcml.motion.skeleton import Array, Skeleton, once_a_skeleton
 from mcml.motion.units import UNITS, Reading, metres_of, reading_of
 from mcml.motion.vectors import length

@@ -15,7 +15,7 @@ import scipy
 from numpy.typing import NDArray
 
 from mcml.motion.bodies.stretch import HIPS, Stretch
-from mcml.motion.resampling import frame_places
+from mcml.motion.edits.resampling import frame_places
 from mcml.motion.skeleton import Array
 from mcml.motion.vectors import cross
 

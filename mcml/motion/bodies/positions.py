@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.motion.clip import FrameBlock
+from mcml.motion.conventions.plans import product_order
 from mcml.motion.hub import HubReader, rest_of
 from mcml.motion.kinematics import unseen
 from mcml.motion.layout import Held
-from mcml.motion.plans import product_order
 from mcml.motion.rotations import inverse, multiply, to_matrix
 from mcml.motion.skeleton import CHANNEL_INDEX, Array, Skeleton, once_a_skeleton
 from mcml.motion.units import DEGREES, Reading

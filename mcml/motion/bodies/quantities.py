@@ -14,7 +14,7 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from mcml.errors import NotFoundError, RequestError
-from mcml.motion.anatomical_axes import joints_of_part
+from mcml.motion.anatomy.axes import joints_of_part
 from mcml.motion.bodies.limb_angles import angle_named, turn_named
 from mcml.motion.bodies.local_fit import bends, reach, slopes
 from mcml.motion.bodies.stretch import HIPS, Stretch, known

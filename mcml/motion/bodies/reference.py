@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from mcml.motion.anatomical_axes import STANDS, Stance, stance_in, uprightness
+from mcml.motion.anatomy.axes import STANDS, Stance, stance_in, uprightness
 from mcml.motion.clip import Reference, ReferencePose
-from mcml.motion.figures import axis_of
 from mcml.motion.kinematics import Walker, rest_positions
+from mcml.motion.pictures.figures import axis_of
 from mcml.motion.rotations import IDENTITY
 from mcml.motion.skeleton import Array, Skeleton, once_a_skeleton
 from mcml.motion.units import DEGREES, Reading

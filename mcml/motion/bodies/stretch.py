@@ -15,7 +15,7 @@ import numpy as np
 
 from mcml.motion.bodies.calibration import Calibration
 from mcml.motion.bodies.positions import UNSEEN, Steps
-from mcml.motion.figures import axis_of
+from mcml.motion.pictures.figures import axis_of
 from mcml.motion.skeleton import Array
 from mcml.motion.vectors import cross, divided, dot, length, unit
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.errors import VocabularyError
-from mcml.motion.anatomical_angles import turned_angles
-from mcml.motion.anatomical_axes import Segment, Stance, relative_turns, segments_of
+from mcml.motion.anatomy.angles import turned_angles
+from mcml.motion.anatomy.axes import Segment, Stance, relative_turns, segments_of
 from mcml.motion.bodies.limb_angles import turn_named
 from mcml.motion.hub import Rest
 from mcml.motion.rotations import IDENTITY, inverse, multiply

@@ -9,7 +9,7 @@ import starlette.requests
 from python_multipart.multipart import parse_options_header
 from starlette.formparsers import MultiPartParser
 
-from mcml.formats.plausible_text import plausible_codecs
+from mcml.formats.text.plausible_text import plausible_codecs
 
 _EXTENDED = re.compile(rb";\s*filename\*\s*=\s*\"?([A-Za-z0-9._-]*)'[^']*'([^;\"\s]*)", re.IGNORECASE)
 

@@ -11,8 +11,8 @@ from fastapi import APIRouter, Form, Header, Query, Request, Response
 from fastapi.responses import HTMLResponse, RedirectResponse
 
 from mcml.errors import AccessError, AttemptsError, ConflictError, NotFoundError, RequestError
-from mcml_schemas.sessions import SessionOpened, SessionRequest
-from mcml_schemas.shares import Shared, SharedMotion, SharedRequest
+from mcml_schemas.team.sessions import SessionOpened, SessionRequest
+from mcml_schemas.team.shares import Shared, SharedMotion, SharedRequest
 from mcml_service.api.doors import SHARED, cookie_name, share_cookie_name
 from mcml_service.api.page import page
 from mcml_service.passwords import checked_name, hashed, opens

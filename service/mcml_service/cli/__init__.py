@@ -11,9 +11,9 @@ from typing import Annotated, NoReturn
 import typer
 
 from mcml.errors import McmlError, RequestError, is_full
-from mcml_service.cli.collector import collect_again, spare_what_stays
 from mcml_service.cli.commands import command_of
-from mcml_service.cli.lazily import from_module, lazy_command, lazy_group
+from mcml_service.cli.terminal.collector import collect_again, spare_what_stays
+from mcml_service.cli.terminal.lazily import from_module, lazy_command, lazy_group
 from mcml_service.operations import OPERATIONS
 
 BY_HAND = {
@@ -26,22 +26,22 @@ BY_HAND = {
     "export": "exporting:export",
     "xpath": "querying:xpath",
     "search": "searching:search",
-    "label": "labels:label",
-    "set": "documents:set_",
-    "rename": "documents:rename",
-    "move": "documents:move",
-    "delete": "documents:delete",
-    "purge": "purging:purge",
-    "frames": "frames:frames",
+    "label": "edits.labels:label",
+    "set": "edits.documents:set_",
+    "rename": "edits.documents:rename",
+    "move": "edits.documents:move",
+    "delete": "edits.documents:delete",
+    "purge": "edits.purging:purge",
+    "frames": "edits.frames:frames",
     "numbers": "numbers:numbers",
-    "compose": "composing:compose",
-    "retarget": "composing:retarget",
-    "labels suggest": "labels:suggest",
-    "element set": "elements:set_",
-    "element move": "elements:move",
-    "mapping save": "names:save",
-    "mapping alias": "names:alias",
-    "names apply": "names:apply",
+    "compose": "edits.composing:compose",
+    "retarget": "edits.composing:retarget",
+    "labels suggest": "edits.labels:suggest",
+    "element set": "edits.elements:set_",
+    "element move": "edits.elements:move",
+    "mapping save": "edits.names:save",
+    "mapping alias": "edits.names:alias",
+    "names apply": "edits.names:apply",
     "db upgrade": "store:upgrade",
     "db backup": "store:backup_",
     "db restore": "store:restore_",
@@ -61,7 +61,7 @@ BY_HAND = {
     "project quota": "moving:quota",
     "project export": "moving:export",
     "project import": "moving:import_",
-    "project vocabulary": "names:vocabulary",
+    "project vocabulary": "edits.names:vocabulary",
     "project add": "accounts:add_member",
     "share add": "accounts:share",
     "webhook add": "webhooks:add",

@@ -6,8 +6,15 @@ from typing import Annotated, Literal, TypeAlias
 
 import typer
 
-from mcml_schemas.shares import ShareRequest
-from mcml_service.cli.opening import DatabaseOption, ServerOption, chosen_settings, console, open_database, opened
+from mcml_schemas.team.shares import ShareRequest
+from mcml_service.cli.terminal.opening import (
+    DatabaseOption,
+    ServerOption,
+    chosen_settings,
+    console,
+    open_database,
+    opened,
+)
 
 Role: TypeAlias = Literal["member", "reader", "editor", "owner"]
 ProjectRole: TypeAlias = Literal["reader", "editor", "owner"]

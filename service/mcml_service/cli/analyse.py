@@ -22,7 +22,7 @@ from mcml_service.analysis.interface import Analysis
 from mcml_service.analysis.interface import ResultUse as Operation
 from mcml_service.cli.commands import add_group
 from mcml_service.cli.exporting import local_name
-from mcml_service.cli.opening import (
+from mcml_service.cli.terminal.opening import (
     DatabaseOption,
     ForceOption,
     JsonOption,
@@ -32,8 +32,8 @@ from mcml_service.cli.opening import (
     opened,
     print_json,
 )
-from mcml_service.cli.present import present
-from mcml_service.cli.results import show_parts
+from mcml_service.cli.terminal.present import present
+from mcml_service.cli.terminal.results import show_parts
 from mcml_service.operations import OPERATIONS
 
 Assignments = Annotated[

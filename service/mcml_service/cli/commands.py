@@ -23,7 +23,7 @@ from mcml.answers import Content
 from mcml.client.choosing import id_of
 from mcml.client.client import Client
 from mcml.errors import McmlError
-from mcml_service.cli.opening import (
+from mcml_service.cli.terminal.opening import (
     DatabaseOption,
     ForceOption,
     JsonOption,
@@ -32,7 +32,7 @@ from mcml_service.cli.opening import (
     write_blocks,
     write_to_the_end,
 )
-from mcml_service.cli.present import present
+from mcml_service.cli.terminal.present import present
 from mcml_service.operations import OPERATIONS
 from mcml_service.operations.arguments import DocumentId, Documents
 from mcml_service.operations.operation import Argument, Effect, Operation

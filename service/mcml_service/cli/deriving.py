@@ -11,8 +11,15 @@ from typing import TYPE_CHECKING
 from rich.text import Text
 
 from mcml.errors import McmlError
-from mcml_service.cli.bar import Bar
-from mcml_service.cli.opening import DatabaseOption, JsonOption, chosen_settings, console, open_database, print_json
+from mcml_service.cli.terminal.bar import Bar
+from mcml_service.cli.terminal.opening import (
+    DatabaseOption,
+    JsonOption,
+    chosen_settings,
+    console,
+    open_database,
+    print_json,
+)
 from mcml_service.clips.bodies import Body
 from mcml_service.clips.derive import derive_missing
 

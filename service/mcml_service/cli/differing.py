@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 
 from mcml_service.actions.keeping.find_differing import look_for_differing
-from mcml_service.cli.opening import console
+from mcml_service.cli.terminal.opening import console
 from mcml_service.storage.database import Database
 
 MOST_SHOWN = 20

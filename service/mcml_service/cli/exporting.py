@@ -10,8 +10,15 @@ import typer
 
 from mcml.files.convert_files import files_to_write
 from mcml.files.on_disk import write_file
-from mcml_service.cli.choosing import IdsArgument, MotionNameOption, ProjectOption, XPathOption, chosen, for_each
-from mcml_service.cli.opening import (
+from mcml_service.cli.terminal.choosing import (
+    IdsArgument,
+    MotionNameOption,
+    ProjectOption,
+    XPathOption,
+    chosen,
+    for_each,
+)
+from mcml_service.cli.terminal.opening import (
     DatabaseOption,
     ForceOption,
     RawOption,

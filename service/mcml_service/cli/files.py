@@ -13,7 +13,7 @@ from mcml.files.convert_files import convert_files, files_to_write, format_of
 from mcml.files.import_options import ImportOptions
 from mcml.files.on_disk import check_free, opened_files, write_file
 from mcml_service.actions.reading.inspect_files import inspect_files
-from mcml_service.cli.opening import ForceOption, JsonOption, chosen_settings, console, print_json
+from mcml_service.cli.terminal.opening import ForceOption, JsonOption, chosen_settings, console, print_json
 
 
 def convert(

@@ -13,9 +13,9 @@ from mcml.client.choosing import id_of
 from mcml.client.client import Client
 from mcml.client.folders import import_paths
 from mcml_schemas.documents import ImportedDocument
-from mcml_service.cli.bar import Bar
 from mcml_service.cli.deriving import FEW, derive_stored, tell_calibrations, tell_origins
-from mcml_service.cli.opening import (
+from mcml_service.cli.terminal.bar import Bar
+from mcml_service.cli.terminal.opening import (
     DatabaseOption,
     JsonOption,
     ServerOption,

@@ -8,8 +8,8 @@ import typer
 
 from mcml.client.client import follow
 from mcml_service.cli.commands import add_group
-from mcml_service.cli.opening import DatabaseOption, JsonOption, ServerOption, console, opened
-from mcml_service.cli.present import present
+from mcml_service.cli.terminal.opening import DatabaseOption, JsonOption, ServerOption, console, opened
+from mcml_service.cli.terminal.present import present
 from mcml_service.operations import OPERATIONS
 
 JobArgument = Annotated[str, typer.Argument(help="Job")]

@@ -11,7 +11,7 @@ from mcml.files.on_disk import write_file
 from mcml.formats.format import SourceFile
 from mcml_schemas.jobs import Selection
 from mcml_schemas.selections import ManyCopies
-from mcml_service.cli.opening import DatabaseOption, ForceOption, ServerOption, console, opened
+from mcml_service.cli.terminal.opening import DatabaseOption, ForceOption, ServerOption, console, opened
 
 Project: TypeAlias = Annotated[str, typer.Argument(help="Name of the project")]
 

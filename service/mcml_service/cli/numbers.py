@@ -9,7 +9,7 @@ import typer
 
 from mcml.client.choosing import id_of
 from mcml.errors import RequestError
-from mcml_service.cli.opening import DatabaseOption, ForceOption, RawOption, ServerOption, opened, write_blocks
+from mcml_service.cli.terminal.opening import DatabaseOption, ForceOption, RawOption, ServerOption, opened, write_blocks
 
 _FORMS = ("csv", "npz", "npy", "arrow", "parquet")
 

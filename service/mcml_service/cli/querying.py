@@ -9,8 +9,8 @@ from typing import Annotated, Any
 import typer
 
 from mcml.client.choosing import id_of
-from mcml_schemas.queries import NodeItem, RunItem, ScalarItem, ValueItem
-from mcml_service.cli.opening import (
+from mcml_schemas.querying.queries import NodeItem, RunItem, ScalarItem, ValueItem
+from mcml_service.cli.terminal.opening import (
     DatabaseOption,
     ForceOption,
     JsonOption,

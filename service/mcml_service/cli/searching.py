@@ -10,7 +10,15 @@ import typer
 
 from mcml.client.choosing import id_of
 from mcml.files.on_disk import opened_files
-from mcml_service.cli.opening import DatabaseOption, JsonOption, ServerOption, console, opened, print_json, table
+from mcml_service.cli.terminal.opening import (
+    DatabaseOption,
+    JsonOption,
+    ServerOption,
+    console,
+    opened,
+    print_json,
+    table,
+)
 
 
 def search(

@@ -18,7 +18,7 @@ from rich.text import Text
 from mcml.errors import McmlError
 from mcml.files.on_disk import write_file
 from mcml.resources import dtd_path
-from mcml_service.cli.opening import (
+from mcml_service.cli.terminal.opening import (
     DatabaseOption,
     ForceOption,
     chosen_settings,
@@ -187,7 +187,7 @@ def doctor(
     from mcml_service.cli.differing import tell_differing
     from mcml_service.clips.bodies import MADE
     from mcml_service.storage.core.replica import Replica
-    from mcml_service.xpath.library.part_file import path_of, why_not
+    from mcml_service.xpath.library.disk.part_file import path_of, why_not
 
     settings = chosen_settings(database)
     faults = 0

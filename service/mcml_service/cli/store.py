@@ -13,7 +13,7 @@ from mcml.errors import McmlError
 from mcml_service.actions.keeping.check_uploads import compare_all
 from mcml_service.actions.keeping.keep_room import compact_store, forget_activity, prune_history
 from mcml_service.actions.keeping.keep_store import backup, restore
-from mcml_service.cli.opening import (
+from mcml_service.cli.terminal.opening import (
     DatabaseOption,
     JsonOption,
     chosen_settings,
@@ -95,7 +95,7 @@ def prune(
     found = prune_history(store, older_than, do=yes)
     if yes:
         forget_activity(store, settings.activity_days)
-        from mcml_service.xpath.library.part_file import forget
+        from mcml_service.xpath.library.disk.part_file import forget
 
         forget(store, settings.cache_dir)
     if as_json:

@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from mcml_schemas.webhooks import WebhookRequest
-from mcml_service.cli.opening import DatabaseOption, ServerOption, console, opened
+from mcml_schemas.team.webhooks import WebhookRequest
+from mcml_service.cli.terminal.opening import DatabaseOption, ServerOption, console, opened
 
 
 def add(

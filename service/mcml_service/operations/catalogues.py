@@ -33,17 +33,23 @@ def list_formats(call: Call) -> FormatList:
         FormatInfo(
             name=format_.name,
             title=format_.title,
+            label=format_.label,
             parts=[
                 FormatPart(name=part.name, title=part.title, extensions=list(part.extensions)) for part in format_.parts
             ],
             convention="any" if format_.convention is None else format_.convention.value,
+            bodies=format_.bodies,
+            markers=format_.markers,
+            needs=sorted(format_.needs),
+            assumes=format_.assumes,
             reads=format_.name in FORMATS,
             writes=find_spec(NEEDED.get(format_.name, "mcml")) is not None,
         )
         for format_ in WRITERS.values()
     ]
     mcml = FormatPart(name="mcml", title="Motion Capture Markup Language", extensions=[".mcml", ".xml"])
-    items.append(FormatInfo(name="mcml", title=mcml.title, parts=[mcml], convention="any"))
+    about = {"title": mcml.title, "label": "MCML", "convention": "any", "needs": [], "assumes": ""}
+    items.append(FormatInfo(name="mcml", parts=[mcml], bodies=True, markers=True, **about))
     return FormatList(
         items=items, unsupported=[UnsupportedFormat(name=name, why=why) for name, why in UNSUPPORTED.items()]
     )

@@ -59,7 +59,7 @@ def export_document(
     format: Annotated[
         str,
         Field(
-            description="bvh, asf-amc (a zip), asf, amc, htr, c3d, trc, glb, usd, usda, mot, sto, mcml or csv",
+            description="A format that `GET /formats` lists as written, a part of one (asf, amc), or csv",
             examples=["htr"],
         ),
     ],

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from mcml_schemas.facets import Count, FacetList, Histogram, PropertyCounts, RateCount, SkeletonCount
+from mcml_schemas.querying.facets import Count, FacetList, Histogram, PropertyCounts, RateCount, SkeletonCount
 from mcml_service.operations.call import Call
 from mcml_service.operations.documents import Wanted
 from mcml_service.storage.lists.facets import Bins, Counts

@@ -12,7 +12,7 @@ from pydantic import Field
 from mcml.answers import Content
 from mcml.errors import QueryError
 from mcml_schemas.examples import CURSOR, DOCUMENT, QUERY, RESULTS
-from mcml_schemas.queries import WITH, CompletionItem, Completions, NodeItem, QueryAnswer, QueryRequest
+from mcml_schemas.querying.queries import WITH, CompletionItem, Completions, NodeItem, QueryAnswer, QueryRequest
 from mcml_service.actions.exporting.write_tables import TYPES, Batches, batches_of, write_columns
 from mcml_service.operations.arguments import MOST, InProject, Raw
 from mcml_service.operations.call import Call

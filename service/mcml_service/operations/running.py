@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from mcml_schemas.running import RunningQueries, RunningQuery
+from mcml_schemas.querying.running import RunningQueries, RunningQuery
 from mcml_service.operations.call import Call
 from mcml_service.storage.core.identifiers import now
 

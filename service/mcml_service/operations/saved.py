@@ -9,7 +9,7 @@ from pydantic import Field
 
 from mcml.errors import DocumentError
 from mcml_schemas.examples import PROJECT
-from mcml_schemas.saved import (
+from mcml_schemas.querying.saved import (
     Collection,
     CollectionPage,
     CollectionToSave,

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from mcml_schemas.search import MOST_HITS, SearchAnswer, SearchRequest
+from mcml_schemas.querying.search import MOST_HITS, SearchAnswer, SearchRequest
 from mcml_service.operations.arguments import MOST, Documents, InProject, at_revision
 from mcml_service.operations.call import Call
 from mcml_service.operations.uploads import Files

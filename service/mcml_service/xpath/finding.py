@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mcml.errors import QueryError
-from mcml_schemas.queries import QueryRequest, ScalarItem
+from mcml_schemas.querying.queries import QueryRequest, ScalarItem
 from mcml_service.xpath.answer.describe import describe_nodes
 from mcml_service.xpath.answer.streams import Shown
 from mcml_service.xpath.language.parse import parse

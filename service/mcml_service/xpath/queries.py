@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Literal
 
 from mcml.errors import LimitError, QueryError
-from mcml_schemas.queries import Explain, QueryAnswer, QueryRequest, ValueItem
+from mcml_schemas.querying.queries import Explain, QueryAnswer, QueryRequest, ValueItem
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.storage.documents.columns import Listed
@@ -38,10 +38,10 @@ from mcml_service.xpath.language.scopes import asks_each, asks_scope, is_node_se
 from mcml_service.xpath.language.tree import Call, Expression
 from mcml_service.xpath.language.types import distinct_of, item_type, type_of
 from mcml_service.xpath.library.caches import Caches
+from mcml_service.xpath.library.disk.part_file import path_of
+from mcml_service.xpath.library.disk.sidecar import Sidecar
 from mcml_service.xpath.library.listing import Scope
 from mcml_service.xpath.library.motion_notes import BodyScope, motion_calls, require_saxon, without_guesses
-from mcml_service.xpath.library.part_file import path_of
-from mcml_service.xpath.library.sidecar import Sidecar
 from mcml_service.xpath.limits import Limits, Running, no_such_question
 from mcml_service.xpath.nodes.node import Node
 from mcml_service.xpath.nodes.pairs import TooWideError

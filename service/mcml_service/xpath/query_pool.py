@@ -19,7 +19,7 @@ from multiprocessing.context import ForkServerContext
 from typing import Any
 
 from mcml.errors import BusyError
-from mcml_schemas.queries import QueryAnswer, QueryRequest
+from mcml_schemas.querying.queries import QueryAnswer, QueryRequest
 from mcml_service.processes.turns import Turns
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database

@@ -11,7 +11,7 @@ import numpy as np
 from mcml.formats import FORMATS, find_format
 from mcml.formats.format import ReadOptions, SourceFile
 from mcml.motion.clip import ClipStream
-from mcml.motion.conventions import convert
+from mcml.motion.conventions.convert import convert
 from mcml.motion.hub import HubReader
 from mcml.motion.lexemes import triple
 from mcml.motion.rotations import from_euler, multiply, rotate, slerp

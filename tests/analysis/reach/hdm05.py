@@ -9,7 +9,7 @@ import numpy as np
 
 from mcml.formats import FORMATS
 from mcml.formats.format import ReadOptions, SourceFile
-from mcml.motion.conventions import convert
+from mcml.motion.conventions.convert import convert
 from mcml.motion.hub import HubReader
 from mcml.motion.skeleton import Convention
 from mcml.motion.units import UNITS, reading_of

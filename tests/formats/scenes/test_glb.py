@@ -12,7 +12,7 @@ from mcml.errors import ConversionError
 from mcml.formats import WRITERS
 from mcml.formats.scenes import glb
 from mcml.motion.clip import ClipStream
-from mcml.motion.conventions import scale
+from mcml.motion.conventions.convert import scale
 from tests.formats.scenes.clips import (
     CLIPS,
     HOSTILE,

@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from mcml.formats import FORMATS
-from mcml.motion.anatomical_axes import Stance
+from mcml.motion.anatomy.axes import Stance
 from mcml.motion.bodies.calibration import Calibration, calibrate
 from mcml.motion.bodies.positions import clip_positions, filled, rounded
 from mcml.motion.bodies.reference import stance_of
 from mcml.motion.bodies.stretch import Stretch
 from mcml.motion.clip import ClipStream, Reference, ReferencePose
-from mcml.motion.conventions import convert
+from mcml.motion.conventions.convert import convert
 from mcml.motion.skeleton import Array, Convention, Skeleton
 from mcml.motion.units import DEGREES, Reading, reading_of
 from tests.builders import assign

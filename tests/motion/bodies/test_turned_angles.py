@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from mcml.errors import VocabularyError
-from mcml.motion.anatomical_axes import segments_of
+from mcml.motion.anatomy.axes import segments_of
 from mcml.motion.bodies.limb_angles import NEEDS_ROTATIONS, turn_named
 from mcml.motion.bodies.turned_angles import turned_angle
 from mcml.motion.hub import rest_of, walked

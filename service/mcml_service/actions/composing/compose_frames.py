@@ -10,13 +10,13 @@ import numpy as np
 
 from mcml.errors import DocumentError
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock
-from mcml.motion.composing import Piece, compose, layered
+from mcml.motion.edits.composing import Piece, compose, layered
+from mcml.motion.edits.mirroring import mirrored
+from mcml.motion.edits.resampling import resampled
 from mcml.motion.frames import eased, joined, rows_of
-from mcml.motion.mirroring import mirrored
-from mcml.motion.resampling import resampled
 from mcml.motion.units import reading_of, up_of
 from mcml_schemas.compose import Composed, ComposedSeam, ComposedSegment, ComposeRequest, Layer, Segment
-from mcml_schemas.queries import QueryRequest, RunItem
+from mcml_schemas.querying.queries import QueryRequest, RunItem
 from mcml_service.actions.checking.check_timed import seconds_of
 from mcml_service.actions.composing.fit_skeleton import JointMapping, fit, with_body
 from mcml_service.actions.composing.keep_mapping import mapping_of

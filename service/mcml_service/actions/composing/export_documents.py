@@ -7,8 +7,8 @@ from dataclasses import replace
 from itertools import chain
 from pathlib import PurePath
 
-from mcml.errors import McmlError, UnsupportedError
-from mcml.files.targets import targets
+from mcml.errors import McmlError
+from mcml.files.targets import find_target
 from mcml.formats import WRITERS
 from mcml_schemas.jobs import Selection
 from mcml_service.actions.composing.select_documents import select_documents
@@ -28,12 +28,7 @@ def export_documents(
     Two of one name become two files, the second with the end of its id. A document that the format cannot hold is told
     in `refused.txt`, the last file. Raises UnsupportedError for a format that is none, before anything is made.
     """
-    known = targets()
-    if options.format not in known:
-        raise UnsupportedError(
-            f"Unknown export format {options.format!r}.", remedy=f"Use one of: {', '.join(sorted(known))}."
-        )
-    name, part = known[options.format]
+    name, part = find_target(options.format)
     parts = [item.name for item in WRITERS[name].parts] if name in WRITERS and part is None else [options.format]
     found, _ = select_documents(database, queries, selection)
     # What was begun cannot be made again, as it would have to be where a replica goes away.

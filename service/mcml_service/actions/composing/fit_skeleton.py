@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from mcml.errors import DocumentError
-from mcml.motion.bone_mapping import Match, suggest_matches
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock
+from mcml.motion.conventions.resizing import scale, turn_up
 from mcml.motion.frames import joined
-from mcml.motion.resizing import scale, turn_up
-from mcml.motion.retarget import retarget
+from mcml.motion.retargeting.bone_mapping import Match, suggest_matches
+from mcml.motion.retargeting.retarget import retarget
 from mcml.motion.skeleton import Convention, Skeleton
 from mcml.motion.units import metres_of, reading_of, up_of
 from mcml_schemas.retarget import JointPair

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from mcml.errors import DocumentError
 from mcml.motion.clip import ClipStream, FrameBlock
-from mcml.motion.conventions import convert
+from mcml.motion.conventions.convert import convert
 from mcml.motion.hub import HubReader
-from mcml.motion.retarget import retarget
+from mcml.motion.retargeting.retarget import retarget
 from mcml.motion.skeleton import Convention, Skeleton
 from mcml.motion.units import metres_of, reading_of
 from mcml_service.actions.checking.check_timed import seconds_of

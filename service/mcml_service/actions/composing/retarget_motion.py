@@ -8,8 +8,8 @@ from typing import Any
 
 from mcml.errors import DocumentError, McmlError
 from mcml.motion.clip import ClipStream
-from mcml.motion.retarget import Retargeted as Result
-from mcml.motion.retarget import retarget
+from mcml.motion.retargeting.retarget import Retargeted as Result
+from mcml.motion.retargeting.retarget import retarget
 from mcml.motion.skeleton import Skeleton
 from mcml_schemas.retarget import (
     BoneError,

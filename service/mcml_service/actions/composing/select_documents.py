@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mcml_schemas.jobs import Selection
-from mcml_schemas.queries import QueryRequest, ScalarItem
+from mcml_schemas.querying.queries import QueryRequest, ScalarItem
 from mcml_service.actions.composing.load_motions import Input
 from mcml_service.actions.importing.store_clip import PROVENANCE
 from mcml_service.analysis.catalogue import ANALYSES

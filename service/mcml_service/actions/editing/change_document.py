@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from mcml.errors import ConflictError, DocumentError, NotFoundError
 from mcml.files.check_names import check_frame_time, given_name
 from mcml.files.edit_header import with_facts
+from mcml.formats import FORMATS
 from mcml.language import motion_names
 from mcml.language.elements import Element
 from mcml_service.storage.core.identifiers import stored_form
@@ -17,15 +18,7 @@ from mcml_service.storage.transaction import Transaction
 from mcml_service.storage.undo.restoring import reopen_rows
 from mcml_service.storage.undo.undoing import undo_rows
 
-_HELD_BY_SOURCE = {
-    "bvh": {"frame_time"},
-    "asf-amc": set[str](),
-    "htr": {"unit", "up", "frame_time"},
-    "c3d": {"unit", "up", "frame_time"},
-    "trc": {"unit", "frame_time"},
-    "mcml": {"unit", "up", "frame_time", "description", "properties"},
-}
-"""Facts that the source format itself holds: after such a change an export may no longer answer the kept bytes."""
+_HELD_BY_MCML = frozenset({"unit", "up", "frame_time", "description", "properties"})
 
 
 def change_document(
@@ -87,7 +80,8 @@ def set_facts(
         frame_time = check_frame_time(frame_time)
         changed.add("frame_time")
     current = tx.documents.get(stored.uuid)
-    touched = changed & _HELD_BY_SOURCE.get(stored.format, changed)
+    # After a change of what the source format itself holds, an export may no longer answer the kept bytes.
+    touched = changed & (_HELD_BY_MCML if stored.format == "mcml" else FORMATS[stored.format].states)
     if changed or project is not None:
         tx.documents.write_content(
             stored.key,

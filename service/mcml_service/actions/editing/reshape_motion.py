@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 from mcml.errors import DocumentError
 from mcml.language.elements import header_of
 from mcml.motion.clip import ClipHead, FrameBlock
+from mcml.motion.edits.mirroring import mirrored
+from mcml.motion.edits.resampling import resampled
+from mcml.motion.edits.smoothing import smoothed
 from mcml.motion.frames import adjusted, eased, joined, rows_of
-from mcml.motion.mirroring import mirrored
-from mcml.motion.resampling import resampled
 from mcml.motion.skeleton import CHANNEL_INDEX, Array
-from mcml.motion.smoothing import smoothed
 from mcml.motion.units import Reading, reading_of, up_of
 from mcml_schemas.frames import AdjustFrames, MirrorFrames, ResampleFrames, SmoothFrames
 from mcml_service.actions.checking.check_timed import seconds_of

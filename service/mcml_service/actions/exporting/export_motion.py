@@ -13,14 +13,14 @@ from functools import partial
 import numpy as np
 import orjson
 
-from mcml.errors import ConversionError, Notice, UnsupportedError
+from mcml.errors import ConversionError, Notice
 from mcml.files.check_names import check_frame_time
-from mcml.files.targets import convert_clip, part_without_frames, targets
+from mcml.files.targets import convert_clip, find_target, part_without_frames
 from mcml.formats import FORMATS, WRITERS
 from mcml.formats.format import SourceFile
 from mcml.language.writer import write_document
 from mcml.motion.clip import ClipStream
-from mcml.motion.conventions import scale, turn_up
+from mcml.motion.conventions.convert import scale, turn_up
 from mcml.motion.skeleton import CHANNELS
 from mcml.motion.units import metres_per_unit
 from mcml_service.cells import safe_cell
@@ -76,12 +76,7 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
 
     Raises UnsupportedError for an unknown format, ConversionError where the format cannot hold the motion.
     """
-    known = targets()
-    if options.format not in known:
-        raise UnsupportedError(
-            f"Unknown export format {options.format!r}.", remedy=f"Use one of: {', '.join(sorted(known))}."
-        )
-    name, part = known[options.format]
+    name, part = find_target(options.format)
     part = part_without_frames(name) if stored.frames == 0 and part is None else part
     stem = file_stem(stored.name)
     if options.original and options.whole and stored.intact and stored.format == name and name in FORMATS:

@@ -13,7 +13,7 @@ from mcml.files.gather_files import Clip
 from mcml.files.import_options import ImportOptions
 from mcml.files.open_clip import offering, open_clip
 from mcml.files.shared_skeleton import SharedSkeleton
-from mcml.formats.number_text import decimals_of
+from mcml.formats.text.number_text import decimals_of
 from mcml.language import motion_names
 from mcml.language.elements import Element
 from mcml.motion.clip import ClipHead, ClipStream, Shape

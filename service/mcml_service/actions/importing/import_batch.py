@@ -5,29 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
 
 from mcml.errors import McmlError
+from mcml_service.actions.importing.import_clip import Imported, Importer
 from mcml_service.storage.database import Database
-
-if TYPE_CHECKING:
-    from mcml_service.actions.importing.import_motion import Importer
 
 BATCH_BYTES, BATCH_CLIPS = 16 << 20, 48
 """Of files whose clips are stored in one transaction."""
 
 EARLY_CLIPS = 24
 """For which a commit is worth while where the importer would wait otherwise."""
-
-
-@dataclass(frozen=True)
-class Imported:
-    """uuid of a stored document. skipped: it was there already."""
-
-    uuid: str
-    name: str
-    receipt: dict[str, Any]
-    skipped: bool = False
 
 
 @dataclass

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from mcml.errors import McmlError
-from mcml.formats.bvh_translation import MOST_FRAMES, differing_translations
-from mcml.formats.c3d import quantity_labels
+from mcml.formats.bvh.translation import MOST_FRAMES, differing_translations
+from mcml.formats.c3d.format import quantity_labels
 from mcml.motion.clip import ClipStream
 from mcml.motion.guesses import changed_up
 from mcml.motion.hub import HubReader, walked

@@ -9,7 +9,7 @@ from datetime import UTC, datetime, timedelta
 from mcml.errors import NotFoundError
 from mcml_service.storage.core.words import in_words
 from mcml_service.storage.database import Database
-from mcml_service.xpath.library.part_file import forget
+from mcml_service.xpath.library.disk.part_file import forget
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from mcml.errors import DocumentError, NotFoundError, Place
 from mcml.language import motion_names
-from mcml_schemas.queries import QueryRequest, RunItem
+from mcml_schemas.querying.queries import QueryRequest, RunItem
 from mcml_service.actions.editing.change_document import add_labels
 from mcml_service.actions.editing.splice_frames import check_range
 from mcml_service.cells import read_cell, safe_cell

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from mcml.errors import ConflictError, ConversionError, DocumentError
 from mcml.language.motion_names import MotionName
+from mcml.motion.anatomy.movement_names import suggest_movements
 from mcml.motion.hub import HubReader
-from mcml.motion.movement_names import suggest_movements
 from mcml.motion.skeleton import Convention
 from mcml_schemas.labels import SuggestedLabel
 from mcml_service.actions.checking.check_timed import seconds_of

@@ -8,10 +8,10 @@ from mcml.language import vocabulary
 from mcml.language.element import addresses
 from mcml.language.elements import to_head
 from mcml.motion.bodies.positions import clip_positions, filled
-from mcml.motion.figures import is_markers
 from mcml.motion.guesses import likely_unit, likely_up
 from mcml.motion.hub import rest_of
 from mcml.motion.kinematics import rest_positions
+from mcml.motion.pictures.figures import is_markers
 from mcml.motion.sides import is_left, partners
 from mcml.motion.skeleton import CHANNELS, Array, Convention, Skeleton
 from mcml.motion.units import reading_of

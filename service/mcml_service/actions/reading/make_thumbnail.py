@@ -10,14 +10,14 @@ import numpy as np
 from mcml.language.elements import to_head
 from mcml.motion.carriers import carriers
 from mcml.motion.clip import ClipHead, FrameBlock, full_shape
-from mcml.motion.figures import Figure, axis_of, figure_of, finite, is_markers, marker_figure, view_of
 from mcml.motion.guesses import likely_unit, likely_up
 from mcml.motion.hub import HubReader, rest_of, walked
 from mcml.motion.kinematics import rest_positions, unseen
 from mcml.motion.layout import Held
+from mcml.motion.pictures.figures import Figure, axis_of, figure_of, finite, is_markers, marker_figure, view_of
+from mcml.motion.pictures.thumbnails import busiest, carried, draw, loop_times, poses_at, scrub_times
 from mcml.motion.rotations import rotate
 from mcml.motion.skeleton import Array
-from mcml.motion.thumbnails import busiest, carried, draw, loop_times, poses_at, scrub_times
 from mcml.motion.units import reading_of
 from mcml_service.clips.read_clip import read_clip
 from mcml_service.storage.documents.documents import StoredDocument

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from datetime import timedelta
 from typing import TypeAlias
 
-from mcml_schemas.activity import ActivityEvent
-from mcml_schemas.events import DocumentEvent
+from mcml_schemas.team.activity import ActivityEvent
+from mcml_schemas.team.events import DocumentEvent
 from mcml_service.actions.reading.tell_event import told_event
 from mcml_service.storage.core.identifiers import now
 from mcml_service.storage.transaction import Transaction

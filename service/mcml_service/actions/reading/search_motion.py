@@ -20,7 +20,7 @@ from mcml.motion.bodies.poses import FEWEST, JOINTS, NEEDS, ORIGIN, pose_feature
 from mcml.motion.clip import ClipHead, FrameBlock
 from mcml.motion.frames import rows_of
 from mcml.motion.markers import marker_skeleton
-from mcml_schemas.search import MOST_FRAMES, SearchAnswer, SearchHit
+from mcml_schemas.querying.search import MOST_FRAMES, SearchAnswer, SearchHit
 from mcml_service.clips.bodies import Body, read_bodies
 from mcml_service.settings import Settings
 from mcml_service.storage.documents.documents import StoredDocument

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from mcml_schemas.activity import ActivityEvent
+from mcml_schemas.team.activity import ActivityEvent
 from mcml_service.storage.projects.activity import Event
 
 

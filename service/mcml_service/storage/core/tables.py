@@ -309,7 +309,7 @@ thumbnail = Table(
     checksum(),
     info=covered("document", "revision", "facts", "data", last=bytes),
 )
-"""`data`: as `mcml.motion.thumbnails` says; empty where nothing can be drawn. `facts`: JSON, what was guessed."""
+"""`data`: as `mcml.motion.pictures.thumbnails` says; empty: nothing can be drawn. `facts`: JSON, what was guessed."""
 
 body = Table(
     "body",

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import orjson
 
 from mcml.errors import QueryError
-from mcml_schemas.queries import QueryRequest
+from mcml_schemas.querying.queries import QueryRequest
 from mcml_service.storage.transaction import LATEST
 
 

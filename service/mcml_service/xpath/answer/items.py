@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from mcml_schemas.queries import NodeItem, QueryAnswer, RunItem, ScalarItem
+from mcml_schemas.querying.queries import NodeItem, QueryAnswer, RunItem, ScalarItem
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.library.caches import Caches

@@ -9,7 +9,7 @@ from itertools import islice
 import numpy as np
 
 from mcml.errors import LimitError
-from mcml_schemas.queries import NodeItem, QueryAnswer, QueryRequest, RunTotals, ValueItem
+from mcml_schemas.querying.queries import NodeItem, QueryAnswer, QueryRequest, RunTotals, ValueItem
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.answer import sources
 from mcml_service.xpath.answer.cursors import Cursor, question

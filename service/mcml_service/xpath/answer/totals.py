@@ -9,7 +9,7 @@ import numpy as np
 
 from mcml.errors import LimitError
 from mcml.motion.skeleton import CHANNELS
-from mcml_schemas.queries import QueryRequest, RunItem, RunTotals
+from mcml_schemas.querying.queries import QueryRequest, RunItem, RunTotals
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.engine.scan_plan import plan_scan
 from mcml_service.xpath.language.parse import parse

@@ -17,7 +17,7 @@ import orjson
 from mcml.language.addresses import FRAME_TEMPLATE
 from mcml.language.writer import Layout, text_bytes, write_frames
 from mcml.motion.clip import FrameBlock
-from mcml_schemas.queries import NodeItem
+from mcml_schemas.querying.queries import NodeItem
 from mcml_service.cells import safe_cell
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.documents.tracks import BLOCK_FRAMES

@@ -10,7 +10,7 @@ import numpy as np
 
 from mcml_service.xpath.engine.columns import Columns
 from mcml_service.xpath.engine.context import Context
-from mcml_service.xpath.engine.motions import closed_runs
+from mcml_service.xpath.engine.motion.motions import closed_runs
 from mcml_service.xpath.language.tree import Expression
 from mcml_service.xpath.library.forest import Forest
 from mcml_service.xpath.nodes.nodesets import one_set

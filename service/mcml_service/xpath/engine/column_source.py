@@ -10,9 +10,9 @@ import numpy as np
 from mcml.language.vocabulary import FRAME, FRAME_BONE, MCML, MOTION, MOTION_NAME
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
-from mcml_service.xpath.engine.any_attribute import any_attribute, attributes
 from mcml_service.xpath.engine.axes import SIBLINGS
 from mcml_service.xpath.engine.columns import Columns
+from mcml_service.xpath.engine.samples.any_attribute import any_attribute, attributes
 from mcml_service.xpath.engine.sequences import items_of
 from mcml_service.xpath.engine.starts import Frames, Start, start_of
 from mcml_service.xpath.language.labels import bone_name

@@ -19,10 +19,10 @@ from mcml_service.xpath.engine import functions, loops, sequences
 from mcml_service.xpath.engine.axes import REVERSE, are_frames, frames_at, named_bones, parents, sibling_frames, step
 from mcml_service.xpath.engine.comparisons import compare, compare_items
 from mcml_service.xpath.engine.context import Bound, Context, Value, own_set
-from mcml_service.xpath.engine.frame_bones import FrameBones, start_of
-from mcml_service.xpath.engine.motion_windows import MotionWindows
-from mcml_service.xpath.engine.motions import Motions
-from mcml_service.xpath.engine.neighbours import Neighbours
+from mcml_service.xpath.engine.motion.motion_windows import MotionWindows
+from mcml_service.xpath.engine.motion.motions import Motions
+from mcml_service.xpath.engine.motion.neighbours import Neighbours
+from mcml_service.xpath.engine.samples.frame_bones import FrameBones, start_of
 from mcml_service.xpath.engine.sequences import items_of, texts
 from mcml_service.xpath.language.functions import OF_CONTEXT, SAFE_FUNCTIONS
 from mcml_service.xpath.language.labels import bone_name

@@ -12,9 +12,9 @@ from mcml.language.vocabulary import FRAME, FRAME_BONE
 from mcml_service.storage.core.schema import CHUNK
 from mcml_service.xpath.engine.axes import step as axis_step
 from mcml_service.xpath.engine.columns import Columns
-from mcml_service.xpath.engine.kernel import fulfilled
+from mcml_service.xpath.engine.samples.kernel import fulfilled
+from mcml_service.xpath.engine.samples.stacked import Some, StackedBones
 from mcml_service.xpath.engine.scan_plan import ScanPlan
-from mcml_service.xpath.engine.stacked import Some, StackedBones
 from mcml_service.xpath.language.conditions import Sample, sample
 from mcml_service.xpath.language.tree import Variable
 from mcml_service.xpath.library.bone_columns import summary

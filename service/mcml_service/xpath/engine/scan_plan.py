@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from mcml.language.vocabulary import FRAME, FRAME_BONE, MCML, MOTION
 from mcml.motion.skeleton import CHANNEL_INDEX
-from mcml_service.xpath.engine.condition import Condition
+from mcml_service.xpath.engine.samples.condition import Condition
 from mcml_service.xpath.language.conditions import (
     Sample,
     any_bone_condition,

@@ -11,11 +11,11 @@ from mcml_service.storage.documents.blocks import Block
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.library.cache import OVERHEAD, Cache, ColumnCache
+from mcml_service.xpath.library.disk.sidecar import Sidecar
 from mcml_service.xpath.library.groups import Group
 from mcml_service.xpath.library.head_parts import Heads
 from mcml_service.xpath.library.likeness import Poses
 from mcml_service.xpath.library.listing import LISTING, Listing
-from mcml_service.xpath.library.sidecar import Sidecar
 from mcml_service.xpath.library.tracks import BlockKey, Tracks
 from mcml_service.xpath.library.zones import Zones, read_zones
 from mcml_service.xpath.nodes.frame_runs import Ids, Labels, read_ids, read_labels

@@ -20,9 +20,9 @@ from mcml_service.xpath.library import sample_parts
 from mcml_service.xpath.library.body_facts import BodyFacts
 from mcml_service.xpath.library.bone_columns import BoneColumns
 from mcml_service.xpath.library.caches import Caches
+from mcml_service.xpath.library.disk.packing import Packed
+from mcml_service.xpath.library.disk.sidecar import Sidecar
 from mcml_service.xpath.library.groups import Group
-from mcml_service.xpath.library.packing import Packed
-from mcml_service.xpath.library.sidecar import Sidecar
 from mcml_service.xpath.library.stacks import StackedSamples, Stacks
 from mcml_service.xpath.library.summaries import BoneEnds, Totals
 from mcml_service.xpath.library.zones import FEW_FRAMES, FRAMES, MANY_FRAMES, Table, joined, read_zones, table_of

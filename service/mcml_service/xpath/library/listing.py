@@ -13,8 +13,8 @@ from mcml_service.xpath.language.hints import Kind, compared_names, not_found
 from mcml_service.xpath.language.tree import Expression
 from mcml_service.xpath.library import groups, listing_columns
 from mcml_service.xpath.library.cache import Cache
+from mcml_service.xpath.library.disk.sidecar import Sidecar
 from mcml_service.xpath.library.groups import FEW_DOCUMENTS, VIEWS, Group, Groups
-from mcml_service.xpath.library.sidecar import Sidecar
 
 STATES = 4
 """States of the store whose documents are kept: the present one, and some that pages or streams still read."""

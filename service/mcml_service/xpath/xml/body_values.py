@@ -24,7 +24,7 @@ from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.engine.columns import Columns
 from mcml_service.xpath.engine.context import Context
 from mcml_service.xpath.engine.functions import NotOnColumnsError
-from mcml_service.xpath.engine.motions import most_between
+from mcml_service.xpath.engine.motion.motions import most_between
 from mcml_service.xpath.language.calls import WrittenCall, written_calls
 from mcml_service.xpath.language.motion_functions import (
     ANGLE,

@@ -2799,8 +2799,13 @@ export interface components {
         FormatInfo: {
             name: string;
             title: string;
+            label: string;
             parts: components["schemas"]["FormatPart"][];
             convention: string;
+            bodies: boolean;
+            markers: boolean;
+            needs: string[];
+            assumes: string;
             /** @default true */
             reads: boolean;
             /** @default true */
@@ -3990,7 +3995,7 @@ export interface components {
             /** @default true */
             latest: boolean;
             /** @default [] */
-            formats: ("bvh" | "asf-amc" | "asf" | "amc" | "htr" | "c3d" | "trc" | "glb" | "usd" | "usda" | "mot" | "sto" | "mcml" | "csv")[];
+            formats: string[];
             /** @default 14 */
             days: number;
         };

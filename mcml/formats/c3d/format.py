@@ -1,0 +1,214 @@
+"""C3D: labelled points of optical systems, binary. Facts and sources: formats.md 5.
+
+`parameters` reads what the file says of itself, `layout` finds where its points lie, `points` reads them;
+here they become a clip of markers.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcml.errors import Notice
+from mcml.formats.c3d.layout import find_layout, scales_said
+from mcml.formats.c3d.parameters import Statements, read_statements
+from mcml.formats.c3d.points import Points
+from mcml.formats.c3d.quantities import Quantity, quantities_of, sections_of, texts_of
+from mcml.formats.c3d.writer import write_c3d
+from mcml.formats.format import FileKind, ReadOptions, SourceFile, need_convention, note
+from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, Shape, SourcePart, full_shape
+from mcml.motion.markers import marker_skeleton
+from mcml.motion.skeleton import Array, Convention, Skeleton
+
+
+class C3d:
+    """The format `c3d`; see `mcml.formats.format.Format`."""
+
+    name = "c3d"
+    title = "C3D"
+    parts = (FileKind("c3d", (".c3d",), "Markers"),)
+    convention = Convention.MARKER
+    media_type = "application/octet-stream"
+    label = "C3D"
+    bodies, markers = False, True
+    needs = frozenset({"frame_time"})
+    assumes = ""
+    states = frozenset({"unit", "up", "frame_time"})
+
+    def sniff(self, name: str, first_bytes: bytes) -> str | None:
+        # Byte 2 is the mark, byte 1 the block of the parameters. A text file has no NUL.
+        return (
+            "c3d" if first_bytes[1:2] == b"P" and first_bytes[:1] not in (b"", b"\0") and b"\0" in first_bytes else None
+        )
+
+    def read(self, files: Mapping[str, SourceFile], options: ReadOptions) -> ClipStream:
+        file = files["c3d"]
+        with file.blamed():
+            return _read(file, options)
+
+    def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:
+        need_convention(clip.head.skeleton, self.convention, self.title)
+        return write_c3d(clip)
+
+
+def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
+    limits, stream = options.limits, file.stream
+    notices: list[Notice] = []
+    said = read_statements(stream, notices)
+    size = stream.seek(0, io.SEEK_END)
+    layout = find_layout(said, size, lambda first, behind: _is_zero(stream, first, behind), notices)
+    limits.check_size(layout.frames, 3 * layout.points)
+    labels = _labels(said, layout.points, notices)
+    limits.check_points(labels)
+    quantities = quantities_of(said, labels)
+    places = np.array([place for place in range(layout.points) if place not in quantities], dtype=np.intp)
+    if not len(places):
+        note(notices, "warning", "the file has no markers: all of its points are quantities")
+    scale = scales_said(said)[0][0]
+    points = Points(stream, layout, said.machine, abs(scale))
+    measured, unmeasured = _survey(points, places)
+    if unmeasured:
+        notices.append(Notice("guess", "every residual says that there is no sample; the coordinates count"))
+    _say_what_stays(said, layout.analog, notices)
+    skeleton = marker_skeleton([labels[place] for place in places.tolist()], residual=measured)
+    name = file.name.rsplit("/", 1)[-1]
+    fields, first_id = _fields(said, name, notices), _first_id(said, layout.frames)
+    read = _with_samples(points, quantities, first_id, fields.get("dataframe_rate", "?"), unmeasured)
+    sections = (("POINT:SCALE", repr(scale)), ("processor", said.machine.name), *sections_of(read, notices))
+    head = ClipHead("c3d", skeleton, fields, sources=(SourcePart(part="c3d", name=name, sections=sections),))
+
+    def blocks() -> Iterator[FrameBlock]:
+        for first in range(0, layout.frames, points.block):
+            coordinates, residuals = points.read(first, points.block)
+            yield _block(coordinates[:, places], residuals[:, places], skeleton, first_id + first, unmeasured)
+
+    return ClipStream(head, blocks, layout.frames, notices)
+
+
+def quantity_labels(stream: BinaryIO) -> tuple[str, ...]:
+    """The labels of points in a C3D file that are quantities. Raises FormatError where it cannot be read.
+
+    A document that was imported when they were taken as markers has joints of these source names.
+    """
+    said = read_statements(stream, [])
+    labels = [_text(text, []) for text in texts_of(said, "POINT:LABELS")]
+    return tuple(quantity.label for quantity in quantities_of(said, labels).values())
+
+
+def _with_samples(
+    points: Points, quantities: Mapping[int, Quantity], first_id: int, rate: str, unmeasured: bool
+) -> Iterator[Quantity]:
+    """Quantities, by their place among the points, with what the file holds of them."""
+    if not quantities:
+        return
+    places = list(quantities)
+    pieces = []
+    for first in range(0, points.layout.frames, points.block):
+        coordinates, residuals = points.read(first, points.block)
+        there = np.isfinite(coordinates[:, places]).all(axis=2)
+        kept = np.maximum(residuals[:, places], 0.0) if unmeasured else residuals[:, places]
+        kept = np.where(there, kept, -1.0)
+        pieces.append(np.concatenate([np.nan_to_num(coordinates[:, places]), kept[..., None]], axis=2))
+    samples = np.concatenate(pieces) if pieces else np.zeros((0, len(places), 4))
+    for index, place in enumerate(places):
+        yield replace(quantities[place], first=first_id, rate=rate, samples=samples[:, index])
+
+
+def _first_id(said: Statements, frames: int) -> int:
+    """The number of the first frame: that of TRIAL, of more bits, where it counts as many frames as there are."""
+    start, end = said.long("TRIAL:ACTUAL_START_FIELD"), said.long("TRIAL:ACTUAL_END_FIELD")
+    agrees = start is not None and end is not None and end - start + 1 == frames
+    return int(start) if agrees and start is not None else int(said.words[3])
+
+
+def _is_zero(stream: BinaryIO, first: int, behind: int) -> bool:
+    stream.seek(first)
+    return not any(any(stream.read(min(1 << 20, behind - place))) for place in range(first, behind, 1 << 20))
+
+
+def _survey(points: Points, places: NDArray[np.intp]) -> tuple[bool, bool]:
+    """(some residual of the markers is stated, every one says "missing" although there are coordinates).
+
+    places: of the markers among the points.
+    """
+    measured = coordinates_there = False
+    all_missing = points.layout.frames > 0
+    for first in range(0, points.layout.frames, points.block):
+        coordinates, residuals = points.read(first, points.block)
+        measured = measured or bool((residuals[:, places] > 0).any())
+        all_missing = all_missing and bool((residuals < 0).all())
+        coordinates_there = coordinates_there or bool(np.any(np.nan_to_num(coordinates)))
+    return measured, all_missing and coordinates_there
+
+
+def _say_what_stays(said: Statements, analog_values: int, notices: list[Notice]) -> None:
+    channels = int(said.number("ANALOG:USED") or 0) or analog_values // max(1, int(said.words[9]))
+    events = len(said.texts("EVENT:LABELS"))
+    lost = [
+        f"{channels} analog channels" if analog_values else "",
+        f"{events} events" if events else "",
+    ]
+    if any(lost):
+        kept = " and ".join(text for text in lost if text)
+        note(notices, "warning", f"{kept} are not in the document; the kept file has them")
+
+
+def _labels(said: Statements, points: int, notices: list[Notice]) -> list[str]:
+    """Labels from LABELS, LABELS2 … as one list, one for each point."""
+    texts = texts_of(said, "POINT:LABELS")
+    if len(texts) < points:
+        note(notices, "warning", f"{points} points have {len(texts)} labels: the others are unnamed")
+    labels = [_text(text, notices) for text in texts[:points]]
+    return [*labels, *["unnamed"] * (points - len(labels))]
+
+
+def _text(text: bytes, notices: list[Notice]) -> str:
+    try:
+        return text.decode("utf-8")
+    except UnicodeDecodeError:
+        note(notices, "guess", "texts that are not UTF-8 were read as Windows-1252")
+        return text.decode("cp1252", errors="replace")
+
+
+def _fields(said: Statements, name: str, notices: list[Notice]) -> dict[str, str]:
+    fields = {"filetype": "C3D", "filename": name}
+    rate = said.number("POINT:RATE") or said.rate
+    if math.isfinite(rate) and rate > 0:
+        fields["dataframe_rate"] = str(np.float32(rate)).removesuffix(".0")
+    else:
+        note(notices, "warning", "the file has no rate: how fast the frames follow is unknown")
+    units = [_text(text, notices) for text in said.texts("POINT:UNITS")]
+    if units and units[0]:
+        fields["calibration_unit"] = units[0]
+    screens = [text.decode("latin-1").upper() for text in said.texts("POINT:Y_SCREEN")]
+    if screens and screens[0] in ("+X", "+Y", "+Z"):
+        axis = screens[0]
+        note(notices, "guess", f"{axis[1]} counts as up: the file shows it upward on the screen (Y_SCREEN)")
+        fields["global_axis_of_gravity"] = axis[1]
+    return fields
+
+
+def _block(coordinates: Array, residuals: Array, skeleton: Skeleton, first: int, unmeasured: bool) -> FrameBlock:
+    columns = skeleton.columns()
+    channels = len(columns) // max(1, len(skeleton))
+    values = np.concatenate([coordinates, residuals[..., None]], axis=2)[..., :channels]
+    ids = np.arange(first, first + len(values), dtype=np.int64)
+    missing = ~np.isfinite(coordinates).all(axis=2) if unmeasured else residuals < 0
+    whole = full_shape(columns)
+    shapes: tuple[Shape, ...] = (whole,)
+    shape_of = None
+    if missing.any():
+        values[missing] = np.nan
+        patterns, shape_of = np.unique(missing, axis=0, return_inverse=True)
+        shapes = tuple(
+            tuple((joint, 0 if gone else bits) for (joint, bits), gone in zip(whole, row, strict=True))
+            for row in patterns
+        )
+        shape_of = shape_of.reshape(-1)
+    return FrameBlock(values.reshape(len(values), -1), columns, shapes, ids, shape_of)

@@ -1,0 +1,173 @@
+"""Points of C3D that are no places: angles, forces, moments, powers, and what else parameters say that they are.
+
+Models such as Plug-in Gait write their results into the same table as markers, and name them in POINT:ANGLES and its
+like. Here they become sections of the head, one for each, and points of a file again. Sources: formats.md 5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from mcml.errors import Notice
+from mcml.formats.c3d.parameters import Statements
+from mcml.formats.format import note
+from mcml.formats.text.numbers import is_number, is_whole
+from mcml.motion.skeleton import Array
+
+TYPES: Final = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS", "REACTIONS")
+"""Groups of points that are no places, whether or not POINT:TYPE_GROUPS names them."""
+
+PLACES: Final = frozenset({"LABELS", "MARKERS", "MODELED_MARKERS", "VIRTUAL_MARKERS"})
+"""Groups of points that are places, as markers are."""
+
+MOST_TEXT: Final = 8 << 20
+"""Characters of all quantities of a file that a document takes: its head is read as a whole."""
+
+_LENGTHS: Final = frozenset({"mm", "cm", "m", "in", "inch", "ft", "dm"})
+_PREFIX: Final = "POINT:"
+_MISSING: Final = "-"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a typed point of a file is. group: such as "ANGLES". unit: "" where the file does not say it.
+
+    label: as the file writes it. first: number of the first frame. rate: as text, "?" for unknown.
+    samples: (n, 4) x, y, z and residual, which is -1 for a sample that is missing.
+    """
+
+    group: str
+    label: str
+    unit: str
+    first: int = 1
+    rate: str = "?"
+    samples: Array | None = None
+
+    def section(self) -> tuple[str, str]:
+        """(name, text) of the section that keeps it: a line of facts, then a line for each frame."""
+        samples = np.zeros((0, 4)) if self.samples is None else self.samples
+        lines = [f"{self.first} {self.rate} {self.unit}".rstrip()]
+        for x, y, z, residual in samples.astype(np.float32).tolist():
+            row = f"{_short(x)} {_short(y)} {_short(z)}"
+            lines.append(_MISSING if residual < 0 else f"{row} {_short(residual)}" if residual else row)
+        return f"{_PREFIX}{self.group} {self.label}", "\n".join(lines)
+
+
+def _short(value: float) -> str:
+    """The fewest digits that are the same number in single precision."""
+    return str(np.float32(value)).removesuffix(".0")
+
+
+def quantities_of(said: Statements, labels: Sequence[str]) -> dict[int, Quantity]:
+    """The points that are quantities, by their place among the points. labels: of all points, as read."""
+    places: dict[str, int] = {}
+    for index, label in enumerate(labels):
+        places.setdefault(label, index)
+        # Groups may leave out the subject that labels begin with.
+        places.setdefault(label.rpartition(":")[2], index)
+    found: dict[int, Quantity] = {}
+    for group, unit in _groups(said):
+        for text in texts_of(said, f"{_PREFIX}{group}"):
+            label = _decoded(text)
+            place = places[label] if label in places else places.get(label.rpartition(":")[2])
+            if label and place is not None and place not in found:
+                found[place] = Quantity(group, labels[place], unit)
+    return found
+
+
+def _groups(said: Statements) -> list[tuple[str, str]]:
+    """(group, unit) of groups whose points are no places."""
+    pairs = [_decoded(text).upper() for text in said.texts(f"{_PREFIX}TYPE_GROUPS")]
+    stems = dict(zip(pairs[::2], pairs[1::2], strict=False))
+    found = []
+    for group in dict.fromkeys((*TYPES, *stems)):
+        texts = said.texts(f"{_PREFIX}{stems.get(group) or group.removesuffix('S')}_UNITS")
+        unit = _decoded(texts[0]) if texts else "deg" if group == "ANGLES" else ""
+        # Groups of a maker's own are quantities where their unit is one.
+        if group in TYPES or (group and group not in PLACES and unit and unit.lower() not in _LENGTHS):
+            found.append((group, unit))
+    return found
+
+
+def texts_of(said: Statements, name: str) -> list[bytes]:
+    """The texts of a parameter and of those that go on with it: LABELS, LABELS2 …"""
+    texts, number = said.texts(name), 2
+    while more := said.texts(f"{name}{number}"):
+        texts, number = texts + more, number + 1
+    return texts
+
+
+def _decoded(text: bytes) -> str:
+    try:
+        return text.decode("utf-8").strip()
+    except UnicodeDecodeError:
+        return text.decode("cp1252", errors="replace").strip()
+
+
+def sections_of(quantities: Iterable[Quantity], notices: list[Notice]) -> list[tuple[str, str]]:
+    """The sections that keep them, and a notice that says so. None of them where they are longer than MOST_TEXT."""
+    quantities = list(quantities)
+    if not quantities:
+        return []
+    counts: dict[str, int] = {}
+    for quantity in quantities:
+        counts[quantity.group] = counts.get(quantity.group, 0) + 1
+    named = ", ".join(f"{count} {group}" for group, count in counts.items())
+    sections = [quantity.section() for quantity in quantities]
+    if sum(len(text) for _, text in sections) > MOST_TEXT:
+        what = f"{named} are quantities, not markers, and too long for a document; the kept file has them"
+        note(notices, "warning", what)
+        return []
+    what = f"{named} are quantities, not markers: kept in sections of the head, and written to C3D again"
+    note(notices, "note", what)
+    return sections
+
+
+def kept_quantities(sections: Iterable[tuple[str, str]]) -> list[Quantity]:
+    """The quantities that sections keep; sections that keep none are passed over."""
+    found = []
+    for name, text in sections:
+        head, _, label = name.partition(" ")
+        lines = text.split("\n")
+        facts = lines[0].split(None, 2)
+        if not head.startswith(_PREFIX) or not label or len(facts) < 2 or not is_whole(facts[0]):
+            continue
+        samples = [_sample(line.split()) for line in lines[1:]]
+        if all(sample is not None for sample in samples):
+            unit = facts[2] if len(facts) > 2 else ""
+            table = np.array(samples, dtype=np.float32).astype(np.float64).reshape(-1, 4)
+            found.append(Quantity(head.removeprefix(_PREFIX), label, unit, int(facts[0]), facts[1], table))
+    return found
+
+
+def _sample(words: list[str]) -> tuple[float, float, float, float] | None:
+    if words == [_MISSING]:
+        return 0.0, 0.0, 0.0, -1.0
+    if len(words) not in (3, 4) or not all(map(is_number, words)):
+        return None
+    x, y, z, *residual = map(float, words)
+    return x, y, z, residual[0] if residual else 0.0
+
+
+def samples_at(quantity: Quantity, ids: Sequence[int] | Sequence[str]) -> Array:
+    """(n, 4) of the frames with these numbers; missing where it has none."""
+    samples = np.zeros((0, 4)) if quantity.samples is None else quantity.samples
+    gone = np.array([0.0, 0.0, 0.0, -1.0])
+    found = np.tile(gone, (len(ids), 1))
+    for row, number in enumerate(ids):
+        place = number - quantity.first if isinstance(number, int) else -1
+        if 0 <= place < len(samples):
+            found[row] = samples[place]
+    return found
+
+
+def units_of(quantities: Iterable[Quantity]) -> Mapping[str, str]:
+    """The unit of each group, the first that one of its quantities states."""
+    units: dict[str, str] = {}
+    for quantity in quantities:
+        units[quantity.group] = units.get(quantity.group) or quantity.unit
+    return units

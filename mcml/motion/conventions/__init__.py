@@ -1,0 +1,1 @@
+"""A clip or skeleton in another convention, at another scale, with another axis up."""

@@ -1,0 +1,1 @@
+"""New clips from others: composed, spliced, mirrored, smoothed, resampled."""

@@ -1,0 +1,1 @@
+"""What small pictures of clips show."""

@@ -1,0 +1,390 @@
+"""A motion on another skeleton.
+
+Every matched joint is turned in the world as its source is, Q_t = Q_s A_s^-1 D A_t: A are the two at rest (or in poses
+that show the same), D takes the target's bones there to the source's, by their directions in the world. Where bones
+between matched joints bend that the target does not have, what is left between the directions is made up for by the
+shortest arc. The body is placed where its hips are the source's, times the ratio of the lengths of the legs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from mcml.errors import ConversionError
+from mcml.motion.carriers import carriers, chain
+from mcml.motion.clip import FrameBlock, full_shape
+from mcml.motion.foot_contacts import Feet, FootReport, clean_feet, feet_of
+from mcml.motion.hub import HubReader, in_every_frame, walked
+from mcml.motion.hub_writer import HubWriter, Shortfall
+from mcml.motion.retargeting.bone_mapping import Match, check_matches
+from mcml.motion.retargeting.checks import across_errors, angles_between, check_across, check_rest
+from mcml.motion.retargeting.hinges import best_twist, beyond_limits
+from mcml.motion.retargeting.posed_bodies import PosedBody, upright_axes
+from mcml.motion.retargeting.report import BoneError, RetargetReport
+from mcml.motion.rotation_vectors import from_vector, shortest_arcs
+from mcml.motion.rotations import from_matrix, inverse, multiply, rotate, shortest_arc
+from mcml.motion.sides import is_left, partners
+from mcml.motion.skeleton import TRANSLATIONS, Array, Skeleton
+from mcml.motion.units import DEGREES, Reading
+
+_LOOKED_AT = 60
+"""Frames from which it is told how limbs are turned about themselves."""
+_STEPS = 12
+"""Of the search for the angles of a joint that cannot turn freely."""
+
+
+@dataclass(frozen=True)
+class Retargeted:
+    """block: frames on the target, in its own columns."""
+
+    block: FrameBlock
+    shortfall: Shortfall
+    report: RetargetReport
+
+
+def retarget(
+    source: Skeleton,
+    block: FrameBlock,
+    target: Skeleton,
+    matches: Sequence[Match],
+    frame_time: float,
+    *,
+    reading: Reading = DEGREES,
+    target_reading: Reading = DEGREES,
+    source_pose: Array | None = None,
+    target_pose: Array | None = None,
+    clean: bool = False,
+    up: str = "Y",
+    scale: float | None = None,
+    match_rest: bool = False,
+) -> Retargeted:
+    """Frames of a clip on another skeleton.
+
+    matches: of `suggest_matches`, or changed. source_pose, target_pose: (J, 4) local rotations of the hub form that
+    show the same body pose on both; the rest poses by default. clean: feet that stand are held where they stand. scale:
+    of places, by the legs if not given. match_rest: joints turn from rest as their sources do, wherever their bones
+    point at rest; else bones point as they do in the source. frame_time: seconds, up: "X", "Y" or "Z", for the feet.
+    Both have the same axis up. Raises ConversionError for a mapping that is empty or names joints that are not there or
+    twice, and for what cannot be right: a rest pose without lengths, hips that point elsewhere (`checks`).
+    """
+    if not matches:
+        raise ConversionError(
+            "no joint of the two is matched", remedy="Name at least the joints of the trunk and limbs."
+        )
+    check_matches(source, target, matches)
+    hub = HubReader(source, reading).read(block)
+    writer = HubWriter(target, target_reading)
+    one = PosedBody.of(source, HubReader(source, reading).rest, source_pose)
+    two = PosedBody.of(target, writer.rest, target_pose)
+    pairs = {match.target: match.source for match in matches}
+    positions, turned = walked(source, hub.translations, hub.rotations)
+    if source != target:
+        check_rest(one, two, pairs, positions)
+    transfer = _Transfer(one, two, pairs, writer, match_rest)
+    rotations = transfer.rotations(positions, turned)
+    scale = transfer.scale() if scale is None else scale
+    translations = transfer.translations(hub.translations, positions, turned, rotations, scale)
+    reports: tuple[FootReport, ...] = ()
+    feet = feet_of(source, target, pairs)
+    if feet:
+        axis = np.eye(3)["XYZ".index(up.upper())]
+        rotations, reports = _feet(transfer, feet, positions, translations, rotations, frame_time, axis, writer, clean)
+    values = writer.write(translations, rotations, None)
+    columns = target.columns()
+    names = block.motion_names
+    made = FrameBlock(values, columns, (full_shape(columns),), block.ids, None, names)
+    placed = walked(target, translations, rotations)[0]
+    lines = across_errors(one, two, pairs, positions, placed)
+    if not match_rest:
+        check_across(one, two, pairs, lines)
+    report = RetargetReport(
+        tuple(matches),
+        scale,
+        tuple(sorted(set(range(len(source))) - set(pairs.values()))),
+        tuple(sorted(set(range(len(target))) - set(pairs))),
+        transfer.bone_errors(positions, placed),
+        reports,
+        lines,
+    )
+    return Retargeted(made, writer.shortfall, report)
+
+
+def _feet(
+    transfer: _Transfer,
+    feet: Sequence[Feet],
+    positions: Array,
+    translations: Array,
+    rotations: Array,
+    frame_time: float,
+    up: Array,
+    writer: HubWriter,
+    clean: bool,
+) -> tuple[Array, tuple[FootReport, ...]]:
+    length = transfer.leg(transfer.one, source=True) or float(np.ptp(transfer.one.positions @ up))
+    return clean_feet(
+        transfer.two.skeleton, feet, positions, translations, rotations, frame_time, length, up, writer, clean
+    )
+
+
+class _Transfer:
+    """What takes poses of one body to another. pairs: joint of the target -> joint of the source."""
+
+    def __init__(
+        self, one: PosedBody, two: PosedBody, pairs: dict[int, int], writer: HubWriter, from_rest: bool = False
+    ) -> None:
+        """from_rest: joints turn from rest as their sources do, wherever their bones point then."""
+        self.one, self.two, self.pairs, self._writer, self._from_rest = one, two, pairs, writer, from_rest
+        self._partners = partners(two.skeleton)
+        self._above = self._matched_above()
+        self._ends = {joint: self._end_of(joint) for joint in pairs}
+        self._turns: dict[int, Array] = {}
+        for joint in sorted(pairs):
+            above = self._above[joint]
+            before = self._turns[above] if above >= 0 else np.array([0.0, 0.0, 0.0, 1.0])
+            self._turns[joint] = self._turn(joint, before)
+
+    def _matched_above(self) -> list[int]:
+        """The nearest matched joint above each joint of the target, -1 for none."""
+        above: list[int] = []
+        for joint in self.two.skeleton.joints:
+            parent = joint.parent
+            above.append(-1 if parent < 0 else parent if parent in self.pairs else above[parent])
+        return above
+
+    def _vectors(self, start: int, end: int) -> tuple[Array, Array] | None:
+        """From one matched joint to another, in the source and in the target; None where one is too short."""
+        first = self.one.positions[self.pairs[end]] - self.one.positions[self.pairs[start]]
+        second = self.two.positions[end] - self.two.positions[start]
+        fits = np.linalg.norm(first) > self.one.short and np.linalg.norm(second) > self.two.short
+        return (first, second) if fits else None
+
+    def _end_of(self, joint: int) -> int | None:
+        """The matched joint below to which the bone leads: the one in the middle of the body where it branches."""
+        below = [end for end in self.pairs if self._above[end] == joint and self._vectors(joint, end)]
+        middle = [end for end in below if self._partners[end] == end]
+        if len(below) == 1 or not below:
+            return below[0] if below else None
+        if middle:
+            return middle[0]
+        return None if int(self._partners[below[0]]) in below else below[0]
+
+    def _turn(self, joint: int, before: Array) -> Array:
+        """D of a joint; before: that of the matched joint above."""
+        if self._from_rest:
+            return before
+        if self._partners[joint] == joint:
+            axes = self._axes(joint)
+            if axes is not None:
+                return from_matrix(axes[0] @ axes[1].T)
+        end = self._ends[joint]
+        vectors = None if end is None else self._vectors(joint, end)
+        if vectors is None:
+            return before
+        return multiply(shortest_arc(rotate(before, vectors[1]), vectors[0]), before)
+
+    def _axes(self, joint: int) -> tuple[Array, Array] | None:
+        """Axes (3, 3) to the left, up and on of a joint in the middle of the body, in the source and in the target."""
+        # The nearest sides first: the legs of a pelvis, not its arms.
+        below = sorted((other for other in self.pairs if self._is_below(other, joint)), key=self._depth)
+        middle = [other for other in below if self._partners[other] == other and self._vectors(joint, other)]
+        for left in below:
+            right = int(self._partners[left])
+            if right == left or right not in self.pairs or not is_left(self.two.skeleton, left, right):
+                continue
+            across = self._vectors(right, left)
+            if across is None or min(self._breadths(across)) < 0.02 or not middle:
+                continue
+            upward = self._vectors(joint, middle[-1])
+            assert upward is not None
+            found = [upright_axes(side, high) for side, high in zip(across, upward, strict=True)]
+            if found[0] is not None and found[1] is not None:
+                return found[0], found[1]
+        return None
+
+    def _breadths(self, across: tuple[Array, Array]) -> tuple[float, float]:
+        """Lengths in parts of the bodies' extents."""
+        sizes = (np.ptp(self.one.positions, axis=0).max(), np.ptp(self.two.positions, axis=0).max())
+        return float(np.linalg.norm(across[0]) / sizes[0]), float(np.linalg.norm(across[1]) / sizes[1])
+
+    def _depth(self, joint: int) -> int:
+        above = self._above[joint]
+        return 0 if above < 0 else 1 + self._depth(above)
+
+    def _is_below(self, joint: int, other: int) -> bool:
+        above = self._above[joint]
+        while above >= 0 and above != other:
+            above = self._above[above]
+        return above == other
+
+    def rotations(self, positions: Array, turned: Array) -> Array:
+        """Local rotations (n, J, 4) of the target. positions (n, Js, 3), turned (n, Js, 4): of the source, in the
+        world. Joints that cannot turn freely turn so that their bone points as it should, as nearly as they can."""
+        if not self._from_rest:
+            self._turn_limbs(positions, turned)
+        skeleton = self.two.skeleton
+        local = np.empty((len(positions), len(skeleton), 4))
+        world = np.empty_like(local)
+        for index, joint in enumerate(skeleton.joints):
+            above = (
+                world[:, joint.parent] if joint.parent >= 0 else np.broadcast_to([0.0, 0.0, 0.0, 1.0], (len(local), 4))
+            )
+            source = self.pairs.get(index)
+            if source is None:
+                local[:, index] = self.two.local[index]
+            elif self._from_rest:
+                local[:, index] = multiply(inverse(above), self._wanted(index, turned))
+            else:
+                local[:, index] = self._pointed(index, above, self._wanted(index, turned), positions)
+            world[:, index] = multiply(above, local[:, index])
+        return local
+
+    def _wanted(self, index: int, turned: Array) -> Array:
+        """Rotations (n, 4) of a matched joint in the world, before its bone is pointed."""
+        source = self.pairs[index]
+        turn = multiply(inverse(self.one.turned[source]), self._turns[index])
+        return multiply(turned[:, source], multiply(turn, self.two.turned[index]))
+
+    def _turn_limbs(self, positions: Array, turned: Array) -> None:
+        """Turns limbs about themselves where the hinge below could not point its bone else."""
+        rows = np.unique(np.linspace(0, max(len(positions) - 1, 0), _LOOKED_AT).astype(np.intp))[: len(positions)]
+        positions, turned = positions[rows], turned[rows]
+        for joint in sorted(self.pairs):
+            hinge = self._ends[joint]
+            end = None if hinge is None else self._ends[hinge]
+            if hinge is None or end is None or not self._writer.is_free(joint) or self._writer.is_free(hinge):
+                continue
+            bone = self.two.positions[hinge] - self.two.positions[joint]
+            limb = (joint, hinge, end, bone / np.linalg.norm(bone), self._turns[joint])
+            error = partial(self._missed, limb, positions, turned)
+            error(best_twist(error))
+
+    def _missed(self, limb: tuple[int, int, int, Array, Array], positions: Array, turned: Array, angle: float) -> float:
+        """Degrees by which the bone at a hinge misses its direction, with the limb turned about itself by an angle.
+
+        limb: (joint, hinge, end of the hinge's bone, unit vector (3,) along the limb, its D before). The turn stays.
+        """
+        joint, hinge, end, bone, before = limb
+        self._turns[joint] = multiply(before, from_vector(angle * bone))
+        nothing = np.tile([0.0, 0.0, 0.0, 1.0], (len(positions), 1))
+        above = self._pointed(joint, nothing, self._wanted(joint, turned), positions)
+        local = self._pointed(hinge, above, self._wanted(hinge, turned), positions)
+        along = rotate(inverse(self.two.turned[hinge]), self.two.positions[end] - self.two.positions[hinge])
+        goal = positions[:, self.pairs[end]] - positions[:, self.pairs[hinge]]
+        missed = angles_between(rotate(multiply(above, local), along), goal)
+        outside = beyond_limits(self.two.skeleton.joints[hinge], hinge, self._writer, local)
+        return float((missed + outside).mean()) if len(missed) else 0.0
+
+    def _pointed(self, index: int, above: Array, wanted: Array, positions: Array) -> Array:
+        """Local rotations (n, 4) that are near the wanted ones in the world and point the bone where it should be."""
+        end = self._ends[index]
+        if end is not None and self._moves_along(end):
+            end = None
+        free = self._writer.is_free(index)
+        back = inverse(above)
+        if end is None:
+            return self._writer.nearest(index, multiply(back, wanted))
+        goal = positions[:, self.pairs[end]] - positions[:, self.pairs[index]]
+        bone = rotate(inverse(self.two.turned[index]), self.two.positions[end] - self.two.positions[index])
+        found = wanted
+        for _ in range(1 if free else _STEPS):
+            found = multiply(shortest_arcs(rotate(found, bone), goal), found)
+            found = multiply(above, self._writer.nearest(index, multiply(back, found)))
+        return multiply(back, found)
+
+    def scale(self) -> float:
+        """By the legs; by all bones both have where there are none; 1 where there are no bones."""
+        one, two = self.leg(self.one, source=True), self.leg(self.two, source=False)
+        if one and two:
+            return two / one
+        first = second = 0.0
+        for joint, end in self._ends.items():
+            vectors = None if end is None else self._vectors(joint, end)
+            if vectors is not None:
+                first, second = first + float(np.linalg.norm(vectors[0])), second + float(np.linalg.norm(vectors[1]))
+        return second / first if first else 1.0
+
+    def leg(self, body: PosedBody, source: bool) -> float:
+        """The mean length of matched legs, from hip to ankle along the bones; 0 without legs."""
+        places = {joint.name: index for index, joint in enumerate(self.two.skeleton.joints) if index in self.pairs}
+        lengths = []
+        for side in ("left", "right"):
+            joints = [places.get(f"{side}_{part}") for part in ("up_leg", "low_leg", "foot")]
+            if all(joint is not None for joint in joints):
+                at = [self.pairs[joint] if source else joint for joint in joints if joint is not None]
+                lengths.append(sum(np.linalg.norm(np.diff(body.positions[at], axis=0), axis=1)))
+        return float(np.mean(lengths)) if lengths else 0.0
+
+    def _moves_along(self, joint: int) -> bool:
+        """Whether a joint moves in its parent as its source does: it can, and their parents are matched."""
+        parent = self.two.skeleton.joints[joint].parent
+        above = self.one.skeleton.joints[self.pairs[joint]].parent
+        can = set(TRANSLATIONS) <= set(self.two.skeleton.joints[joint].channels)
+        return can and parent >= 0 and above >= 0 and self.pairs.get(parent) == above
+
+    def translations(self, moved: Array, positions: Array, turned: Array, rotations: Array, scale: float) -> Array:
+        """(n, J, 3) of the target. moved: the source's in the hub form; rotations: the target's, local."""
+        skeleton = self.two.skeleton
+        translations = in_every_frame(self.two.rest.offsets, len(moved))
+        world = walked(skeleton, translations, rotations)[1]
+        for joint, source in self.pairs.items():
+            parent, above = skeleton.joints[joint].parent, self.one.skeleton.joints[source].parent
+            if not self._moves_along(joint):
+                continue
+            delta = scale * (moved[:, source] - self.one.rest.offsets[source])
+            translations[:, joint] += rotate(multiply(inverse(world[:, parent]), turned[:, above]), delta)
+        for root in skeleton.roots:
+            self._carry(root, moved, positions, rotations, scale, translations)
+        return translations
+
+    def _carry(
+        self, root: int, moved: Array, positions: Array, rotations: Array, scale: float, translations: Array
+    ) -> None:
+        """Places a body under its root."""
+        skeleton = self.two.skeleton
+        path = chain(skeleton, root)
+        moving = carriers(self.one.skeleton, moved)
+        matched = [joint for joint in path if joint in self.pairs]
+        bearer = next((joint for joint in matched if self.pairs[joint] in moving), matched[0] if matched else None)
+        if bearer is None:
+            return
+        for joint in path[: path.index(bearer)]:
+            if joint in self.pairs:
+                translations[:, joint] = scale * moved[:, self.pairs[joint]]
+        goal = scale * positions[:, self.pairs[bearer]]
+        places, world = walked(skeleton, translations, rotations)
+        hips = self._hips(bearer)
+        if hips is not None:
+            left, right = hips
+            middle = (positions[:, self.pairs[left]] + positions[:, self.pairs[right]]) / 2
+            goal = scale * middle + places[:, bearer] - (places[:, left] + places[:, right]) / 2
+        parent = skeleton.joints[bearer].parent
+        if parent < 0:
+            translations[:, bearer] = goal
+        else:
+            translations[:, bearer] = rotate(inverse(world[:, parent]), goal - places[:, parent])
+
+    def _hips(self, bearer: int) -> tuple[int, int] | None:
+        places = {joint.name: index for index, joint in enumerate(self.two.skeleton.joints) if index in self.pairs}
+        left, right = places.get("left_up_leg"), places.get("right_up_leg")
+        if left is None or right is None or not (self._is_below(left, bearer) and self._is_below(right, bearer)):
+            return None
+        return left, right
+
+    def bone_errors(self, positions: Array, made: Array) -> tuple[BoneError, ...]:
+        """How far bones that both have point elsewhere. positions: of the source, made: of the target, in the world."""
+        errors = []
+        for end in self.pairs:
+            joint = self._above[end]
+            if joint < 0 or self._vectors(joint, end) is None:
+                continue
+            one = positions[:, self.pairs[end]] - positions[:, self.pairs[joint]]
+            two = made[:, end] - made[:, joint]
+            angles = angles_between(one, two)
+            largest, mean = (float(angles.max()), float(angles.mean())) if len(angles) else (0.0, 0.0)
+            worst = int(angles.argmax()) if len(angles) else 0
+            errors.append(BoneError(joint, end, self._ends[joint] == end, largest, mean, worst))
+        return tuple(errors)

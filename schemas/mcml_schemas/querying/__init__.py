@@ -1,0 +1,1 @@
+"""Questions about the library: XPath, search, facets, and what projects keep of them."""

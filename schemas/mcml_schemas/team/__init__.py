@@ -1,0 +1,1 @@
+"""People: accounts, sessions, comments, presence, links, and what happens in the repository."""

@@ -1,0 +1,1 @@
+"""Commands that change documents or make new ones."""

@@ -1,0 +1,169 @@
+"""`mcml compose` and `mcml retarget`: new documents of the frames, and on the skeletons, of others."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from typing import Annotated, Any
+
+import typer
+
+from mcml.client.choosing import id_of
+from mcml.client.client import Client
+from mcml_schemas.compose import ComposeRequest
+from mcml_schemas.retarget import RetargetedOne, RetargetMany, RetargetRequest
+from mcml_service.cli.edits.names import JointsOption, joint_pairs
+from mcml_service.cli.terminal.opening import (
+    DatabaseOption,
+    JsonOption,
+    ServerOption,
+    console,
+    opened,
+    print_json,
+    write_to_the_end,
+)
+
+_RANGE = re.compile(
+    r"(?P<document>[0-9a-fA-F-]{36})(?:@(?P<revision>\d{1,9}))?(?::(?P<first>\d{1,9})-(?P<last>\d{1,9}))?"
+)
+
+
+def compose(
+    segments: Annotated[
+        list[str], typer.Argument(help="ID, ID:FIRST-LAST, ID@REVISION:FIRST-LAST, or an XPath expression, in order")
+    ],
+    transition: Annotated[int, typer.Option(help="Frames between segments")] = 12,
+    style: Annotated[str, typer.Option(help="bridge or crossfade")] = "bridge",
+    rate: Annotated[float | None, typer.Option(help="Frames a second; default the first segment's")] = None,
+    align: Annotated[bool, typer.Option(help="Let the body go on where it stands")] = True,
+    header: Annotated[str | None, typer.Option(help="Document whose header is used")] = None,
+    skeleton: Annotated[str | None, typer.Option(help="Document whose skeleton is used")] = None,
+    name: Annotated[str, typer.Option(help="Name of the new document")] = "composed",
+    project: Annotated[str, typer.Option(help="Project of the new document")] = "default",
+    preview: Annotated[bool, typer.Option("--preview", help="Say what would be made; store nothing")] = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Make a document of frames of others, with transitions between them."""
+    request = ComposeRequest.model_validate(
+        {
+            "segments": [_segment(text) for text in segments],
+            "transition": transition,
+            "style": style,
+            "rate": rate,
+            "align": align,
+            "header": header,
+            "skeleton": skeleton,
+            "name": name,
+            "project": project,
+            "preview": preview,
+        }
+    )
+    made = opened(database, server).call("compose", request=request)
+    if as_json:
+        print_json(made)
+        return
+    console.print(f"{'would make' if preview else 'made'}  {name}  {made.document or ''}  {made.frames:,} frames")
+    for seam in made.seams:
+        console.print(
+            f"  frame {seam.first}: {seam.transition} frames of transition, turned {seam.degrees:.1f} degrees, "
+            f"largest step {max(seam.root_step, seam.angle_step):.2f} of those inside"
+        )
+    for notice in made.notices:
+        console.print(f"  {notice}", style="yellow")
+
+
+def _segment(text: str) -> dict[str, Any]:
+    match = _RANGE.fullmatch(text)
+    if match is None:
+        if re.match(r"[0-9a-fA-F-]{36}[@:]", text):
+            raise typer.BadParameter(f"{text!r} is not ID:FIRST-LAST or ID@REVISION:FIRST-LAST, frames counted from 1")
+        return {"xpath": text}
+    found = {key: int(value) for key, value in match.groupdict().items() if value is not None and key != "document"}
+    return {"document": match["document"], **found}
+
+
+def retarget(
+    ids: Annotated[
+        list[str],
+        typer.Argument(metavar="[ID] SKELETON", help="Document with the motion, and the one with the skeleton"),
+    ],
+    mapping: Annotated[str | None, typer.Option(help="A saved mapping of joints, by its name")] = None,
+    joints: JointsOption = None,
+    clean_feet: Annotated[bool, typer.Option("--clean-feet", help="Hold feet where they stand")] = False,
+    all_of: Annotated[str | None, typer.Option("--all-of", help="Instead of ID: all of this project")] = None,
+    motion_name: Annotated[str | None, typer.Option(help="Instead of ID: documents with a frame of this name")] = None,
+    xpath: Annotated[str | None, typer.Option(help="Instead of ID: documents in which this finds something")] = None,
+    name: Annotated[str | None, typer.Option(help="Name of the new document; default the source's")] = None,
+    project: Annotated[str | None, typer.Option(help="Project of the new documents; default the source's")] = None,
+    preview: Annotated[bool, typer.Option("--preview", help="Say how well it fits; store nothing")] = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Bring a motion, or all that a selection finds, onto the skeleton of another document, as new documents."""
+    write_to_the_end()
+    client = opened(database, server)
+    selection = {"project": all_of, "motion_name": motion_name, "xpath": xpath}
+    selection = {key: value for key, value in selection.items() if value is not None}
+    if len(ids) != (1 if selection else 2):
+        raise typer.BadParameter("name the motion and the skeleton; with --all-of, --motion-name, --xpath the skeleton")
+    asked: dict[str, Any] = {
+        "skeleton": id_of(client, ids[-1]),
+        "mapping": mapping if mapping is not None else joint_pairs(joints) or None,
+        "clean_feet": clean_feet,
+        "project": project,
+        "preview": preview,
+    }
+    asked = {key: value for key, value in asked.items() if value is not None}
+    if selection:
+        many = RetargetMany.model_validate(asked | {"selection": selection})
+        _retarget_many(client, many, as_json)
+        return
+    request = RetargetRequest.model_validate(asked | ({} if name is None else {"name": name}))
+    made = client.call("retarget", id=id_of(client, ids[0]), request=request)
+    if as_json:
+        print_json(made)
+        return
+    console.print(f"{'would make' if preview else 'made'}  {made.document or ''}  {made.frames:,} frames")
+    for match in made.matches:
+        console.print(f"  {match.source} -> {match.target}  {match.confidence:.2f}  {match.reason}")
+    for bone in made.bones:
+        if bone.leads and bone.mean > 0.5:
+            console.print(f"  {bone.bone} to {bone.end}: {bone.mean:.1f} degrees off, {bone.largest:.1f} at most")
+    for foot in made.feet:
+        console.print(f"  {foot.foot} slides {foot.before:.3g} -> {foot.after:.3g} in {foot.stances} stances")
+    for notice in made.notices:
+        console.print(f"  {notice}", style="yellow")
+
+
+def _retarget_many(client: Client, request: RetargetMany, as_json: bool) -> None:
+    made = failed = 0
+    answer = client.call("retarget_many", request=request)
+    for line in lines_of(answer.blocks):
+        item = RetargetedOne.model_validate_json(line)
+        made += item.made is not None
+        failed += item.made is None
+        if as_json:
+            print(line.decode(), flush=True)
+        elif item.made is not None:
+            worst = max((bone.mean for bone in item.made.bones if bone.leads), default=0.0)
+            what = "would make" if request.preview else f"made {item.made.document}"
+            console.print(f"{what}  {item.name}  {item.made.frames:,} frames, {worst:.1f} degrees off")
+        elif item.problem is not None:
+            console.print(f"failed  {item.name}  {item.source}: {item.problem.detail}")
+    if not as_json:
+        console.print(f"{made} made, {failed} failed")
+    if failed:
+        raise typer.Exit(3 if made else 1)
+
+
+def lines_of(blocks: Iterable[bytes | memoryview]) -> Iterator[bytes]:
+    """The lines of bytes that come in blocks."""
+    rest = b""
+    for block in blocks:
+        *whole, rest = (rest + bytes(block)).split(b"\n")
+        yield from whole
+    if rest:
+        yield rest

@@ -1,0 +1,89 @@
+"""`mcml frames`: ranges of frames of a document, changed."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Any, get_args
+
+import typer
+
+from mcml.client.choosing import id_of
+from mcml_schemas.frames import FrameEdit, FrameEdits
+from mcml_service.cli.terminal.opening import (
+    DatabaseOption,
+    JsonOption,
+    MessageOption,
+    RevisionOption,
+    ServerOption,
+    match_of,
+    opened,
+)
+from mcml_service.cli.terminal.present import present
+from mcml_service.operations import OPERATIONS
+
+_EDITS = {get_args(kind.model_fields["do"].annotation)[0]: kind for kind in get_args(get_args(FrameEdit)[0])}
+"""What can be done with frames, by name."""
+_NAMES = {"insert": {"to": "at", "source": "document"}}
+"""Options that the API calls otherwise."""
+
+
+def frames(
+    id: Annotated[str, typer.Argument(help="Document")],
+    do: Annotated[str, typer.Argument(help=", ".join(_EDITS))],
+    range: Annotated[
+        str | None, typer.Argument(metavar="FIRST-LAST", help="Frames, positions from 1; resample takes all")
+    ] = None,
+    to: Annotated[int | None, typer.Option("--to", help="move, insert: before this frame")] = None,
+    source: Annotated[str | None, typer.Option("--from", help="insert: document that has the frames")] = None,
+    rate: Annotated[float | None, typer.Option(help="resample: frames a second")] = None,
+    seconds: Annotated[float | None, typer.Option(help="smooth: standard deviation of the Gaussian")] = None,
+    channels: Annotated[list[str] | None, typer.Option("--channel", help="adjust: Rx, Ty …; may be repeated")] = None,
+    factor: Annotated[float | None, typer.Option(help="adjust: multiply by this")] = None,
+    offset: Annotated[float | None, typer.Option(help="adjust: then add this")] = None,
+    bones: Annotated[
+        list[str] | None, typer.Option("--bone", help="adjust, smooth: only this; may be repeated")
+    ] = None,
+    ease: Annotated[int | None, typer.Option(help="adjust, smooth: frames at either end to come and go")] = None,
+    renumber: Annotated[bool, typer.Option(help="Ids of frames that counted up by one do so again")] = True,
+    message: MessageOption = "",
+    revision: RevisionOption = None,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Delete, keep, reverse, move, insert, mirror, smooth, adjust or resample frames, as one revision."""
+    kind = _EDITS.get(do)
+    if kind is None:
+        raise typer.BadParameter(f"say one of {', '.join(_EDITS)}", param_hint="DO")
+    given: dict[str, Any] = {
+        "to": to,
+        "source": source,
+        "rate": rate,
+        "seconds": seconds,
+        "channels": channels,
+        "factor": factor,
+        "offset": offset,
+        "bones": bones,
+        "ease": ease,
+    }
+    edit: dict[str, Any] = {
+        _NAMES.get(do, {}).get(key, key): value for key, value in given.items() if value not in (None, [])
+    }
+    match = re.fullmatch(r"(\d{1,10})(?:-(\d{1,10}))?", range or "")
+    if match is not None:
+        edit |= {"first": int(match[1]), "last": int(match[2] or match[1])}
+    elif range is not None:
+        raise typer.BadParameter("write a range such as 10-20", param_hint="FIRST-LAST")
+    # A wrong request costs exit code 2, as all wrong usage does.
+    for name, field in kind.model_fields.items():
+        if field.is_required() and name not in edit and name != "do":
+            raise typer.BadParameter(f"{do} needs {'FIRST-LAST' if name in ('first', 'last') else '--' + name}")
+    unused = sorted(set(edit) - set(kind.model_fields))
+    if unused:
+        raise typer.BadParameter(f"{do} has no use for {', '.join(unused)}")
+    client = opened(database, server)
+    if source is not None:
+        edit["document"] = id_of(client, source)
+    request = FrameEdits.model_validate({"edits": [{"do": do} | edit], "renumber": renumber, "message": message})
+    done = client.call("edit_frames", id=id_of(client, id), edits=request, if_match=match_of(revision))
+    present(OPERATIONS["edit_frames"], done, as_json)

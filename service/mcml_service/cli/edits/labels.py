@@ -1,0 +1,74 @@
+"""`mcml label` and `mcml labels suggest`: motion names for frames."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from mcml.client.choosing import id_of
+from mcml.files.import_options import Label, parse_label
+from mcml_service.cli.terminal.opening import (
+    DatabaseOption,
+    JsonOption,
+    ServerOption,
+    console,
+    opened,
+    print_json,
+    write_to_the_end,
+)
+from mcml_service.cli.terminal.present import present
+from mcml_service.operations import OPERATIONS
+
+StrictOption = Annotated[bool, typer.Option("--strict", help="Refuse names that are no anatomical movement")]
+
+
+def label(
+    id: Annotated[str, typer.Argument(help="Document")],
+    labels: Annotated[list[str], typer.Argument(help="NAME:FIRST-LAST, or NAME for all frames")],
+    strict: StrictOption = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Name frames of a document."""
+    write_to_the_end()
+    client = opened(database, server)
+    found = client.call("get_document", id=id_of(client, id))
+    id, frames = found.id, found.frames
+    asked = [_range(parse_label(text), frames) for text in labels]
+    added = client.call("add_labels", id=id, labels=asked, strict=strict, if_match="*")
+    if as_json:
+        print_json(added)
+        return
+    for item in added.items:
+        console.print(f"named    {item.first}-{item.last}  {item.name}")
+
+
+def suggest(
+    id: Annotated[str, typer.Argument(help="Document")],
+    confidence: Annotated[float, typer.Option(min=0, max=1, help="The least, 0 to 1")] = 0.5,
+    facing: Annotated[
+        str | None, typer.Option(help="Where the body faces as it stands upright, such as Z or -X; names tell else")
+    ] = None,
+    accept: Annotated[bool, typer.Option("--accept", help="Name the frames so, as one revision")] = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Find anatomical movements in a motion, as names for its frames."""
+    write_to_the_end()
+    client = opened(database, server)
+    id = id_of(client, id)
+    found = client.call("suggest_labels", id=id, confidence=confidence, facing=facing and facing.upper())
+    if accept and found.items:
+        asked = [{"name": item.name, "first": item.first, "last": item.last} for item in found.items]
+        client.call("add_labels", id=id, labels=asked, strict=True, if_match="*")
+    present(OPERATIONS["suggest_labels"], found, as_json)
+    if not as_json:
+        console.print(f"{len(found.items)} {'accepted' if accept else 'suggested'}")
+
+
+def _range(label: Label, frames: int) -> dict[str, str | int]:
+    first = 1 if label.first is None else label.first
+    return {"name": label.name, "first": first, "last": frames if label.last is None else label.last}

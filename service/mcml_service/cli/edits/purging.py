@@ -1,0 +1,82 @@
+"""`mcml purge`: documents removed for good."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from mcml.client.choosing import choose_documents
+from mcml.errors import McmlError
+from mcml_service.cli.terminal.choosing import YesOption
+from mcml_service.cli.terminal.opening import (
+    DatabaseOption,
+    JsonOption,
+    chosen_settings,
+    console,
+    open_database,
+    print_json,
+    table,
+)
+from mcml_service.local_store import Local
+
+if TYPE_CHECKING:
+    from mcml_service.actions.keeping.purge_documents import Purgeable
+
+
+def purge(
+    ids: Annotated[list[str] | None, typer.Argument(help="Full ids of documents, deleted or not")] = None,
+    deleted_before: Annotated[
+        float | None, typer.Option(min=0, help="Also all documents that were deleted so many days ago or longer")
+    ] = None,
+    project: Annotated[str | None, typer.Option(help="Also all documents of this project that are not deleted")] = None,
+    motion_name: Annotated[str | None, typer.Option(help="Of those, the ones with a frame of this name")] = None,
+    xpath: Annotated[
+        str | None, typer.Option("--xpath", help="Of those, the ones in which this finds something")
+    ] = None,
+    yes: YesOption = False,
+    database: DatabaseOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Remove documents for good: all revisions and files, and what was made of them alone. Nothing brings them back."""
+    chooses = any(option is not None for option in (project, motion_name, xpath))
+    if not ids and deleted_before is None and not chooses:
+        raise McmlError("Nothing is named.", remedy="Name full ids, --deleted-before DAYS, or --project NAME.")
+    from mcml_service.actions.keeping.purge_documents import purge_documents, purgeable
+
+    settings = chosen_settings(database)
+    store = open_database(settings)
+    wanted = list(ids or ())
+    if chooses:
+        with Local(store, settings) as client:
+            chosen = choose_documents(client, project=project, motion_name=motion_name, xpath=xpath)
+            wanted += [item.id for item in chosen]
+    found = purgeable(store, wanted, deleted_before)
+    done = 0
+    if yes:
+        done = purge_documents(store, [one.uuid for one in found], cache_dir=settings.cache_dir)
+    if as_json:
+        print_json({"purged": done, "documents": [asdict(one) for one in found]})
+        return
+    _show(found)
+    if yes:
+        console.print(f"purged {done} documents. Backups made before still hold them.")
+    elif found:
+        console.print("Nothing was purged: --yes does it, and nothing brings them back. Older backups still hold them.")
+
+
+def _show(found: list[Purgeable]) -> None:
+    rows = table("id", "name", "project", "deleted", "revisions#", "MB#")
+    for one in found:
+        rows.add_row(
+            one.uuid, one.name, one.project, one.deleted or "no", str(one.revisions), f"{one.bytes / 1e6:,.1f}"
+        )
+    if found:
+        console.print(rows)
+    else:
+        console.print("no such documents")
+    for one in found:
+        for kind, made in (("clip", one.clips), ("model or result", one.results)):
+            for uuid, name in made:
+                console.print(f"stays    the {kind} {name} ({uuid}) was made from {one.name}, among others")

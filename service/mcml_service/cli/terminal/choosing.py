@@ -1,0 +1,63 @@
+"""Options that choose documents, and batches that go on past a refusal."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import Annotated
+
+import typer
+
+from mcml.client.choosing import choose_documents
+from mcml.client.client import Client
+from mcml.errors import McmlError
+from mcml_schemas.documents import DocumentSummary
+from mcml_service.cli.terminal.opening import console, table
+
+IdsArgument = Annotated[
+    list[str] | None, typer.Argument(metavar="[ID]...", help="Documents: ids, beginnings of ids, or names")
+]
+ProjectOption = Annotated[str | None, typer.Option(help="Instead: all documents of this project")]
+MotionNameOption = Annotated[str | None, typer.Option(help="Instead: documents with a frame of this name")]
+XPathOption = Annotated[str | None, typer.Option("--xpath", help="Instead: documents in which this finds something")]
+YesOption = Annotated[bool, typer.Option("--yes", "-y", help="Do it; without, what it would be done to is shown")]
+
+
+def chosen(
+    client: Client, ids: list[str] | None, project: str | None, motion_name: str | None, xpath: str | None
+) -> list[DocumentSummary]:
+    """The documents of a command: those that it names, or those that its options choose; wrong usage for both."""
+    options = [option for option in (project, motion_name, xpath) if option is not None]
+    if bool(ids) == bool(options):
+        raise typer.BadParameter("name documents, or choose them by --project, --motion-name, --xpath")
+    found = choose_documents(client, ids, project=project, motion_name=motion_name, xpath=xpath)
+    if not found:
+        raise McmlError("No document fits.", remedy="Try the same options with `mcml ls`.")
+    return found
+
+
+def confirmed(found: list[DocumentSummary], yes: bool, what: str) -> bool:
+    """Whether to go on; else the documents are shown, with how to go on."""
+    if yes:
+        return True
+    rows = table("id", "name", "project", "frames#")
+    for item in found:
+        rows.add_row(item.id, item.name, item.project, f"{item.frames:,}")
+    console.print(rows)
+    console.print(f"Nothing was {what}: --yes does it, to all of these ({len(found)}).")
+    return False
+
+
+def for_each(found: list[DocumentSummary], do: Callable[[DocumentSummary], None]) -> None:
+    """Do something to each document; a refusal is told and stops no other. Exit code 3, or 1 where all were refused."""
+    refused = 0
+    for item in found:
+        try:
+            do(item)
+        except McmlError as error:
+            if len(found) == 1:
+                raise
+            refused += 1
+            print(f"mcml: {item.name} {item.id}: {error}", file=sys.stderr)
+    if refused:
+        raise typer.Exit(1 if refused == len(found) else 3)

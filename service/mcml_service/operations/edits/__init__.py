@@ -1,0 +1,1 @@
+"""Operations that change documents or make new ones."""

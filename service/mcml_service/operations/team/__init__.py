@@ -1,0 +1,1 @@
+"""Operations on people: accounts, comments, presence, links, webhooks, activity."""

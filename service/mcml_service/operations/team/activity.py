@@ -1,0 +1,43 @@
+"""What was done in the repository, by whom and when."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from mcml_schemas.examples import DOCUMENT
+from mcml_schemas.team.activity import ActivityKind, ActivityPage
+from mcml_service.actions.reading.tell_event import told_event
+from mcml_service.operations.arguments import InProject, Page
+from mcml_service.operations.call import Call
+from mcml_service.storage.projects.activity import EventFilter
+
+
+def list_activity(
+    call: Call,
+    page: Page,
+    project: InProject = None,
+    document: Annotated[str | None, Field(description="Only about this document", examples=[DOCUMENT])] = None,
+    author: Annotated[
+        str | None, Field(max_length=256, description="Only what somebody of this name did", examples=["kim"])
+    ] = None,
+    kind: Annotated[ActivityKind | None, Field(description="Only of this kind", examples=["comment"])] = None,
+    since: Annotated[
+        str | None,
+        Field(
+            pattern=r"^\d{4}-\d\d-\d\d(T\d\d:\d\d(:\d\d(\.\d{1,6})?)?Z)?$",
+            description="Only what was done at this time or later, in UTC",
+            examples=["2026-01-31"],
+        ),
+    ] = None,
+) -> ActivityPage:
+    """In projects that one sees; what concerns accounts and tokens is for owners of the repository. Events are kept for
+    so many days as the server's settings say.
+    """
+    before = page.after(int)
+    wanted = EventFilter(project, document, author, kind, since)
+    with call.database.read() as tx:
+        found = tx.activity.page(wanted, None if before is None else before[0], page.most(call) + 1)
+    shown, more = page.cut(call, found, lambda event: (event.number,))
+    return ActivityPage(items=[told_event(event) for event in shown], next_cursor=more)

@@ -1,0 +1,76 @@
+"""Comments on documents, their frames and joints. No revision: they belong to the document in all of them."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from mcml.errors import NotFoundError
+from mcml_schemas.team.comments import CommentChange, CommentPage, CommentRequest, CommentView
+from mcml_service.operations.arguments import MOST, DocumentId, Page, at_revision
+from mcml_service.operations.call import Call
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.team.comments import Comment
+from mcml_service.storage.transaction import Transaction
+
+CommentId = Annotated[int, Field(ge=1, le=MOST, description="Number of the comment", examples=[7])]
+
+
+def list_comments(call: Call, id: DocumentId, page: Page) -> CommentPage:
+    """The oldest first, with those that are resolved."""
+    after = page.after(int)
+    with call.database.read() as tx:
+        stored = tx.documents.get(id)
+        found = tx.comments.of(stored, 0 if after is None else after[0], page.most(call) + 1)
+        shown, more = page.cut(call, found, lambda one: (one.number,))
+        return CommentPage(items=[_view(tx, stored, one) for one in shown], next_cursor=more)
+
+
+def add_comment(call: Call, id: DocumentId, comment: CommentRequest) -> CommentView:
+    """Whoever sees the document may comment on it; who came by a link may not. @name mentions somebody
+    of the project."""
+    with call.database.write(call.author) as tx:
+        stored = tx.documents.get(id)
+        then, looked_at = at_revision(tx, id, comment.revision)
+        last = comment.first if comment.last is None else comment.last
+        if last is not None and last > looked_at.frames:
+            raise NotFoundError(f"There is no frame {last}.", remedy=f"The document has {looked_at.frames:,} frames.")
+        if comment.bone is not None and comment.bone not in then.heads.bone_names(stored.key).values():
+            raise NotFoundError(f"There is no joint {comment.bone!r}.", remedy="Name one as its skeleton does.")
+        made = tx.comments.add(stored, looked_at.revision, comment.text, comment.first, last, comment.bone)
+        return _view(tx, stored, made)
+
+
+def change_comment(call: Call, id: DocumentId, comment: CommentId, change: CommentChange) -> CommentView:
+    """Only its author may."""
+    with call.database.write(call.author) as tx:
+        stored = tx.documents.get(id)
+        return _view(tx, stored, tx.comments.change(stored, comment, change.text))
+
+
+def resolve_comment(call: Call, id: DocumentId, comment: CommentId) -> CommentView:
+    """Its author may, and who may change the document."""
+    return _resolved(call, id, comment, resolved=True)
+
+
+def reopen_comment(call: Call, id: DocumentId, comment: CommentId) -> CommentView:
+    """Its author may, and who may change the document."""
+    return _resolved(call, id, comment, resolved=False)
+
+
+def delete_comment(call: Call, id: DocumentId, comment: CommentId) -> None:
+    """Its author may, and owners of the project."""
+    with call.database.write(call.author) as tx:
+        tx.comments.delete(tx.documents.get(id), comment)
+
+
+def _resolved(call: Call, id: str, comment: int, *, resolved: bool) -> CommentView:
+    with call.database.write(call.author) as tx:
+        stored = tx.documents.get(id)
+        return _view(tx, stored, tx.comments.resolve(stored, comment, resolved=resolved))
+
+
+def _view(tx: Transaction, stored: StoredDocument, comment: Comment) -> CommentView:
+    facts = {name: value for name, value in vars(comment).items() if name != "number"}
+    return CommentView(id=comment.number, mentions=tx.comments.mentioned(stored, comment.text), **facts)

@@ -1,0 +1,44 @@
+"""Who is at a document now: people with an account. Whoever comes without one, or by a token of nobody's, is not told
+of."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from mcml_schemas.team.presence import PresenceRequest, Present, PresentList
+from mcml_service.operations.arguments import DocumentId
+from mcml_service.operations.call import Call
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.transaction import Transaction
+
+Tab = Annotated[str, Field(max_length=36, pattern="^[0-9a-zA-Z-]*$", description="The window", examples=["t1"])]
+
+
+def list_present(call: Call, id: DocumentId) -> PresentList:
+    """Everybody who said so within the last 90 seconds."""
+    with call.database.read() as tx:
+        return _listed(tx, tx.documents.get(id))
+
+
+def keep_presence(call: Call, id: DocumentId, presence: PresenceRequest) -> PresentList:
+    """It holds for 90 seconds: say it again before that. Answers with the others."""
+    with call.database.write(call.author) as tx:
+        stored = tx.documents.get(id)
+        if call.account is not None:
+            tx.presence.keep(stored, call.account, presence.tab, presence.doing)
+        return _listed(tx, stored, call.account)
+
+
+def end_presence(call: Call, id: DocumentId, tab: Tab = "") -> None:
+    """Without this one is there for up to 90 seconds more."""
+    with call.database.write(call.author) as tx:
+        stored = tx.documents.get(id)
+        if call.account is not None:
+            tx.presence.end(stored, call.account, tab)
+
+
+def _listed(tx: Transaction, stored: StoredDocument, but: str | None = None) -> PresentList:
+    found: list[Any] = tx.presence.of(stored, but)
+    return PresentList(items=[Present(**vars(one)) for one in found])

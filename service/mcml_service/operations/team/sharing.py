@@ -1,0 +1,50 @@
+"""Links by which somebody without an account sees some documents."""
+
+from __future__ import annotations
+
+from datetime import timedelta
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from mcml.files.targets import find_target
+from mcml_schemas.team.shares import SharedRevision, ShareList, ShareMade, ShareRequest, ShareView
+from mcml_service.operations.arguments import MOST, InProject
+from mcml_service.operations.call import Call
+from mcml_service.storage.team.shares import Share
+
+Number = Annotated[int, Field(ge=1, le=MOST, description="Number of the link", examples=[2])]
+
+
+def list_shares(call: Call, project: InProject = None) -> ShareList:
+    """Those that open something still, into projects that one may change."""
+    with call.database.read() as tx:
+        found = tx.shares.all(None if project is None else tx.projects.get(project))
+    return ShareList(items=[ShareView(**_told(one)) for one in found])
+
+
+def add_share(call: Call, request: ShareRequest) -> ShareMade:
+    """Who has it sees these documents moving, reads their frames, and exports them in the formats that are named; no
+    lists, questions, history or files as they were uploaded. It is shown this once.
+    """
+    for name in request.formats:
+        find_target(name)
+    lasts = timedelta(days=request.days)
+    with call.database.write(call.author) as tx:
+        secret, made = tx.shares.add(
+            request.name, request.documents, request.formats, call.author, lasts, latest=request.latest
+        )
+    return ShareMade(**_told(made), path=f"/shared#{secret}")
+
+
+def revoke_share(call: Call, number: Number) -> None:
+    """Who came by it sees nothing from then on."""
+    with call.database.write(call.author) as tx:
+        tx.shares.remove(number)
+
+
+def _told(share: Share) -> dict[str, Any]:
+    documents = [
+        SharedRevision(id=uuid, revision=one.revision, latest=one.latest) for uuid, one in share.documents.items()
+    ]
+    return {**vars(share), "documents": documents, "formats": sorted(share.formats)}

@@ -1,0 +1,1 @@
+"""Functions of bodies in motion, and of frames near a frame."""

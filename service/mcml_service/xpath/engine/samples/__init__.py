@@ -1,0 +1,1 @@
+"""Conditions on samples, over many frames at once."""

@@ -1,0 +1,164 @@
+"""Columns beside the store: what a process worked out of groups of documents, for the first questions of the next one.
+
+A part is named by what it was made of (documents and their revisions) and marked with the commit that was the newest
+then: in a store of another history no part is believed. Nothing needs it: what is wrong, lost or cannot be written is
+worked out again.
+"""
+
+from __future__ import annotations
+
+import sqlite3
+import threading
+import time
+from collections.abc import Callable, Container, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
+from weakref import WeakKeyDictionary
+
+from mcml_service.storage.transaction import Transaction
+from mcml_service.xpath.library.disk.packing import Packed
+from mcml_service.xpath.library.disk.part_file import FAULTS, checksum_of, opened, remove
+from mcml_service.xpath.library.disk.writer import Waiting, Writer
+
+DAY = 86_400
+"""When a part was used is told no more precisely: reading is no writing."""
+
+_PART = "SELECT mark, used, checksum, data FROM part WHERE held = ? AND name = ?"
+
+
+class _Sized(Protocol):
+    @property
+    def nbytes(self) -> int: ...
+
+
+Made = TypeVar("Made", bound=_Sized)
+
+
+@dataclass
+class _View:
+    """What a transaction sees. mark: of parts that are made in it, "" where none are kept. known: marks, and whether
+    they are of its history."""
+
+    mark: str
+    whole_since: int
+    known: dict[str, bool] = field(default_factory=dict)
+
+
+class Sidecar:
+    """path: of the file. limit: bytes of all parts. Threads and processes may share it.
+
+    trouble: why nothing is kept, "" while something can be.
+    """
+
+    def __init__(self, path: Path, limit: int) -> None:
+        self.path = path
+        self.trouble = ""
+        self._reader: sqlite3.Connection | None = None
+        self._lock = threading.Lock()
+        self._views: WeakKeyDictionary[Transaction, _View] = WeakKeyDictionary()
+        self._whole_since: int | None = None
+        self._writer = Writer(lambda: opened(path), limit, self._failed)
+
+    def part(
+        self,
+        tx: Transaction,
+        key: tuple[bytes, str],
+        make: Callable[[], Made],
+        stored: Callable[[Made], Mapping[str, Any]],
+        restored: Callable[[Packed], Made],
+    ) -> Made:
+        """A part; where it is not kept it is made, and kept from then on. key: what it is made of, and its name.
+        stored, restored: its columns, and the part of them."""
+        found = self.read(tx, key)
+        if found is not None:
+            return restored(found)
+        made = make()
+        self.keep(tx, key, lambda: stored(made), made.nbytes)
+        return made
+
+    def read(self, tx: Transaction, key: tuple[bytes, str]) -> Packed | None:
+        """The columns of a part, None where it is not kept or not to be believed."""
+        view = self._view(tx)
+        row = None if view is None else self._row(key)
+        if view is None or row is None:
+            return None
+        mark, used, checksum, data = row
+        try:
+            sound = checksum == checksum_of(*key, mark, data) and self._is_of_history(tx, view, mark)
+        except (TypeError, ValueError, AttributeError):
+            # A bit that flipped changed the type of a value.
+            sound = False
+        if not sound:
+            return None
+        if time.time() - used > DAY:
+            self._writer.touch(key)
+        return Packed(data)
+
+    def keep(
+        self, tx: Transaction, key: tuple[bytes, str], columns: Callable[[], Mapping[str, Any]], size: int
+    ) -> None:
+        """Have a part written, some time. columns: gives them, in another thread. size: about how many bytes."""
+        view = self._view(tx)
+        if view is not None and not self.trouble:
+            self._writer.add(key, Waiting(view.mark, view.whole_since, columns, size))
+
+    def forget(self, held: Container[bytes]) -> None:
+        """Write nothing any more of what is asked no more. held: first parts of keys that are."""
+        self._writer.forget(held)
+
+    def flush(self) -> None:
+        """Wait until all that waits is written."""
+        self._writer.flush()
+
+    def close(self, seconds: float = 0.0) -> None:
+        """End the thread that writes. seconds: that it may take for what waits."""
+        self._writer.close(seconds)
+        with self._lock:
+            if self._reader is not None:
+                self._reader.close()
+                self._reader = None
+
+    def _view(self, tx: Transaction) -> _View | None:
+        """None for a transaction that reads what is past: few ask for it again."""
+        view = self._views.get(tx)
+        if view is None:
+            newest, since = tx.newest_commit(), tx.pruning.whole_since()
+            mark = f"{newest} {since} {tx.columns.commit_facts(newest)}" if newest and tx.at >= newest else ""
+            view = self._views[tx] = _View(mark, since, {mark: True})
+            if mark and self._whole_since != since and not self.trouble:
+                # Something was purged or pruned meanwhile, or before this process began.
+                self._whole_since = since
+                self._writer.since(since)
+        return view if view.mark else None
+
+    def _is_of_history(self, tx: Transaction, view: _View, mark: str) -> bool:
+        if mark not in view.known:
+            number, since, said = mark.split(" ", 2)
+            view.known[mark] = int(since) == view.whole_since and said == tx.columns.commit_facts(int(number))
+        return view.known[mark]
+
+    def _row(self, key: tuple[bytes, str]) -> Any:
+        with self._lock:
+            try:
+                if self._reader is None:
+                    if self.trouble or not self.path.exists():
+                        return None
+                    self._reader = opened(self.path)
+                return self._reader.execute(_PART, key).fetchone()
+            except FAULTS as error:
+                if self._reader is not None:
+                    self._reader.close()
+                self._reader = None
+                self._failed(error)
+                return None
+
+    def _failed(self, error: Exception) -> None:
+        """A file that is broken goes. Where there can be none, or it cannot be written, memory alone serves."""
+        if isinstance(error, sqlite3.OperationalError | OSError):
+            if "locked" not in str(error):
+                self.trouble = str(error)
+        else:
+            with suppress(OSError):
+                remove(self.path)
