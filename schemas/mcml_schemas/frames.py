@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from mcml_schemas.examples import DOCUMENT, shown
 from mcml_schemas.request_body import RequestBody
+
+FrameForm: TypeAlias = Literal["json", "npy", "npz", "block", "arrow", "parquet", "csv"]
+"""How frames are written as numbers."""
 
 Position = Annotated[int, Field(ge=1, le=2**31 - 1)]
 

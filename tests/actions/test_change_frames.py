@@ -289,3 +289,38 @@ def test_names_go_with_frames_that_are_turned_round(database: Database) -> None:
         reverse(tx, tx.documents.get(uuid), 3, 12)
     with database.read() as tx:
         assert {s.name: (s.first, s.last) for s in tx.spans.of(tx.documents.get(uuid).key)} == before
+
+
+@pytest.mark.parametrize("renumber", [True, False])
+@pytest.mark.parametrize("frames", [1, 2, 5, 300])
+def test_a_frame_goes_as_an_element_as_it_goes_as_a_range(database: Database, frames: int, renumber: bool) -> None:
+    """Labels on both sides touch afterwards, or end with the frame; the last frame of a document stays."""
+    chance = Random(frames)
+    labels = [("hop", 1, max(1, frames // 2)), ("hop", frames // 2 + 1, frames), ("run", frames, frames)]
+    for place in sorted({1, frames, chance.randint(1, frames)}):
+        files = {f"{n}.bvh": bvh(frames, seed=7) for n in (0, 1)}
+        kept = []
+        for number, uuid in enumerate(store(database, files)):
+            with database.write() as tx:
+                add_labels(tx, tx.documents.get(uuid), labels)
+            try:
+                with database.write() as tx:
+                    stored = tx.documents.get(uuid)
+                    if number:
+                        edits = [ElementEdit(f"/mcml/motion/frame[{place}]", Deletion(renumber=renumber))]
+                        edit_elements(tx, stored, edits)
+                    else:
+                        delete_frames(tx, stored, place, place, renumber=renumber)
+                        tx.documents.add_revision(stored, "frames")
+            except DocumentError as error:
+                kept.append(str(error))
+            with database.read() as tx:
+                spans = [(span.name, span.first, span.last) for span in tx.spans.of(tx.documents.get(uuid).key)]
+            kept.append((spans, motion(etree.fromstring(content(database, uuid), PARSER)).findall("frame")))
+        half = len(kept) // 2
+        for one, other in zip(kept[:half], kept[half:], strict=True):
+            if isinstance(one, str):
+                assert one == other
+                continue
+            assert one[0] == other[0]
+            assert list(map(canonical, one[1])) == list(map(canonical, other[1]))

@@ -7,7 +7,7 @@ from sqlalchemy import func, select
 
 from mcml.errors import McmlError, NotFoundError
 from mcml.files.import_options import ImportOptions
-from mcml_service.actions.importing import import_motion, keep_upload
+from mcml_service.actions.importing import import_clip, keep_upload
 from mcml_service.actions.importing.import_motion import import_files
 from mcml_service.settings import Settings
 from mcml_service.storage.core import tables
@@ -17,7 +17,7 @@ from tests.builders import ASF, amc, bvh, source, store
 
 @pytest.fixture(autouse=True)
 def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(import_motion, "FLUSH_BYTES", 2000)
+    monkeypatch.setattr(import_clip, "FLUSH_BYTES", 2000)
     monkeypatch.setattr(keep_upload, "EARLY_BYTES", 0)
 
 
@@ -32,8 +32,8 @@ def rows(database: Database) -> dict[str, int]:
 
 def test_a_bad_last_block_leaves_nothing(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     seen = []
-    flush = import_motion.Importer._flush
-    monkeypatch.setattr(import_motion.Importer, "_flush", lambda self, tx: (seen.append(1), flush(self, tx))[1])
+    flush = import_clip.Importer._flush
+    monkeypatch.setattr(import_clip.Importer, "_flush", lambda self, tx: (seen.append(1), flush(self, tx))[1])
     with pytest.raises(McmlError):
         store(database, {"long.bvh": bvh(12_000)[:-30] + b"x\n"})
     assert seen, "nothing was flushed early, so the test shows nothing"
@@ -51,26 +51,26 @@ def test_a_failure_at_the_end_leaves_nothing(database: Database, monkeypatch: py
 
 
 def test_sweeping_leaves_running_imports_alone(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
-    prepare = import_motion.Importer._prepare
+    prepare = import_clip.Importer._prepare
 
-    def swept_meanwhile(self: import_motion.Importer, upload: keep_upload.Upload) -> None:
+    def swept_meanwhile(self: import_clip.Importer, upload: keep_upload.Upload) -> None:
         prepare(self, upload)
         assert rows(database)["track"]
         assert database.sweep() == 0
 
-    monkeypatch.setattr(import_motion.Importer, "_prepare", swept_meanwhile)
+    monkeypatch.setattr(import_clip.Importer, "_prepare", swept_meanwhile)
     store(database, {"long.bvh": bvh(3000)})
     assert database.check() == []
 
 
 def test_an_import_whose_lease_ended_says_so(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
-    prepare = import_motion.Importer._prepare
+    prepare = import_clip.Importer._prepare
 
-    def swept_meanwhile(self: import_motion.Importer, upload: keep_upload.Upload) -> None:
+    def swept_meanwhile(self: import_clip.Importer, upload: keep_upload.Upload) -> None:
         prepare(self, upload)
         assert database.sweep(lease_before=float("inf")) == 1
 
-    monkeypatch.setattr(import_motion.Importer, "_prepare", swept_meanwhile)
+    monkeypatch.setattr(import_clip.Importer, "_prepare", swept_meanwhile)
     with pytest.raises(NotFoundError, match="swept"):
         store(database, {"long.bvh": bvh(3000)})
     assert rows(database) == {}

@@ -23,11 +23,11 @@ IMPORTER = textwrap.dedent(
     import os, pathlib, signal, sys
     sys.path.insert(0, {root!r})
     from sqlalchemy import event
-    from mcml_service.actions.importing import import_motion, keep_upload
+    from mcml_service.actions.importing import import_clip, keep_upload
     from mcml_service.storage.database import Database
     from tests.builders import store
 
-    import_motion.FLUSH_BYTES = 30_000
+    import_clip.FLUSH_BYTES = 30_000
     keep_upload.EARLY_BYTES = 0
     database = Database(sys.argv[1])
     fatal, seen = int(sys.argv[3]), 0

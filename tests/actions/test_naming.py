@@ -7,9 +7,9 @@ import pytest
 from mcml.formats import FORMATS
 from mcml.language.elements import joint_names
 from mcml.motion.carriers import first_moving
+from mcml.testing import read
 from mcml_service.storage.database import Database
 from tests.builders import store
-from tests.formats.contract import read
 
 HEAD = """HIERARCHY
 ROOT Root

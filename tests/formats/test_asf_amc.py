@@ -11,9 +11,9 @@ from mcml.errors import ConversionError, FormatError, LimitError
 from mcml.formats import FORMATS
 from mcml.formats.format import Limits, ReadOptions
 from mcml.motion.clip import ClipStream
+from mcml.testing import FormatContract, frames, read, written
 from tests.builders import ASF as LEG
 from tests.builders import amc
-from tests.formats.contract import FormatContract, frames, read, written
 
 AMC = """#!OML:ASF X:\\file.ASF
 :FULLY-SPECIFIED

@@ -11,7 +11,7 @@ from mcml.errors import FormatError, LimitError
 from mcml.formats import FORMATS
 from mcml.formats.format import Limits, ReadOptions
 from mcml.motion.clip import ClipStream
-from tests.formats.contract import FormatContract, frames, read, written
+from mcml.testing import FormatContract, frames, read, written
 
 HEAD = """HIERARCHY
 ROOT Hips

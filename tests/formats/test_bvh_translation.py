@@ -11,7 +11,7 @@ from mcml.formats import FORMATS
 from mcml.formats.bvh.translation import differing_translations, read_translations
 from mcml.formats.format import ReadOptions, SourceFile
 from mcml.motion.clip import ClipStream
-from tests.formats.contract import read
+from mcml.testing import read
 
 BODY = """HIERARCHY
 ROOT Hips

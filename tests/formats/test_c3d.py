@@ -18,8 +18,8 @@ from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, full_shape
 from mcml.motion.conventions.convert import convert
 from mcml.motion.markers import marker_skeleton
 from mcml.motion.skeleton import Convention
+from mcml.testing import frames, read, written
 from tests.builders import bvh, c3d_file
-from tests.formats.contract import frames, read, written
 
 C3D = FORMATS["c3d"]
 NOT_READ_BY_EZC3D = {

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from mcml.errors import FormatError, McmlError
+from mcml.testing import frames
 from tests.c3d_writer import DEC, INTEL, MIPS, Value, c3d_bytes
-from tests.formats.contract import frames
 from tests.formats.test_c3d import clip_of, table
 
 

@@ -17,8 +17,8 @@ from mcml.language.elements import from_head
 from mcml.language.reader import read_document
 from mcml.language.writer import write_document
 from mcml.motion.clip import ClipStream, FrameBlock
+from mcml.testing import read, written
 from tests.c3d_writer import Value, c3d_bytes
-from tests.formats.contract import read, written
 
 LABELS = ["LASI", "LKneeAngles", "RASI", "LKneePower", "CentreOfMass", "Subject:LHipMoment", "Own", "Strange"]
 POINTS = np.random.default_rng(1).normal(0, 100, (5, len(LABELS), 3)).astype(np.float32).astype(np.float64)

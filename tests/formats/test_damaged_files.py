@@ -14,9 +14,9 @@ from mcml.errors import McmlError
 from mcml.formats import FORMATS
 from mcml.formats.format import Limits, ReadOptions, SourceFile
 from mcml.language.reader import read_document
+from mcml.testing import frames
 from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, c3d_file
 from tests.c3d_writer import DEC, MIPS, c3d_bytes
-from tests.formats.contract import frames
 
 FILES: dict[str, list[dict[str, bytes]]] = {
     "bvh": [{"bvh": bvh(5)}, {"bvh": bvh(2, names=("Hips", "Neck", "Neck1", "Head"))}],

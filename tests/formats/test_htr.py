@@ -11,11 +11,11 @@ from mcml.errors import FormatError, LimitError, UnsupportedError
 from mcml.formats import FORMATS
 from mcml.formats.format import Limits, ReadOptions
 from mcml.motion.clip import ClipStream
+from mcml.testing import FormatContract, frames, read, written
 from tests.builders import HTR
 from tests.builders import HTR_HEAD as HEAD
 from tests.builders import HTR_V1 as V1
 from tests.builders import HTR_V2 as V2
-from tests.formats.contract import FormatContract, frames, read, written
 
 HEAD2 = HEAD.replace("FileVersion 1", "FileVersion 2")
 NAME = "htr"

@@ -14,8 +14,8 @@ from mcml.formats import FORMATS, find_format
 from mcml.formats.format import ReadOptions, SourceFile
 from mcml.formats.repairs import offers, repaired
 from mcml.motion.clip import ClipStream
+from mcml.testing import read
 from tests.builders import ASF, HTR, TRC, amc, bvh
-from tests.formats.contract import read
 
 BVH = bvh(3)
 

@@ -21,8 +21,8 @@ from mcml.motion.hub import rest_of
 from mcml.motion.kinematics import Walker
 from mcml.motion.skeleton import Convention
 from mcml.motion.units import reading_of
+from mcml.testing import read
 from tests.builders import TRC
-from tests.formats.contract import read
 from tests.formats.scenes.clips import CLIPS, cut, hostile, without_joints
 from tests.formats.scenes.reading import stating
 from tests.formats.test_real_files import opened

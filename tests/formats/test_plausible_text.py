@@ -7,8 +7,8 @@ import pytest
 from mcml.formats import FORMATS
 from mcml.formats.format import ReadOptions
 from mcml.formats.text.plausible_text import plausible_codecs
+from mcml.testing import read
 from tests.builders import bvh
-from tests.formats.contract import read
 
 WORDS = {
     "cp949": "골반 왼쪽무릎 머리 손목 춤추는_사람.bvh 걷기 한글_이름 똠방각하 기쁨 뒤돌아보기",

@@ -18,7 +18,7 @@ from mcml.motion.hub import rest_of
 from mcml.motion.kinematics import Walker
 from mcml.motion.skeleton import Convention
 from mcml.motion.units import reading_of
-from tests.formats.contract import read, written
+from mcml.testing import read, written
 from tests.poses import rest_height
 
 NOT_MOTION = {"lfs_pointer.bvh", "ramsden_htr_output.htr", "16_11.amc"}

@@ -18,8 +18,8 @@ from mcml.motion.clip import ClipStream
 from mcml.motion.conventions.convert import convert
 from mcml.motion.kinematics import Walker
 from mcml.motion.skeleton import Convention
+from mcml.testing import FormatContract, frames, read, written
 from tests.builders import ASF, TRC, amc, bvh, c3d_file
-from tests.formats.contract import FormatContract, frames, read, written
 
 TEXT = TRC.decode()
 HEAD, ROWS = TEXT.split("\n\n")

@@ -13,6 +13,7 @@ import pytest
 from mcml.errors import McmlError
 from mcml.formats import FORMATS
 from mcml.motion.skeleton import Convention
+from mcml.testing import written
 from mcml_schemas.querying.queries import NodeItem, QueryRequest, ScalarItem
 from mcml_service.actions.editing.change_document import add_labels, change_document, delete_document, restore_document
 from mcml_service.actions.editing.change_frames import delete_frames, move_frames, reverse
@@ -24,7 +25,6 @@ from mcml_service.xpath.library.caches import Caches
 from mcml_service.xpath.queries import Queries
 from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, c3d_file, store
 from tests.edits import OTHER_SEEDS, change_element, delete_element
-from tests.formats.contract import written
 from tests.motion.bodies.made import FORMAT_OF, clip_of, person
 from tests.xpath.motion_grammar import Chance, Question
 from tests.xpath.motion_twin import Document, read_documents

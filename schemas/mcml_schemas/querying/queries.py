@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from mcml_schemas.examples import CURSOR, DOCUMENT, NODE, QUERY, shown
 from mcml_schemas.request_body import RequestBody
+
+AnswerForm: TypeAlias = Literal["json", "xml", "ndjson", "csv", "runs", "arrow", "parquet"]
+"""How an answer is written."""
 
 WITH = r"^(totals|range)(,(totals|range))*$"
 MOST_DOCUMENTS = 10_000
@@ -132,7 +135,7 @@ class QueryRequest(RequestBody):
     )
     project: str | None = None
     revision: int | None = Field(None, ge=1, le=2**31 - 1, description="Of the one document asked: as this left it")
-    as_: Literal["json", "xml", "ndjson", "csv", "runs", "arrow", "parquet"] = Field("json", alias="as")
+    as_: AnswerForm = Field("json", alias="as")
     otherwise: Literal["json"] | None = Field(
         None,
         description="Of runs: json answers with nodes or values where the answer has no runs",

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, get_args
 
 import typer
 
 from mcml.client.choosing import id_of
 from mcml.errors import RequestError
+from mcml_schemas.frames import FrameForm
 from mcml_service.cli.terminal.opening import DatabaseOption, ForceOption, RawOption, ServerOption, opened, write_blocks
 
-_FORMS = ("csv", "npz", "npy", "arrow", "parquet")
+_FORMS = [form for form in get_args(FrameForm) if form not in ("json", "block")]
+"""Those that are files by themselves."""
 
 
 def numbers(

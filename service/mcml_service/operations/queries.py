@@ -12,16 +12,22 @@ from pydantic import Field
 from mcml.answers import Content
 from mcml.errors import QueryError
 from mcml_schemas.examples import CURSOR, DOCUMENT, QUERY, RESULTS
-from mcml_schemas.querying.queries import WITH, CompletionItem, Completions, NodeItem, QueryAnswer, QueryRequest
-from mcml_service.actions.exporting.write_tables import TYPES, Batches, batches_of, write_columns
+from mcml_schemas.querying.queries import (
+    WITH,
+    AnswerForm,
+    CompletionItem,
+    Completions,
+    NodeItem,
+    QueryAnswer,
+    QueryRequest,
+)
+from mcml_service.actions.exporting.write_tables import TYPES, About, Batches, batches_of, write_table
 from mcml_service.operations.arguments import MOST, InProject, Raw
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import gives
 from mcml_service.xpath.answer.writing import FIELDS, RAW_CSV, STREAMS, xml_item
 
 _NUMBER = re.compile(r"-?(\d+(\.\d*)?|\.\d+)")
-
-Form = Literal["json", "xml", "ndjson", "csv", "runs", "arrow", "parquet"]
 
 _SHOWN: dict[str, Any] = dict(zip(FIELDS, (DOCUMENT, 1, "attribute", "/mcml/@version", "1.0"), strict=True))
 _OTHERS = {
@@ -48,7 +54,7 @@ def get_query(
         Field(ge=1, le=MOST, description="Of the one document asked: as this revision left it", examples=[1]),
     ] = None,
     as_: Annotated[
-        Form,
+        AnswerForm,
         Field(
             alias="as",
             description="Pages of nodes (json) or runs of frames (runs); or all nodes as a stream (xml, ndjson, csv; "
@@ -115,7 +121,7 @@ def post_query(call: Call, request: QueryRequest) -> QueryAnswer | Content:
     found = call.queries.stream(request, call.limits)
     if request.as_ not in STREAMS:
         batches = _batches(STREAMS["ndjson"][0](found))
-        return Content(write_columns(request.as_, batches, _COLUMNS), TYPES[request.as_], f"answer.{request.as_}")
+        return Content(write_table(request.as_, batches, About(_COLUMNS)), TYPES[request.as_], f"answer.{request.as_}")
     write, media_type = STREAMS[request.as_]
     write = RAW_CSV if request.as_ == "csv" and request.raw else write
     return Content(write(found), media_type, facts={} if found.total is None else {"total-count": str(found.total)})

@@ -8,8 +8,8 @@ from dataclasses import replace
 from mcml.formats import FORMATS
 from mcml.motion.clip import ClipHead, ClipStream
 from mcml.motion.skeleton import Convention, Skeleton
+from mcml.testing import read
 from tests.builders import ASF, HTR, TRC, amc, bvh, c3d_file
-from tests.formats.contract import read
 from tests.formats.scenes.reading import stating
 from tests.motion.bodies.made import clip_of, person
 from tests.motion.random_clips import random_clip

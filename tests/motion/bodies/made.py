@@ -17,8 +17,8 @@ from mcml.motion.clip import ClipStream, Reference, ReferencePose
 from mcml.motion.conventions.convert import convert
 from mcml.motion.skeleton import Array, Convention, Skeleton
 from mcml.motion.units import DEGREES, Reading, reading_of
+from mcml.testing import read, written
 from tests.builders import assign
-from tests.formats.contract import read, written
 
 PARTS: dict[str, tuple[str, tuple[float, float, float]]] = {
     "Root": ("", (0, 0, 0)),

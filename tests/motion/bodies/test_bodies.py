@@ -29,8 +29,8 @@ from mcml.motion.kinematics import Walker
 from mcml.motion.skeleton import CHANNEL_INDEX, Convention
 from mcml.motion.units import reading_of
 from mcml.motion.vectors import angle_between
+from mcml.testing import read
 from tests.builders import TRC
-from tests.formats.contract import read
 from tests.formats.test_real_files import opened
 from tests.motion.bodies import twin
 from tests.motion.bodies.made import clip_of, named, part_of, person, positions_of, stretch_of

@@ -79,19 +79,11 @@ def set_facts(
     if frame_time is not None:
         frame_time = check_frame_time(frame_time)
         changed.add("frame_time")
-    current = tx.documents.get(stored.uuid)
     # After a change of what the source format itself holds, an export may no longer answer the kept bytes.
     touched = changed & (_HELD_BY_MCML if stored.format == "mcml" else FORMATS[stored.format].states)
     if changed or project is not None:
-        tx.documents.write_content(
-            stored.key,
-            tx.commit,
-            skeleton=current.skeleton,
-            version=stored.version,
-            frames=stored.frames,
-            frame_time=stored.frame_time if frame_time is None else frame_time,
-            intact=stored.intact and not touched,
-        )
+        rate = {} if frame_time is None else {"frame_time": frame_time}
+        tx.documents.write_content(stored.key, tx.commit, **rate, intact=stored.intact and not touched)
     return sorted(changed | ({"name"} if name is not None else set()) | ({"project"} if project is not None else set()))
 
 
@@ -101,15 +93,7 @@ def move_to_project(tx: Transaction, stored: StoredDocument, project: str) -> No
     forest = tx.heads.skeleton(stored.skeleton)
     skeleton = tx.heads.add_skeleton(key, skeleton_rows(forest), _joints(forest))
     tx.documents.move(stored.key, key)
-    tx.documents.write_content(
-        stored.key,
-        tx.commit,
-        skeleton=skeleton,
-        version=stored.version,
-        frames=stored.frames,
-        frame_time=stored.frame_time,
-        intact=stored.intact,
-    )
+    tx.documents.write_content(stored.key, tx.commit, skeleton=skeleton)
 
 
 def _joints(forest: list[Element]) -> int:

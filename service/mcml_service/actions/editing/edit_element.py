@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 from mcml.errors import DocumentError, Place
 from mcml.files.check_names import check_frame_time, check_head
@@ -18,8 +17,9 @@ from mcml.language.elements import Element, addresses, check_counts, joint_names
 from mcml.language.lexical import escape, is_decimal, unescape
 from mcml.language.vocabulary import FRAME_BONE, FRAMES, MOTION_NAME
 from mcml.motion.skeleton import CHANNEL_INDEX
-from mcml_service.actions.editing.edit_frames import delete_frame, rename_frame, rewrite_frame_bone
+from mcml_service.actions.editing.edit_frames import rename_frame, rewrite_frame_bone
 from mcml_service.actions.editing.edit_names import rewrite_motion_name
+from mcml_service.actions.editing.splice_frames import check_range, splice_frames
 from mcml_service.actions.reading.read_element import HEAD, LEAF, missing_at
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.documents.rows import skeleton_rows
@@ -57,13 +57,16 @@ def apply_change(tx: Transaction, stored: StoredDocument, address: str, change: 
         rename_frame(tx, stored, place.frame, wanted)
 
 
-def apply_deletion(tx: Transaction, stored: StoredDocument, address: str) -> None:
-    """Delete the element or attribute at an address; the caller makes the revision."""
+def apply_deletion(tx: Transaction, stored: StoredDocument, address: str, *, renumber: bool) -> None:
+    """Delete the element or attribute at an address; the caller makes the revision.
+
+    renumber: ids of frames that counted up by one do so again behind a frame that goes; else they keep theirs.
+    """
     leaf, place = LEAF.fullmatch(address), read_frame_address(address)
     if leaf:
         if leaf[1] == FRAMES:
             raise DocumentError("motion needs its frames element.", at=Place(element=address), remedy="Delete frames.")
-        _write_content(tx, stored, frame_time=None)
+        tx.documents.write_content(stored.key, tx.commit, intact=False, frame_time=None)
     elif place is None:
         _edit_head(tx, stored, address, None)
     elif place.tag == FRAME_BONE:
@@ -74,12 +77,8 @@ def apply_deletion(tx: Transaction, stored: StoredDocument, address: str) -> Non
     else:
         if place.attribute is not None:
             raise DocumentError("A frame needs its id.", at=Place(element=address))
-        delete_frame(tx, stored, place.frame)
-        current = tx.documents.get(stored.uuid)
-        document = tx.heads.document(stored)
-        fresh = refresh_counts(document, current.frames)
-        if fresh.children[0] != document.children[0]:
-            tx.heads.write_header(stored.key, fresh.children[0], tx.commit)
+        check_range(stored, place.frame, place.frame)
+        splice_frames(tx, stored, place.frame, 1, renumber=renumber)
 
 
 def _channel(name: str, address: str) -> int:
@@ -118,17 +117,7 @@ def _change_motion_leaf(tx: Transaction, stored: StoredDocument, tag: str, chang
         raise DocumentError("frames is counted, not set.", at=Place(element=address), remedy="Insert or delete frames.")
     if change.text is None or change.attributes:
         raise DocumentError("frametime holds a text only.", at=Place(element=address), remedy="Give seconds.")
-    _write_content(tx, stored, frame_time=check_frame_time(change.text))
-
-
-def _write_content(tx: Transaction, stored: StoredDocument, **changed: Any) -> None:
-    values: dict[str, Any] = {
-        "skeleton": stored.skeleton,
-        "version": stored.version,
-        "frames": stored.frames,
-        "frame_time": stored.frame_time,
-    }
-    tx.documents.write_content(stored.key, tx.commit, intact=False, **(values | changed))
+    tx.documents.write_content(stored.key, tx.commit, intact=False, frame_time=check_frame_time(change.text))
 
 
 def _edit_head(tx: Transaction, stored: StoredDocument, address: str, change: Change | None) -> None:
@@ -237,4 +226,6 @@ def _store_head(tx: Transaction, stored: StoredDocument, document: Element, befo
             for name in names:
                 if name not in before:
                     tx.heads.add_bone(stored.key, unescape(name))
-    _write_content(tx, stored, skeleton=skeleton, version=document.attributes.get("version", ""))
+    tx.documents.write_content(
+        stored.key, tx.commit, intact=False, skeleton=skeleton, version=document.attributes.get("version", "")
+    )

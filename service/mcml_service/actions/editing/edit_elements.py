@@ -10,7 +10,6 @@ import numpy as np
 from mcml.errors import ConflictError, DocumentError, NotFoundError, Place
 from mcml.language.addresses import (
     MOTION,
-    FrameAddress,
     address_attribute,
     address_frame,
     find_frame,
@@ -21,7 +20,7 @@ from mcml.language.addresses import (
 from mcml.language.element import Element, addresses
 from mcml_service.actions.editing.edit_element import Change, apply_change, apply_deletion
 from mcml_service.actions.editing.insert_elements import Where, insert_elements, replace_element
-from mcml_service.actions.editing.splice_frames import check_range, counts_up, splice_frames
+from mcml_service.actions.editing.splice_frames import counts_up
 from mcml_service.actions.reading.read_element import read_element
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
@@ -96,15 +95,8 @@ def _make(tx: Transaction, stored: StoredDocument, edit: ElementEdit, counting: 
         insert_elements(tx, stored, edit.address, what.where, list(what.elements), renumber=what.renumber and counting)
     elif isinstance(edit.what, Replacement):
         replace_element(tx, stored, edit.address, list(edit.what.elements))
-    elif edit.what.renumber and counting and (place := read_frame_address(edit.address)) and _is_frame(place):
-        check_range(stored, place.frame, place.frame)
-        splice_frames(tx, stored, place.frame, 1)
     else:
-        apply_deletion(tx, stored, edit.address)
-
-
-def _is_frame(place: FrameAddress) -> bool:
-    return not place.tag and place.attribute is None
+        apply_deletion(tx, stored, edit.address, renumber=edit.what.renumber and counting)
 
 
 def _check_ids(tx: Transaction, stored: StoredDocument) -> None:

@@ -8,16 +8,14 @@ from collections.abc import Mapping
 import numpy as np
 
 from mcml.errors import DocumentError, NotFoundError, Place
-from mcml.language.addresses import address_attribute, address_child, address_frame
+from mcml.language.addresses import address_attribute, address_child
 from mcml.language.lexical import ILLEGAL
 from mcml.language.vocabulary import FRAME_BONE
 from mcml.motion.clip import Shape
 from mcml.motion.skeleton import CHANNELS
 from mcml_service.storage.core.schema import CHUNK
-from mcml_service.storage.core.tables import shape_run, timeline
+from mcml_service.storage.core.tables import shape_run
 from mcml_service.storage.documents.documents import StoredDocument
-from mcml_service.storage.documents.runs import without_position
-from mcml_service.storage.documents.tracks import Piece
 from mcml_service.storage.transaction import Transaction
 
 
@@ -47,7 +45,7 @@ def rewrite_frame_bone(
         new_shape = (*shape[: number - 1], (bone, new_bits), *shape[number:])
     if new_shape != shape:
         _reshape(tx, stored, slot, new_shape)
-    _write_counts(tx, stored, stored.frames)
+    tx.documents.write_content(stored.key, tx.commit, intact=False)
 
 
 def _rewrite_track(
@@ -89,46 +87,4 @@ def rename_frame(tx: Transaction, stored: StoredDocument, position: int, frame_i
     before = tx.tracks.frame_ids(stored.key, 1, position - 1)
     after = tx.tracks.frame_ids(stored.key, position + 1, stored.frames)
     tx.tracks.rewrite_frame_ids(stored.key, [before, [frame_id], after])
-    _write_counts(tx, stored, stored.frames)
-
-
-def delete_frame(tx: Transaction, stored: StoredDocument, position: int) -> None:
-    """Take a frame out. Its values stay where they are, for the revisions before; later frames move up by one."""
-    if not 1 <= position <= stored.frames:
-        raise NotFoundError(f"The document has {stored.frames} frames.", at=Place(element=address_frame(position)))
-    before = tx.tracks.frame_ids(stored.key, 1, position - 1)
-    after = tx.tracks.frame_ids(stored.key, position + 1, stored.frames)
-    pieces = tx.tracks.pieces(stored.key, 1, stored.frames)
-    tx.tracks.close(timeline, stored.key)
-    tx.tracks.write_timeline(
-        stored.key,
-        [Piece(*item) for item in without_position([(p.first, p.slot, p.count) for p in pieces], position)],
-        tx.commit,
-    )
-    tx.tracks.rewrite_frame_ids(stored.key, [before, after])
-    _shift_spans(tx, stored, position)
-    _write_counts(tx, stored, stored.frames - 1)
-
-
-def _shift_spans(tx: Transaction, stored: StoredDocument, position: int) -> None:
-    moved = [span for span in tx.spans.of(stored.key) if span.last >= position]
-    tx.spans.close([span.key for span in moved])
-    shifted = [(span, span.first - (span.first > position), span.last - 1) for span in moved]
-    rows = [
-        {"name": span.name, "rank": span.rank, "first": first, "last": last}
-        for span, first, last in shifted
-        if first <= last
-    ]
-    tx.spans.write(stored.key, rows, tx.commit)
-
-
-def _write_counts(tx: Transaction, stored: StoredDocument, frames: int) -> None:
-    tx.documents.write_content(
-        stored.key,
-        tx.commit,
-        skeleton=stored.skeleton,
-        version=stored.version,
-        frames=frames,
-        frame_time=stored.frame_time,
-        intact=False,
-    )
+    tx.documents.write_content(stored.key, tx.commit, intact=False)

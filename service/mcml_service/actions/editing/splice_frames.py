@@ -70,15 +70,7 @@ def splice_frames(
 
 def write_counts(tx: Transaction, stored: StoredDocument, frames: int) -> None:
     """The number of frames where it stands: content, and the header's own count if it has one."""
-    tx.documents.write_content(
-        stored.key,
-        tx.commit,
-        skeleton=stored.skeleton,
-        version=stored.version,
-        frames=frames,
-        frame_time=stored.frame_time,
-        intact=False,
-    )
+    tx.documents.write_content(stored.key, tx.commit, frames=frames, intact=False)
     document = tx.heads.document(stored)
     fresh = refresh_counts(document, frames)
     if fresh.children[0] != document.children[0]:

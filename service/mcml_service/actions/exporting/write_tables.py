@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
 from itertools import chain, islice
 from typing import Any
 
@@ -21,16 +23,6 @@ Batches = Iterator[Mapping[str, Any]]
 
 ROWS = 5000
 """Rows of one batch."""
-
-TYPES = {
-    "block": "application/vnd.mcml.block",
-    "npy": "application/octet-stream",
-    "npz": "application/octet-stream",
-    "arrow": "application/vnd.apache.arrow.stream",
-    "parquet": "application/vnd.apache.parquet",
-    "csv": "text/csv",
-}
-"""Media types by form."""
 
 
 def npy_header(shape: tuple[int, ...], dtype: str) -> bytes:
@@ -70,10 +62,22 @@ def batches_of(rows: Iterator[tuple[Any, ...]], names: Sequence[str]) -> Batches
         yield dict(zip(names, map(list, zip(*some, strict=True)), strict=True))
 
 
-def write_csv(batches: Batches, *, raw: bool = False) -> Iterator[bytes]:
-    """Batches as CSV (RFC 4180) with a row of names; what is not known is empty. raw: also texts that spreadsheets take
-    for formulas as they are."""
-    shown = str if raw else safe_cell
+@dataclass(frozen=True)
+class About:
+    """What is known of columns before there is a batch, for the forms that can say it.
+
+    types: as Arrow names them ("string", "int64"), where there may be no batch to tell them. units: of some columns.
+    raw: texts that spreadsheets take for formulas stay as they are.
+    """
+
+    types: Mapping[str, str] | None = None
+    units: Mapping[str, str] = field(default_factory=dict)
+    raw: bool = False
+
+
+def write_csv(batches: Batches, about: About) -> Iterator[bytes]:
+    """Batches as CSV (RFC 4180) with a row of names; what is not known is empty."""
+    shown = str if about.raw else safe_cell
     head = True
     for batch in batches:
         content = io.StringIO()
@@ -89,12 +93,9 @@ def write_csv(batches: Batches, *, raw: bool = False) -> Iterator[bytes]:
         yield content.getvalue().encode()
 
 
-def write_columns(
-    form: str, batches: Batches, types: Mapping[str, str] | None = None, units: Mapping[str, str] | None = None
-) -> Iterator[bytes]:
-    """Batches as an Arrow stream or a Parquet file. form: "arrow" or "parquet". units: of some columns.
+def write_columns(form: str, batches: Batches, about: About) -> Iterator[bytes]:
+    """Batches as an Arrow stream or a Parquet file. form: "arrow" or "parquet".
 
-    types: of the columns, as Arrow names them ("string", "int64"), where there may be no batch to tell them.
     UnsupportedError where pyarrow is not installed.
     """
     try:
@@ -105,7 +106,7 @@ def write_columns(
             f"{form} needs a library that is not installed.",
             remedy="Install the extra: pip install 'mcml-repository[arrow]'.",
         ) from None
-    tail = Tail()
+    tail, types, units = Tail(), about.types, about.units
     schema = None if types is None else pa.schema([(name, pa.type_for_alias(kind)) for name, kind in types.items()])
     empty: dict[str, Any] = {} if types is None else {name: [] for name in types}
     first = pa.RecordBatch.from_pydict(dict(next(batches, empty)), schema)
@@ -122,3 +123,24 @@ def write_columns(
             writer.write_batch(batch)
             yield from tail.taken()
     yield from tail.taken()
+
+
+TABLES: Mapping[str, tuple[str, Callable[[Batches, About], Iterator[bytes]]]] = {
+    "arrow": ("application/vnd.apache.arrow.stream", partial(write_columns, "arrow")),
+    "parquet": ("application/vnd.apache.parquet", partial(write_columns, "parquet")),
+    "csv": ("text/csv", write_csv),
+}
+"""Forms of tables: media type, and what writes batches so."""
+
+TYPES = {
+    "block": "application/vnd.mcml.block",
+    "npy": "application/octet-stream",
+    "npz": "application/octet-stream",
+    **{form: media_type for form, (media_type, _) in TABLES.items()},
+}
+"""Media types by form."""
+
+
+def write_table(form: str, batches: Batches, about: About) -> Iterator[bytes]:
+    """Batches in one of the forms of TABLES."""
+    return TABLES[form][1](batches, about)

@@ -21,17 +21,18 @@ from mcml.files.read_numbers import Numbers, Space, chosen_bones, read_numbers
 from mcml.motion.bodies.quantities import asked_quantity
 from mcml.motion.skeleton import CHANNELS, Array
 from mcml_schemas.documents import FramePage, FrameRow
-from mcml_schemas.frames import FrameEdits, FramesEdited, FrameValues
+from mcml_schemas.frames import FrameEdits, FrameForm, FramesEdited, FrameValues
 from mcml_service.actions.editing import change_frames
 from mcml_service.actions.exporting.write_tables import (
+    TABLES,
     TYPES,
+    About,
     npy_blocks,
     npy_header,
     npy_of,
     npz_blocks,
     plain_blocks,
-    write_columns,
-    write_csv,
+    write_table,
 )
 from mcml_service.actions.reading.read_origin import origin_of
 from mcml_service.actions.reading.read_quantities import quantity_columns, with_quantities
@@ -65,7 +66,7 @@ NPY = "a NumPy file of (frames, columns), the columns named by `column`"
 
 @gives(
     "A page of frames; or with another `format` a file of all of them",
-    {"application/octet-stream": None, **{TYPES[form]: None for form in ("block", "arrow", "parquet", "csv")}},
+    {"application/octet-stream": None, **{TYPES[form]: None for form in ("block", *TABLES)}},
 )
 def get_frames(
     call: Call,
@@ -95,7 +96,7 @@ def get_frames(
     ] = "channels",
     dtype: Annotated[Literal["f8", "f4"], Field(description="Numbers of the file")] = "f8",
     format: Annotated[
-        Literal["json", "npy", "npz", "block", "arrow", "parquet", "csv"],
+        FrameForm,
         Field(description="A page of JSON; or one array, arrays with their columns, numbers alone, a table"),
     ] = "json",
     origin: Annotated[
@@ -254,10 +255,8 @@ def _file(source: StoredClip, numbers: Numbers, first: int, step: int, dtype: st
             }
             done += len(block)
 
-    if form == "csv":
-        return Content(write_csv(batches(), raw=raw), TYPES[form], name)
     units = {} if numbers.units is None else dict(zip(columns, numbers.units, strict=True))
-    return Content(write_columns(form, batches(), units=units), TYPES[form], name)
+    return Content(write_table(form, batches(), About(units=units, raw=raw)), TYPES[form], name)
 
 
 def _told(numbers: Numbers) -> dict[str, str]:

@@ -12,7 +12,7 @@ from mcml_schemas.examples import DOCUMENT, MOTION_NAME
 from mcml_schemas.labels import LabelChange, LabelQuery, SuggestedLabels
 from mcml_schemas.querying.queries import QueryRequest
 from mcml_service.actions.editing import change_document as changes
-from mcml_service.actions.exporting.write_tables import TYPES, batches_of, write_columns
+from mcml_service.actions.exporting.write_tables import TYPES, About, batches_of, write_table
 from mcml_service.actions.labelling import edit_labels
 from mcml_service.actions.labelling import suggest_labels as suggesting
 from mcml_service.operations.arguments import (
@@ -131,7 +131,7 @@ def export_labels(
     if format == "csv":
         return Content(iter([edit_labels.label_table(rows, raw=raw).encode()]), "text/csv; charset=utf-8", "labels.csv")
     kinds = dict(zip(edit_labels.HEADINGS, ("string", "string", "int64", "int64"), strict=True))
-    table = write_columns(format, batches_of(iter(rows), list(kinds)), kinds)
+    table = write_table(format, batches_of(iter(rows), list(kinds)), About(kinds))
     return Content(table, TYPES[format], f"labels.{format}")
 
 

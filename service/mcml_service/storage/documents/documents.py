@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -22,7 +22,7 @@ from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import seen
 from mcml_service.storage.core.words import damage
 from mcml_service.storage.documents.damage import named
-from mcml_service.storage.documents.selected import all_documents, one_document
+from mcml_service.storage.documents.selected import CONTENT, all_documents, one_document
 from mcml_service.storage.documents.uploads import LEASE_SECONDS
 from mcml_service.storage.lists.filtering import DocumentFilter, chosen
 from mcml_service.storage.lists.orders import Order, Place, ordered, value_in
@@ -49,6 +49,9 @@ _PUBLISH = _IMPORTING.values(
     checksum=bindparam("sum"),
 )
 
+
+_COLUMNS = tuple(all_documents(past=False).selected_columns.keys())
+_CONTENT = [content.c[name] for name in CONTENT]
 
 FEW = 1000
 """Documents that are looked for one by one; of more, all are read."""
@@ -147,34 +150,19 @@ class Documents:
         self._activity.note("document", "import", project_key=project_key, document=uuid, revision=1)
         self._terms.require_room(project_key)
 
-    def write_content(
-        self,
-        key: int,
-        from_commit: int,
-        *,
-        skeleton: int,
-        version: str,
-        frames: int,
-        frame_time: str | None,
-        intact: bool,
-    ) -> None:
-        """Set the values that a document has once a revision; the last call in a transaction wins. What they are
-        already is not written again: an edit of one value after another touches three pages less."""
-        values = {
-            "skeleton": skeleton,
-            "version": version,
-            "frames": frames,
-            "frame_time": frame_time,
-            "intact": intact,
-        }
+    def write_content(self, key: int, from_commit: int, **given: Any) -> None:
+        """Set values that a document has once a revision, by the columns of `content`; the others stay. The last call
+        in a transaction wins, and what they are already is not written again: an edit of one value after another
+        touches three pages less. given: all of them where `from_commit` is 0, of an import."""
         if from_commit:
             current = (content.c.document == key, content.c.to_commit == CURRENT)
-            held = self._tx.connection.execute(select(content).where(*current)).mappings().one_or_none()
-            if held is not None and all(held[name] == value for name, value in values.items()):
+            held = self._tx.connection.execute(select(*_CONTENT).where(*current)).mappings().one()
+            if all(held[name] == value for name, value in given.items()):
                 return
+            given = {**held, **given}
             self._tx.connection.execute(delete(content).where(*current, content.c.from_commit == from_commit))
             self._tx.connection.execute(update(content).where(*current).values(closing(content, from_commit)))
-        self._tx.insert_rows(content, [{"document": key, "from_commit": from_commit, "to_commit": CURRENT, **values}])
+        self._tx.insert_rows(content, [{"document": key, "from_commit": from_commit, "to_commit": CURRENT, **given}])
 
     def add_revision(self, stored: StoredDocument, operation: str, message: str = "") -> int:
         """Note that this transaction made a revision; returns its number. The caller checked `stored` is newest.
@@ -377,11 +365,7 @@ def _packed(receipt: str) -> bytes:
     return zstandard.ZstdCompressor(level=3, write_checksum=True).compress(receipt.encode())
 
 
-_INTACT = [field.name for field in fields(StoredDocument)].index("intact")
-
-
 def _stored(row: Sequence[Any]) -> StoredDocument:
-    values = list(row)
+    values = dict(zip(_COLUMNS, row, strict=True))
     # SQLite has no type of its own for it.
-    values[_INTACT] = bool(values[_INTACT])
-    return StoredDocument(*values)
+    return StoredDocument(**(values | {"intact": bool(values["intact"])}))

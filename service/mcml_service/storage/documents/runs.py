@@ -5,23 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 
-def without_position(pieces: Sequence[tuple[int, int, int]], position: int) -> list[tuple[int, int, int]]:
-    """Timeline pieces (first, slot, count) after the frame at a position was taken out."""
-    result: list[tuple[int, int, int]] = []
-    for first, slot, count in pieces:
-        if position < first:
-            result.append((first - 1, slot, count))
-        elif position >= first + count:
-            result.append((first, slot, count))
-        else:
-            before = position - first
-            if before:
-                result.append((first, slot, before))
-            if count - before - 1:
-                result.append((position, slot + before + 1, count - before - 1))
-    return result
-
-
 def intersection(one: Sequence[tuple[int, int]], other: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
     """What two lists of ascending, disjoint ranges (first, last) have in common, as such a list."""
     result: list[tuple[int, int]] = []

@@ -11,6 +11,11 @@ from mcml_service.storage.core.moments import AT, imported, there, valid
 from mcml_service.storage.core.seals import Checked, checked
 from mcml_service.storage.core.tables import commit, content, document, header, project, revision
 
+CONTENT = tuple(
+    column.name for column in content.c if not column.primary_key and column.name not in ("to_commit", "checksum")
+)
+"""What is one value of a document a revision."""
+
 _NEWEST = (
     select(func.max(revision.c.number))
     .where(revision.c.document == document.c.id, revision.c.commit <= AT)
@@ -52,12 +57,8 @@ def all_documents(*, past: bool) -> Select[Any]:
             project.c.id.label("project_key"),
             held.c.name.label("name"),
             document.c.format,
-            content.c.version,
-            content.c.skeleton,
-            content.c.frames,
-            content.c.frame_time,
+            *(content.c[name] for name in CONTENT),
             rate.label("data_rate"),
-            content.c.intact,
             _NEWEST.label("revision"),
             made.label("created"),
             changed.label("modified"),

@@ -25,6 +25,7 @@ from mcml_service.storage.core.tables import (
     timeline,
     track,
 )
+from mcml_service.storage.documents.selected import CONTENT
 from mcml_service.storage.undo.restoring import copy_rows, show_copies
 from mcml_service.storage.undo.undoing_samples import take_back_shapes, take_back_tracks
 
@@ -186,19 +187,14 @@ def _merge_header(tx: Transaction, stored: StoredDocument, at: int) -> None:
 def _merge_content(tx: Transaction, stored: StoredDocument, at: int) -> None:
     """Skeleton, frames, frame time … that the commit changed, as they were."""
     ((before,), (after,), (now,)) = (_at(tx, content, stored, commit) for commit in (at - 1, at, CURRENT - 1))
-    merged = dict(now)
-    for name in ("skeleton", "version", "frames", "frame_time"):
+    merged = {}
+    for name in CONTENT:
+        if name == "intact":
+            continue
         if before[name] != after[name]:
             if now[name] != after[name]:
                 raise _touched(f"its {name.replace('_', ' ')} was changed")
             merged[name] = before[name]
-    tx.documents.write_content(
-        stored.key,
-        tx.commit,
-        skeleton=merged["skeleton"],
-        version=merged["version"],
-        frames=merged["frames"],
-        frame_time=merged["frame_time"],
-        # With nothing in between, all is as it was before.
-        intact=bool(before["intact"]) and tx.documents.commit_of(stored.key, stored.revision) == at,
-    )
+    # With nothing in between, all is as it was before.
+    intact = bool(before["intact"]) and tx.documents.commit_of(stored.key, stored.revision) == at
+    tx.documents.write_content(stored.key, tx.commit, **merged, intact=intact)

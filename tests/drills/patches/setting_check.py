@@ -1,0 +1,8 @@
+"""The setting is read from the environment."""
+
+import os
+
+from mcml_service.settings import Settings
+
+os.environ["MCML_MOTTO"] = "dance"
+assert Settings().motto == "dance"
