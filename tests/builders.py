@@ -14,7 +14,7 @@ from mcml.files.import_options import ImportOptions
 from mcml.formats.format import SourceFile
 from mcml.language import joint_names
 from mcml.motion.skeleton import Skeleton
-from mcml_service.actions.importing import import_workers
+from mcml_service.actions.importing import import_pool
 from mcml_service.actions.importing.import_motion import import_files
 from mcml_service.local_secret import PREFIX
 from mcml_service.settings import Settings
@@ -198,7 +198,7 @@ def source(name: str, content: bytes) -> SourceFile:
 def read_by(monkeypatch: pytest.MonkeyPatch, processes: int) -> None:
     """Let so many processes read the clips of imports: threads of the test's runner do nothing that a fork harms."""
     monkeypatch.setenv("MCML_IMPORT_PROCESSES", str(processes))
-    monkeypatch.setattr(import_workers, "may_fork", lambda: True)
+    monkeypatch.setattr(import_pool, "may_fork", lambda: True)
 
 
 def store(database: Database, files: dict[str, bytes], **options: object) -> list[str]:

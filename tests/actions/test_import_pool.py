@@ -18,6 +18,7 @@ from mcml.files.import_options import ImportOptions
 from mcml_service.actions.importing import import_pool
 from mcml_service.actions.importing.import_motion import import_files
 from mcml_service.actions.importing.import_pool import ImportPool
+from mcml_service.actions.importing.read_apart import SentClip
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.storage.lists.filtering import DocumentFilter
@@ -83,7 +84,7 @@ def test_short_clips_are_sent_some_at_a_time(
     sent: list[int] = []
     submit = pool.submit
 
-    def counted(clips: list[import_pool.Sent], settings: Settings) -> Any:
+    def counted(clips: list[SentClip], settings: Settings) -> Any:
         sent.append(len(clips))
         return submit(clips, settings)
 
@@ -111,11 +112,12 @@ def test_a_worker_that_dies_costs_no_clip(sqlite: Database, pool: ImportPool) ->
 PROGRAM = """
 import sys
 from mcml_service.actions.importing.import_pool import ImportPool
+from mcml_service.actions.importing.read_apart import SentClip
 from mcml_service.settings import Settings
 from mcml.files.import_options import ImportOptions
 if __name__ == "__main__":
     pool = ImportPool()
-    pool.submit([("bvh", {}, ImportOptions())], Settings()).result()
+    pool.submit([SentClip("bvh", {}, ImportOptions())], Settings()).result()
     print(*[process.pid for process in pool._started(2)._processes.values()], flush=True)
     sys.stdin.read()
 """

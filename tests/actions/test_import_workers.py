@@ -9,10 +9,10 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager
+from concurrent.futures import Future
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -20,11 +20,12 @@ from mcml.files.gather_files import Clip
 from mcml.files.import_options import ImportOptions
 from mcml.formats.format import SourceFile
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
-from mcml_service.actions.importing import import_workers
+from mcml_service.actions.importing import import_pool
+from mcml_service.actions.importing import read_apart as read_apart_module
 from mcml_service.actions.importing.import_batch import ImportResult
 from mcml_service.actions.importing.import_motion import import_files
-from mcml_service.actions.importing.import_pool import reading_ahead
-from mcml_service.actions.importing.import_workers import ImportWorkers, ReadApart, Task
+from mcml_service.actions.importing.import_pool import ImportPool, reading_ahead
+from mcml_service.actions.importing.read_apart import ReadApart, SentClip
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from tests.actions.test_kill import IMPORTER
@@ -105,41 +106,56 @@ def test_workers_make_what_the_importer_makes(
 def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """The number of workers of each time that some are started."""
     calls: list[int] = []
-    started = ImportWorkers.started
+    started = ImportPool._started
 
-    def counting(self: ImportWorkers, settings: Settings, processes: int) -> AbstractContextManager[None]:
-        calls.append(processes)
-        return started(self, settings, processes)
+    def counting(self: ImportPool, processes: int) -> Any:
+        if not self.is_running:
+            calls.append(processes)
+        return started(self, processes)
 
-    monkeypatch.setattr(ImportWorkers, "started", counting)
+    monkeypatch.setattr(ImportPool, "_started", counting)
     return calls
 
 
-def killed(task: Task) -> None:
-    if task.clip.name == "clip05.bvh":
+def die(sent: SentClip) -> None:
+    if any(part.name == "clip05.bvh" for part in sent.parts.values()):
         os.kill(os.getpid(), signal.SIGKILL)
 
 
-def out_of_memory(task: Task) -> None:
-    if task.clip.name > "clip03.bvh":
+def run_out_of_memory(sent: SentClip) -> None:
+    if any(part.name > "clip03.bvh" for part in sent.parts.values()):
         raise MemoryError
 
 
-@pytest.mark.parametrize("accident", [killed, out_of_memory])
+@pytest.mark.parametrize("accident", [die, run_out_of_memory])
 def test_what_a_worker_cannot_do_the_importer_does(
-    sqlite: Database, monkeypatch: pytest.MonkeyPatch, accident: Callable[[Task], None]
+    sqlite: Database, monkeypatch: pytest.MonkeyPatch, accident: Callable[[SentClip], None]
 ) -> None:
     read_by(monkeypatch, 2)
-    read = import_workers.read_apart
+    read = import_pool.read_apart
+    importer = os.getpid()
 
-    def struck(task: Task, settings: Settings) -> ReadApart:
-        accident(task)
-        return read(task, settings)
+    def struck(sent: SentClip, settings: Settings) -> ReadApart | None:
+        assert os.getpid() != importer
+        try:
+            accident(sent)
+        except MemoryError:
+            return None
+        return read(sent, settings)
 
-    monkeypatch.setattr(import_workers, "read_apart", struck)
+    monkeypatch.setattr(import_pool, "read_apart", struck)
     result = imported(sqlite, CLIPS)
     assert [item.name for item in result.documents] == [name[:-4] for name in CLIPS]
     assert sqlite.check() == []
+
+
+def test_an_unexpected_error_is_the_importers(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(read_apart_module, "encode_clip", fail)
+    clip = Clip("bvh", {"bvh": source("a.bvh", CLIPS["clip00.bvh"])})
+    assert read_apart_module.read_apart(SentClip.of(clip, ImportOptions()), Settings()) is None
 
 
 def test_files_on_disk_are_read_by_several_at_once(
@@ -158,21 +174,23 @@ def test_files_on_disk_are_read_by_several_at_once(
     assert [item.receipt["frames"] for item in result.documents] == [4 + number for number in range(24)]
 
 
-def test_workers_stay_near_the_importer(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_workers_stay_near_the_importer(monkeypatch: pytest.MonkeyPatch) -> None:
     read_by(monkeypatch, 2)
-    monkeypatch.setattr(import_workers, "AHEAD", 3)
-    log = tmp_path / "log"
+    monkeypatch.setattr(import_pool, "AHEAD", 3)
+    sent: list[SentClip] = []
 
-    def noted(task: Task, settings: Settings) -> None:
-        with log.open("a") as target:
-            target.write("x")
+    def note(self: ImportPool, clips: list[SentClip], settings: Settings) -> Future[list[None]]:
+        sent.extend(clips)
+        done: Future[list[None]] = Future()
+        done.set_result([None] * len(clips))
+        return done
 
-    monkeypatch.setattr(import_workers, "read_apart", noted)
-    clip = Clip("bvh", {"bvh": source("a.bvh", b"")})
-    with reading_ahead({number: Task(clip, ImportOptions()) for number in range(40)}, Settings()) as workers:
-        workers.take(0)
-        time.sleep(0.2)
-        assert len(log.read_text()) == 2 * 3 + 1
+    monkeypatch.setattr(ImportPool, "submit", note)
+    clips = {number: Clip("bvh", {"bvh": source("a.bvh", b"")}) for number in range(40)}
+    with reading_ahead(clips, ImportOptions(), Settings()) as reading:
+        for number in range(20):
+            reading.take(number)
+            assert len(sent) <= number + 1 + 2 * 3 + import_pool.TOGETHER
 
 
 def test_no_worker_for_what_is_stored_or_beside_threads(sqlite: Database, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,7 +2,7 @@
 
 libxml2, Saxon and decoders of sound may crash, hang or take all memory. In a process that is another's that ends in an
 error of one request. A program is a module with `main`, which bounds itself too (`bounds.py`), so that it ends where
-nobody is left to watch it. Workers of an import are no programs: they are copies of the importer (`import_workers.py`).
+nobody is left to watch it. Workers of an import are no programs: they run what the importer runs (`import_pool.py`).
 """
 
 from __future__ import annotations

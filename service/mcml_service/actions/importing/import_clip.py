@@ -15,8 +15,8 @@ from mcml.files.check_names import name_of_file
 from mcml.files.gather_files import Clip
 from mcml.files.import_options import ImportOptions
 from mcml_service.actions.importing.encode_clip import EncodedClip, Progress, encode_clip
-from mcml_service.actions.importing.import_workers import ReadApart
 from mcml_service.actions.importing.keep_upload import Upload
+from mcml_service.actions.importing.read_apart import ReadApart
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.storage.documents.encoding import DATA_PLACE, ClipEncoder, TrackRow

@@ -18,8 +18,7 @@ from mcml.formats.format import SourceFile
 from mcml_service.actions.importing.encode_clip import Progress
 from mcml_service.actions.importing.import_batch import Batch, ImportResult
 from mcml_service.actions.importing.import_clip import Importer
-from mcml_service.actions.importing.import_pool import ImportPool, reading_ahead
-from mcml_service.actions.importing.import_workers import FEWEST_CLIPS, MOST_BYTES, Task
+from mcml_service.actions.importing.import_pool import FEWEST_CLIPS, MOST_BYTES, ImportPool, reading_ahead
 from mcml_service.actions.importing.keep_upload import WORKERS, digest_of
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
@@ -52,7 +51,7 @@ def import_files(
         result.problems += found.problems
         chosen = options if len(found.clips) == 1 else replace(options, name=None)
         batch = Batch(database, author, result)
-        with reading_ahead(_tasks(database, found.clips, chosen), settings, pool) as workers:
+        with reading_ahead(_short_clips(database, found.clips, chosen), chosen, settings, pool) as workers:
             try:
                 for number, clip in enumerate(found.clips):
                     if workers.is_behind(number):
@@ -65,25 +64,25 @@ def import_files(
     return result
 
 
-def _tasks(database: Database, clips: list[Clip], options: ImportOptions) -> dict[int, Task]:
+def _short_clips(database: Database, clips: list[Clip], options: ImportOptions) -> dict[int, Clip]:
     """The clips that another process may read, by their number: not those that are large, or stored already."""
-    tasks = {
-        number: Task(clip, options)
+    short = {
+        number: clip
         for number, clip in enumerate(clips)
         if sum(file.stream.seek(0, os.SEEK_END) for file in clip.files.values()) <= MOST_BYTES
     }
-    if options.on_duplicate != "skip" or len(tasks) < FEWEST_CLIPS:
-        return tasks
+    if options.on_duplicate != "skip" or len(short) < FEWEST_CLIPS:
+        return short
     with database.read() as tx:
         project = tx.projects.find(options.project)
         if project is None:
-            return tasks
+            return short
 
         def is_stored(clip: Clip) -> bool:
             digests = {part: digest_of(file) for part, file in clip.files.items()}
             return bool(tx.uploads.twins(digests, project))
 
-        return {number: task for number, task in tasks.items() if not is_stored(task.clip)}
+        return {number: clip for number, clip in short.items() if not is_stored(clip)}
 
 
 def _skeleton_lookup(database: Database, uuid: str) -> SkeletonLookup:

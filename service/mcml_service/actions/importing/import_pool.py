@@ -1,80 +1,61 @@
-"""Processes that read short clips for a server: they stay, for to start one takes longer than to read a hundred clips.
+"""Processes that read the short clips of an import beside the one that stores them.
 
-A server has threads and must not fork (`import_workers`). Workers are started afresh when an import first needs them,
-and get the bytes of a clip through a pipe. They end with the process that started them, also when that is killed; if
-one dies itself, the importer reads what it would have read.
+Reading holds Python's lock, so threads do not help. A command has no threads and forks its workers in some
+milliseconds; they end with the import. A server must not fork: its workers are started from a fresh process when an
+import first needs them, and stay, for to start one takes longer than to read a hundred clips. Either way workers get
+the bytes of clips through a pipe, and end with the process that started them, also when that is killed. Where one dies
+itself, the importer reads what it would have read.
+
+They are not programs as those of `processes`: nobody watches them, for they run the readers that the importer runs
+itself, under the same limits.
 """
 
 from __future__ import annotations
 
-import io
+import gc
 import multiprocessing
 import os
 import signal
+import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from itertools import islice
 
-from mcml.errors import Notice
 from mcml.files.gather_files import Clip
 from mcml.files.import_options import ImportOptions
-from mcml.formats.format import SourceFile
-from mcml_service.actions.importing import import_workers
-from mcml_service.actions.importing.import_workers import (
-    AHEAD,
-    FEWEST_CLIPS,
-    MOST_BYTES,
-    ImportWorkers,
-    ReadApart,
-    Task,
-    read_apart,
-)
+from mcml_service.actions.importing.read_apart import ReadApart, SentClip, read_apart
 from mcml_service.settings import Settings
 
+FEWEST_CLIPS = 8
+"""For which workers are forked: to read these takes several times as long as to fork."""
+
 WORTH_STARTING = 64
-"""Clips for which workers are started; those that are there read fewer, too."""
+"""Clips for which the workers of a server are started; those that are there read fewer, too."""
+
+MOST_BYTES = 4 << 20
+"""Of the files of a clip that a worker reads; larger ones stream into the store."""
+
+AHEAD = 8
+"""Clips of each worker that are handed out and not taken yet: bounds the memory of an import."""
 
 TOGETHER = 4
 """Clips that a worker is sent at a time: to send one and to hear of it takes the importer's time, however short."""
 
-Sent = tuple[str, dict[str, tuple[str, bytes, tuple[Notice, ...]]], ImportOptions]
-"""Format, (name, content, notices) of each part, options."""
+ROWS_UNSEARCHED = 50_000
+"""Objects between two searches for cycles: at Python's own 700 they take a sixth of the importer's time."""
 
-
-@contextmanager
-def reading_ahead(
-    tasks: dict[int, Task], settings: Settings, pool: ImportPool | None = None
-) -> Iterator[ImportWorkers | PooledReading]:
-    """Workers for the tasks, none where that is not worth while. pool: of a process that must not fork."""
-    processes = min(settings.import_processes_at_a_time, len(tasks) // 2)
-    few = processes < 2 or len(tasks) < FEWEST_CLIPS
-    if (
-        not few
-        and not import_workers.may_fork()
-        and pool is not None
-        and (pool.is_running or len(tasks) >= WORTH_STARTING)
-    ):
-        reading = PooledReading(pool, tasks, settings)
-        try:
-            yield reading
-        finally:
-            reading.close()
-        return
-    workers = ImportWorkers(tasks)
-    if few or not import_workers.may_fork():
-        yield workers
-        return
-    with workers.started(settings, processes):
-        yield workers
+FRESH = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
+"""How a process with threads starts workers."""
 
 
 class ImportPool:
-    """The workers of a process. Threads may share it."""
+    """The workers of a process, started with the first clip. Threads may share it. method: how they are started."""
 
-    def __init__(self) -> None:
+    def __init__(self, method: str = FRESH) -> None:
+        self._method = method
         self._lock = threading.Lock()
         self._executor: ProcessPoolExecutor | None = None
 
@@ -83,7 +64,7 @@ class ImportPool:
         """Whether there are workers."""
         return self._executor is not None
 
-    def submit(self, sent: list[Sent], settings: Settings) -> Future[list[ReadApart | None]]:
+    def submit(self, sent: list[SentClip], settings: Settings) -> Future[list[ReadApart | None]]:
         """Clips to be read. Starts workers where there are none, or where one has died."""
         for _ in range(2):
             executor = self._started(settings.import_processes_at_a_time)
@@ -105,7 +86,7 @@ class ImportPool:
     def _started(self, processes: int) -> ProcessPoolExecutor:
         with self._lock:
             if self._executor is None:
-                context = multiprocessing.get_context("spawn")
+                context = multiprocessing.get_context(self._method)
                 self._executor = ProcessPoolExecutor(processes, mp_context=context, initializer=_begin)
             return self._executor
 
@@ -116,17 +97,23 @@ class ImportPool:
         executor.shutdown(wait=False, cancel_futures=True)
 
 
-class PooledReading:
-    """Clips that the workers of a pool read a little ahead of the importer."""
+class ReadingAhead:
+    """Clips that workers read a little ahead of the importer, who takes what they made in the order of the clips.
 
-    def __init__(self, pool: ImportPool, tasks: dict[int, Task], settings: Settings) -> None:
+    clips: by their numbers; of others, and of all where there is no pool, the importer reads itself.
+    """
+
+    def __init__(
+        self, pool: ImportPool | None, clips: Mapping[int, Clip], options: ImportOptions, settings: Settings
+    ) -> None:
         self._pool = pool
-        self._tasks = tasks
+        self._clips = clips
+        self._options = options
         self._settings = settings
-        self._numbers = iter(tasks)
+        self._numbers = iter(clips if pool is not None else ())
         self._made: dict[int, tuple[Future[list[ReadApart | None]], int]] = {}
         processes = settings.import_processes_at_a_time
-        self._together = max(1, min(TOGETHER, len(tasks) // (AHEAD * processes)))
+        self._together = max(1, min(TOGETHER, len(clips) // (AHEAD * processes)))
         self._taken = 0
         for _ in range(0, AHEAD * processes, self._together):
             self._hand_out()
@@ -157,37 +144,70 @@ class PooledReading:
     def _hand_out(self) -> None:
         """Send the clips that follow: some together, unless they are large."""
         numbers: list[int] = []
-        sent: list[Sent] = []
-        size = 0
+        sent: list[SentClip] = []
         for number in islice(self._numbers, self._together):
-            task = self._tasks[number]
-            parts = {part: (file.name, _content(file), file.notices) for part, file in task.clip.files.items()}
             numbers.append(number)
-            sent.append((task.clip.format, parts, task.options))
-            size += sum(len(content) for _, content, _ in parts.values())
-            if size >= MOST_BYTES // TOGETHER:
+            sent.append(SentClip.of(self._clips[number], self._options))
+            if sum(clip.size for clip in sent) >= MOST_BYTES // TOGETHER:
                 self._send(numbers, sent)
-                numbers, sent, size = [], [], 0
+                numbers, sent = [], []
         if sent:
             self._send(numbers, sent)
 
-    def _send(self, numbers: list[int], sent: list[Sent]) -> None:
+    def _send(self, numbers: list[int], sent: list[SentClip]) -> None:
+        assert self._pool is not None
         read = self._pool.submit(sent, self._settings)
         self._made.update((number, (read, place)) for place, number in enumerate(numbers))
 
 
-def _content(file: SourceFile) -> bytes:
-    """The bytes of a file, whose position stays."""
-    place = file.stream.tell()
-    file.stream.seek(0)
-    content = file.stream.read()
-    file.stream.seek(place)
-    return content
+@contextmanager
+def reading_ahead(
+    clips: Mapping[int, Clip], options: ImportOptions, settings: Settings, pool: ImportPool | None = None
+) -> Iterator[ReadingAhead]:
+    """Workers for clips, by number; none where that is not worth while. pool: of a process that must not fork."""
+    processes = min(settings.import_processes_at_a_time, len(clips) // 2)
+    if processes < 2 or len(clips) < FEWEST_CLIPS:
+        chosen = None
+    elif may_fork():
+        chosen = ImportPool("fork")
+    else:
+        chosen = pool if pool is not None and (pool.is_running or len(clips) >= WORTH_STARTING) else None
+    is_own = chosen is not None and chosen is not pool
+    with _rarely_searched() if is_own else nullcontext():
+        reading = ReadingAhead(chosen, clips, options, settings)
+        try:
+            yield reading
+        finally:
+            reading.close()
+            if chosen is not None and is_own:
+                chosen.close()
+
+
+def may_fork() -> bool:
+    """Whether nothing of this process would be left in the middle of its work in a copy of it."""
+    # Frameworks of macOS start threads that Python does not know. Workers of a pool may have no children.
+    is_alone = threading.active_count() == 1 and not multiprocessing.current_process().daemon
+    return sys.platform == "linux" and is_alone
+
+
+@contextmanager
+def _rarely_searched() -> Iterator[None]:
+    """What there is already is not searched for cycles while many rows come and go, nor these rows often."""
+    searched = gc.get_threshold()
+    gc.freeze()
+    gc.set_threshold(ROWS_UNSEARCHED, *searched[1:])
+    try:
+        yield
+    finally:
+        gc.set_threshold(*searched)
+        gc.unfreeze()
 
 
 def _begin() -> None:
-    """In a worker: to be interrupted is the importer's, and without it there is nothing to do."""
+    """In a worker: to be interrupted is the importer's, whose handlers have no place here; without it there is nothing
+    to do."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
@@ -198,16 +218,6 @@ def _end_with(parent: multiprocessing.process.BaseProcess) -> None:
     os._exit(0)
 
 
-def _read_all(sent: list[Sent], settings: Settings) -> list[ReadApart | None]:
+def _read_all(sent: list[SentClip], settings: Settings) -> list[ReadApart | None]:
     """In a worker: what it makes of clips."""
-    return [_read(one, settings) for one in sent]
-
-
-def _read(sent: Sent, settings: Settings) -> ReadApart | None:
-    """In a worker: what `read_apart` makes of a clip; None for an error, which the importer meets in its own words."""
-    format_name, parts, options = sent
-    files = {part: SourceFile(name, io.BytesIO(content), notices) for part, (name, content, notices) in parts.items()}
-    try:
-        return read_apart(Task(Clip(format_name, files), options), settings)
-    except Exception:
-        return None
+    return [read_apart(one, settings) for one in sent]
