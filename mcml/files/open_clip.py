@@ -53,6 +53,12 @@ class OpenClip:
         return receipt(head, facts, frames, report, self.stream.notices)
 
 
+def open_made(document: Element, stream: ClipStream, limits: FileLimits) -> OpenClip:
+    """A clip that was made here, as if its document had been read. Raises what a document is refused for."""
+    check_head(document, stream.head, limits.joints)
+    return OpenClip(document, stream.with_head(to_head(document, stream.head.frame_time)))
+
+
 def open_clip(clip: Clip, options: ImportOptions, limits: FileLimits) -> OpenClip:
     """The clip that the files hold. Raises what readers raise; a FormatError says which repairs there are."""
     repairs: list[str] = []

@@ -11,7 +11,7 @@ from mcml.errors import DocumentError, Notice
 from mcml.files.check_names import check_frame_time
 from mcml.files.gather_files import Clip
 from mcml.files.import_options import ImportOptions
-from mcml.files.open_clip import offering, open_clip
+from mcml.files.open_clip import OpenClip, offering, open_clip
 from mcml.files.shared_skeleton import SharedSkeleton
 from mcml.formats.text.number_text import decimals_of
 from mcml.language import motion_names
@@ -56,13 +56,15 @@ def encode_clip(
     encoder: ClipEncoder,
     keep: Callable[[Iterator[list[TrackRow]]], None],
     progress: Progress | None = None,
+    made: OpenClip | None = None,
 ) -> EncodedClip:
     """Read, check and encode a clip. Raises what readers raise.
 
-    keep: is given the track rows that are done while the clip is read; the others wait in the encoder.
+    keep: is given the track rows that are done while the clip is read; the others wait in the encoder. made: the clip
+    that the files hold, where they were written here.
     """
     with offering(clip):
-        opened = open_clip(clip, options, settings.file_limits)
+        opened = open_clip(clip, options, settings.file_limits) if made is None else made
         stream = opened.stream
         encoder.decimals = decimals_of(stream.head.number_style)
         poses = poses_of(stream.head)

@@ -14,6 +14,7 @@ from mcml.errors import McmlError
 from mcml.files.check_names import name_of_file
 from mcml.files.gather_files import Clip
 from mcml.files.import_options import ImportOptions
+from mcml.files.open_clip import OpenClip
 from mcml_service.actions.importing.encode_clip import EncodedClip, Progress, encode_clip
 from mcml_service.actions.importing.keep_upload import Upload
 from mcml_service.actions.importing.read_apart import ReadApart
@@ -48,7 +49,7 @@ class _StoredMeanwhile(Exception):  # noqa: N818
 class Importer:
     """The import of one clip: `begin`, `read`, then `store` it, once or again.
 
-    apart: what another process made of it, where one has read it.
+    apart: what another process made of it, where one has read it. made: the clip, where its files were written here.
     key: of the document where a transaction that is committed already holds a part of it.
     """
 
@@ -62,6 +63,7 @@ class Importer:
         executor: ThreadPoolExecutor,
         progress: Progress | None,
         apart: ReadApart | None = None,
+        made: OpenClip | None = None,
     ) -> None:
         self.database = database
         self.clip = clip
@@ -71,6 +73,7 @@ class Importer:
         self.executor = executor
         self.progress = progress
         self.apart = apart
+        self.made = made
         self.encoder = ClipEncoder(executor)
         self.key: int | None = None
         self.uuid = ""
@@ -111,7 +114,7 @@ class Importer:
         return None
 
     def _encoded(self) -> EncodedClip:
-        return encode_clip(self.clip, self.options, self.settings, self.encoder, self._keep, self.progress)
+        return encode_clip(self.clip, self.options, self.settings, self.encoder, self._keep, self.progress, self.made)
 
     def _taken(self, apart: ReadApart) -> EncodedClip:
         if isinstance(apart.encoded, McmlError):

@@ -5,24 +5,29 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from mcml.errors import McmlError, UnsupportedError
+from mcml.files.check_names import given_name
+from mcml.files.gather_files import Clip
 from mcml.files.import_options import ImportOptions, Label
+from mcml.files.open_clip import open_made
 from mcml.files.targets import convert_clip
 from mcml.formats import WRITERS
 from mcml.formats.format import SourceFile
-from mcml.language.elements import from_head
+from mcml.language.elements import Element, from_head
 from mcml.language.writer import write_document
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, Shape, full_shape
 from mcml.motion.rotations import to_euler
 from mcml.motion.skeleton import CHANNEL_INDEX, TRANSLATIONS, Array, Convention, numbers
 from mcml.motion.units import UNITS
 from mcml_service.actions.exporting.export_motion import file_stem
-from mcml_service.actions.importing.import_motion import import_files
+from mcml_service.actions.importing.import_clip import Importer
+from mcml_service.actions.importing.keep_upload import WORKERS
 from mcml_service.analysis.interface import MadeClip
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
@@ -74,20 +79,35 @@ def store_stream(
     """
     record = (PROVENANCE, json.dumps(provenance, ensure_ascii=False, separators=(",", ":")), "")
     kept = tuple(item for item in stream.head.properties if item[0] != PROVENANCE)
-    content = _mcml(stream.with_head(replace(stream.head, properties=(*kept, record))))
-    options = ImportOptions(project=project, name=name, labels=labels, on_duplicate="skip" if once else "new")
-    files = [SourceFile("made.mcml", io.BytesIO(b"".join(content)))]
-    done = import_files(database, files, options, settings, author=author)
-    for _, error in done.problems:
-        raise error
-    return done.documents[0].uuid
+    frames = list(stream.blocks())
+    head = replace(stream.head, properties=(*kept, record))
+    stream = ClipStream(head, lambda: iter(frames), sum(map(len, frames)))
+    document = from_head(head)
+    clip = Clip("mcml", {"mcml": SourceFile("made.mcml", io.BytesIO(b"".join(_mcml(stream, document))))})
+    options = ImportOptions(
+        project=given_name(project, "project"),
+        name=given_name(name, "document"),
+        labels=labels,
+        on_duplicate="skip" if once else "new",
+    )
+    with ThreadPoolExecutor(WORKERS) as executor:
+        made = open_made(document, stream, settings.file_limits)
+        importer = Importer(database, clip, options, settings, author, executor, None, made=made)
+        importer.begin()
+        stored = importer.read()
+        if stored is None:
+            importer.compress()
+            importer.finish()
+            stored = importer.store_alone()
+    return stored.uuid
 
 
 def clip_file(made: MadeClip, format_name: str) -> tuple[str, str, bytes]:
     """(file name, media type, bytes) of a made clip in a format of one file. UnsupportedError."""
     name = file_stem(made.name)
     if format_name == "mcml":
-        return f"{name}.mcml", "application/xml", b"".join(_mcml(as_stream(made)))
+        stream = as_stream(made)
+        return f"{name}.mcml", "application/xml", b"".join(_mcml(stream, from_head(stream.head)))
     known = WRITERS.get(format_name)
     if known is None or len(known.parts) != 1:
         singles = ", ".join(["mcml", *(item for item, found in WRITERS.items() if len(found.parts) == 1)])
@@ -97,11 +117,9 @@ def clip_file(made: MadeClip, format_name: str) -> tuple[str, str, bytes]:
     return f"{name}{part.extensions[0]}", known.media_type, b"".join(known.write(clip, part.name))
 
 
-def _mcml(stream: ClipStream) -> Iterator[bytes]:
+def _mcml(stream: ClipStream, document: Element) -> Iterator[bytes]:
     head = stream.head
-    yield from write_document(
-        from_head(head), stream.frames or 0, head.frame_time, stream.blocks(), head.skeleton.names
-    )
+    return write_document(document, stream.frames or 0, head.frame_time, stream.blocks(), head.skeleton.names)
 
 
 def as_stream(made: MadeClip) -> ClipStream:
