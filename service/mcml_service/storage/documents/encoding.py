@@ -76,28 +76,6 @@ DATA_PLACE = TRACK_COLUMNS.index("data")
 _NO_ZONES: Final[list[float | None]] = [None] * (2 * len(CHANNELS))
 
 
-def track_row(chunk: int, bone: int, channels: Sequence[int], columns: Array) -> TrackRow | None:
-    """The row of one bone over one chunk.
-
-    channels: channel of each of the (k, n) `columns`, which are NaN where the frame has no such attribute. Columns
-    without any sample are left out; None where none is left.
-    """
-    kept = [not np.isnan(column).all() for column in columns]
-    order = [index for index in np.argsort(channels).tolist() if kept[index]]
-    if not order:
-        return None
-    columns = columns[order]
-    channels = [channels[index] for index in order]
-    gaps = [bool(np.isnan(column).any()) for column in columns]
-    has_missing = sum(1 << channel for channel, gap in zip(channels, gaps, strict=True) if gap)
-    zones = _NO_ZONES.copy()
-    zones_of = zip(np.nanmin(columns, axis=1).tolist(), np.nanmax(columns, axis=1).tolist(), strict=True)
-    for channel, zone in zip(channels, zones_of, strict=True):
-        zones[2 * channel : 2 * channel + 2] = zone
-    bits = sum(1 << channel for channel in channels)
-    return chunk, bone, columns.shape[1], bits, has_missing, PCODEC, compress(columns), *zones
-
-
 @cache
 def channels_of(bits: int) -> list[int]:
     """The channel numbers whose bits are set, ascending: the order of a track's columns."""
@@ -250,7 +228,7 @@ class ClipEncoder:
 
     def compress(self) -> None:
         """Let the chunks that wait be compressed."""
-        self._jobs += [self.executor.submit(_encode_chunk, *chunk, self.decimals) for chunk in self._held]
+        self._jobs += [self.executor.submit(encode_chunk, *chunk, self.decimals) for chunk in self._held]
         self._held.clear()
 
     def rest(self) -> Iterator[list[TrackRow]]:
@@ -312,26 +290,36 @@ def joined(blocks: Sequence[FrameBlock]) -> tuple[Array, tuple[tuple[int, int], 
     return values, tuple(union)
 
 
-def _encode_chunk(
-    chunk: int, values: Array, columns: tuple[tuple[int, int], ...], decimals: int | None
+def encode_chunk(
+    chunk: int, values: Array, columns: Sequence[tuple[int, int]], decimals: int | None = None
 ) -> list[TrackRow]:
+    """The rows of all bones over one chunk.
+
+    values: (n, D), NaN where a frame has no such attribute. columns: (bone, channel) of each. Channels without any
+    sample are left out of their row, and bones without any have none. decimals: as for `compress`.
+    """
     turned = np.ascontiguousarray(values.T)
-    # minimum and maximum are NaN where a sample is missing, so they tell whether all columns are whole.
-    low, high = turned.min(axis=1).tolist(), turned.max(axis=1).tolist()
+    # These are NaN where a sample is missing.
+    low, high = turned.min(axis=1), turned.max(axis=1)
+    gaps = np.isnan(low)
+    if gaps.any():
+        low, high = np.fmin.reduce(turned, axis=1), np.fmax.reduce(turned, axis=1)
+    lows, highs, has_gap = low.tolist(), high.tolist(), gaps.tolist()
     rows = []
-    whole = not any(value != value for value in low)
-    for bone in _bones(columns):
-        if not whole:
-            row = track_row(chunk, bone.number, bone.channels, turned[bone.indices])
-            if row is not None:
-                rows.append(row)
-            continue
+    for bone in _bones(tuple(columns)):
         zones = _NO_ZONES.copy()
-        for index, place in bone.zones:
-            zones[place] = low[index]
-            zones[place + 1] = high[index]
-        data = compress(turned[bone.place], decimals)
-        rows.append((chunk, bone.number, turned.shape[1], bone.bits, 0, PCODEC, data, *zones))
+        bits, missing, place = bone.bits, 0, bone.place
+        for index, channel in zip(bone.indices, bone.channels, strict=True):
+            least = lows[index]
+            if least != least:
+                bits &= ~(1 << channel)
+                place = [other for other in bone.indices if lows[other] == lows[other]]
+                continue
+            zones[2 * channel], zones[2 * channel + 1] = least, highs[index]
+            missing |= has_gap[index] << channel
+        if bits:
+            data = compress(turned[place], decimals)
+            rows.append((chunk, bone.number, turned.shape[1], bits, missing, PCODEC, data, *zones))
     return rows
 
 
@@ -340,14 +328,13 @@ class _Bone:
     """A bone in a layout of columns, channels ascending.
 
     indices: where its columns stand; place: the same, as a slice where they are neighbours (a view, not a copy).
-    zones: for each column its index and where among the zones of a row its minimum stands. bits: its channels.
+    bits: its channels.
     """
 
     number: int
     channels: list[int]
     indices: list[int]
     place: slice | list[int]
-    zones: list[tuple[int, int]]
     bits: int
 
 
@@ -362,7 +349,6 @@ def _bones(columns: tuple[tuple[int, int], ...]) -> list[_Bone]:
         channels = [columns[index][1] for index in indices]
         neighbours = indices == list(range(indices[0], indices[0] + len(indices)))
         place = slice(indices[0], indices[0] + len(indices)) if neighbours else indices
-        zones = [(index, 2 * channel) for index, channel in zip(indices, channels, strict=True)]
         bits = sum(1 << channel for channel in channels)
-        result.append(_Bone(bone, channels, indices, place, zones, bits))
+        result.append(_Bone(bone, channels, indices, place, bits))
     return result

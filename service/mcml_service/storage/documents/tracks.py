@@ -30,9 +30,9 @@ from mcml_service.storage.documents.encoding import (
     TrackRow,
     channels_of,
     decompress,
+    encode_chunk,
     is_plain_integer,
     pack_shape,
-    track_row,
     unpack_shape,
 )
 
@@ -136,11 +136,9 @@ class Tracks:
         """Replace one track row from this commit on; returns the bytes written. Empty columns leave no row."""
         valid = and_(track.c.document == document_key, track.c.chunk == chunk, track.c.bone == bone)
         self._end(track, and_(valid, track.c.to_commit == CURRENT))
-        row = track_row(chunk, bone, channels, columns)
-        if row is None:
-            return 0
-        self.write_chunks(document_key, [row], self._tx.commit)
-        return len(row[DATA_PLACE])
+        rows = encode_chunk(chunk, columns.T, [(bone, channel) for channel in channels])
+        self.write_chunks(document_key, rows, self._tx.commit)
+        return sum(len(row[DATA_PLACE]) for row in rows)
 
     def close_run(self, table: Any, document_key: int, start: Any, position: int) -> dict[str, Any]:
         """End the run that holds a position (or slot) with this commit, and answer its columns by name."""
