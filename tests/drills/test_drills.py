@@ -121,7 +121,8 @@ def test_a_form_of_frames(copy: PatchedCopy) -> None:
 def test_a_setting(copy: PatchedCopy) -> None:
     field = '    motto: str = Field("move", description="What the server says of itself")\n'
     copy.put("service/mcml_service/settings.py", '    login: Literal["auto"', field)
-    copy.put("docs/settings.md", "| `MCML_LOGIN` |", "| `MCML_MOTTO` | `move` | what the server says of itself |\n")
+    row = f"| `MCML_{'motto'.upper()}` | `move` | what the server says of itself |\n"
+    copy.put("docs/settings.md", "| `MCML_LOGIN` |", row)
     needs(copy, "a setting")
     check(copy, "setting_check.py")
 

@@ -13,7 +13,7 @@ import pytest
 from fastapi.testclient import TestClient
 from sqlalchemy import event, text
 
-from mcml_service.actions.importing import import_motion, keep_upload
+from mcml_service.actions.importing import import_clip, keep_upload
 from mcml_service.storage.database import Database
 from tests.actions.test_import_failures import rows
 from tests.builders import bvh, upload
@@ -74,7 +74,7 @@ def test_an_upload_to_a_full_store_leaves_nothing(
     client: TestClient, database: Database, full: Full, monkeypatch: pytest.MonkeyPatch, room: int, flushed: str
 ) -> None:
     if flushed == "in parts":
-        monkeypatch.setattr(import_motion, "FLUSH_BYTES", 2000)
+        monkeypatch.setattr(import_clip, "FLUSH_BYTES", 2000)
         monkeypatch.setattr(keep_upload, "EARLY_BYTES", 0)
     long = {"long.bvh": bvh(6000)}
     with full(room):

@@ -91,7 +91,9 @@ def test_a_frame_time_that_cannot_be_stops_no_comparison(
     _check_same(before, answers(client, good))
 
 
-@pytest.mark.parametrize("kind_of_odd", ODD)
+@pytest.mark.parametrize(
+    "kind_of_odd", [pytest.param(odd, marks=pytest.mark.fuzz if odd.startswith("many") else ()) for odd in ODD]
+)
 def test_nothing_fails_at_an_odd_document(client: TestClient, database: Database, kind_of_odd: str) -> None:
     good = store(database, {"good.bvh": person(3)})[0]
     (odd,) = store(database, ODD[kind_of_odd])

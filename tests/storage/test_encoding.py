@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -18,8 +19,8 @@ from mcml_service.storage.documents.encoding import (
     Spans,
     compress,
     decompress,
+    encode_chunk,
     pack_shape,
-    track_row,
     unpack_shape,
 )
 
@@ -48,14 +49,32 @@ def test_shapes_pack(pairs: list[tuple[int, int]]) -> None:
 
 
 def test_zone_map_covers_present_samples_only() -> None:
-    made = track_row(3, 7, [5, 3], np.array([[1.0, np.nan, -2.0], [4.0, 4.0, 4.0]]))
-    assert made is not None
+    (made,) = encode_chunk(3, np.array([[1.0, np.nan, -2.0], [4.0, 4.0, 4.0]]).T, [(7, 5), (7, 3)])
     row = dict(zip(TRACK_COLUMNS, made, strict=True))
     assert (row["min_Rz"], row["max_Rz"], row["min_Rx"], row["max_Rx"]) == (-2.0, 1.0, 4.0, 4.0)
     assert row["channels"] == 0b101000
     assert row["has_missing"] == 0b100000
     assert row["min_Tx"] is None
-    assert track_row(0, 0, [0], np.full((1, 4), np.nan)) is None
+    assert encode_chunk(0, np.full((4, 1), np.nan), [(0, 0)]) == []
+
+
+@given(st.lists(st.tuples(st.integers(0, 3), st.integers(0, 7)), min_size=1, max_size=9, unique=True), st.data())
+def test_rows_of_a_chunk_are_those_of_its_bones_alone(columns: list[tuple[int, int]], data: st.DataObject) -> None:
+    numbers = st.one_of(st.just(math.nan), st.floats(-9, 9))
+    values = data.draw(arrays.arrays(np.float64, (5, len(columns)), elements=numbers))
+    rows = {row[1]: row for row in encode_chunk(2, values, columns)}
+    for bone in {bone for bone, _ in columns}:
+        own = [place for place, (other, _) in enumerate(columns) if other == bone]
+        alone = encode_chunk(2, values[:, own], [columns[place] for place in own])
+        assert alone == ([rows[bone]] if bone in rows else [])
+        kept = [place for place in own if not np.isnan(values[:, place]).all()]
+        assert (bone in rows) == bool(kept)
+        if bone in rows:
+            row = dict(zip(TRACK_COLUMNS, rows[bone], strict=True))
+            ordered = sorted(kept, key=lambda place: columns[place][1])
+            assert row["channels"] == sum(1 << columns[place][1] for place in ordered)
+            back = decompress(row["data"], len(ordered), row["codec"])
+            assert back.tobytes() == np.ascontiguousarray(values[:, ordered].T).tobytes()
 
 
 @given(st.lists(st.lists(st.integers(-5, 30), min_size=1, max_size=30), max_size=6))

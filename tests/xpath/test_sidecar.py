@@ -252,7 +252,9 @@ def test_two_engines_at_once(library: Database) -> None:
 def test_a_killed_writer_leaves_nothing_wrong(library: Database, tmp_path: Path) -> None:
     wanted = expected(library)
     program = (
-        "import os, sys; from mcml_service.xpath.library import groups, writer\n"
+        "import os, sys\n"
+        "from mcml_service.xpath.library import groups\n"
+        "from mcml_service.xpath.library.disk import writer\n"
         "from tests.xpath import test_sidecar as t\n"
         "groups.DOCUMENTS, groups.MOST_DOCUMENTS, groups.LASTING = 12, 30, 1\n"
         "make_room = writer.Writer._make_room\n"

