@@ -10,12 +10,12 @@ const MOST_COMPLEX = 15;
 /** Files with a function of more lines than MOST_LINES, with its lines. Shorten a function, lower its number; add no file. */
 const LONG = {
   "src/panels/blender/Examples.tsx": 163,
-  "src/panels/clip/Body.tsx": 158,
-  "src/panels/clip/Graph.tsx": 233,
-  "src/panels/clip/Info.tsx": 207,
-  "src/panels/clip/Timeline.tsx": 218,
-  "src/panels/clip/Tree.tsx": 238,
-  "src/panels/clip/ViewerPane.tsx": 215,
+  "src/panels/clip/body/Body.tsx": 158,
+  "src/panels/clip/document/Info.tsx": 207,
+  "src/panels/clip/document/Tree.tsx": 238,
+  "src/panels/clip/timeline/Graph.tsx": 233,
+  "src/panels/clip/timeline/Timeline.tsx": 218,
+  "src/panels/clip/viewer/ViewerPane.tsx": 215,
   "src/panels/composer/ComposerPage.tsx": 188,
   "src/panels/dance/BenchBar.tsx": 241,
   "src/panels/faces/MapView.tsx": 183,
@@ -30,8 +30,8 @@ const COMPLEX = {
   "src/panels/blender/ExampleRow.tsx": 17,
   "src/panels/blender/Fit.tsx": 18,
   "src/panels/blender/Trust.tsx": 18,
-  "src/panels/clip/Body.tsx": 28,
-  "src/panels/clip/Tree.tsx": 33,
+  "src/panels/clip/body/Body.tsx": 28,
+  "src/panels/clip/document/Tree.tsx": 33,
   "src/panels/composer/ComposerPage.tsx": 22,
   "src/panels/composer/Storyboard.tsx": 30,
   "src/panels/dance/GraphPane.tsx": 27,
@@ -42,7 +42,7 @@ const COMPLEX = {
   "src/panels/retarget/Many.tsx": 32,
   "src/panels/retarget/RetargetPage.tsx": 19,
   "src/panels/settings/ProjectPage.tsx": 18,
-  "src/ui/exports.ts": 17,
+  "src/ui/exporting/exports.ts": 17,
 };
 
 const lines = (max) => ({ "max-lines-per-function": ["error", { max, skipBlankLines: true, skipComments: true }] });

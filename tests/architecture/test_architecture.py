@@ -103,6 +103,14 @@ def test_folders_stay_readable() -> None:
     assert not full, "group the modules of these folders by their subject"
 
 
+def test_folders_of_the_studio_stay_short() -> None:
+    """Nobody finds a file in a list of sixty names; tests count, since they are in the same list."""
+    source = ROOT / "service/web/src"
+    counts = Counter(path.parent.relative_to(source).as_posix() for path in source.rglob("*") if path.is_file())
+    assert "state/session" in counts
+    assert not {folder: files for folder, files in counts.items() if files > MODULES}, "split these by subject"
+
+
 def test_no_attics() -> None:
     assert not [path for path in sources() if path.stem in ATTICS]
 

@@ -53,7 +53,7 @@ def generated(seeds: range) -> dict[str, dict[str, bytes]]:
 
 def compare(served: Served, files: dict[str, dict[str, bytes]]) -> None:
     documents = [stored(served, title, content) for title, content in files.items()]
-    said = vitest("src/motion/drawn.test.ts", MCML_SERVER=served.url, MCML_DOCUMENTS=json.dumps(documents))
+    said = vitest("src/motion/loading/drawn.test.ts", MCML_SERVER=served.url, MCML_DOCUMENTS=json.dumps(documents))
     assert f"{2 * len(documents)} passed" in said
 
 

@@ -1,7 +1,7 @@
 // @vitest-environment happy-dom
 import { describe, expect, it } from "vitest";
 import { load, PAGES, rowOf } from "./pages";
-import { pageOf } from "./state/route";
+import { pageOf } from "./state/session/route";
 import { icons } from "./ui/icons";
 import { en } from "./words/en";
 

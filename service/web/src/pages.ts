@@ -4,7 +4,7 @@
  */
 import type { ComponentType } from "preact";
 import rows from "../pages.json";
-import type { PageAddress } from "./state/route";
+import type { PageAddress } from "./state/session/route";
 import type { IconName } from "./ui/icons";
 import type { Word } from "./words";
 

@@ -5,7 +5,7 @@ import "./styles/base.css";
 import "./styles/shell.css";
 import "./styles/shared.css";
 import { SharedPage } from "./panels/shared/SharedPage";
-import { followSettings } from "./state/settings";
+import { followSettings } from "./state/session/settings";
 
 followSettings();
 render(<SharedPage secret={decodeURIComponent(location.hash.slice(1))} />, document.getElementById("app")!);

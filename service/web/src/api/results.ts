@@ -1,5 +1,5 @@
 /** Results of analyses: their parts, arrays as numbers, and what can be done with them. A result never changes. */
-import { readNpy, type NdArray } from "../motion/npy";
+import { readNpy, type NdArray } from "../motion/loading/npy";
 import { address, fetched, get, type Schemas } from "./client";
 
 export type Result = Schemas["Result"];

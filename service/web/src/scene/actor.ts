@@ -1,7 +1,7 @@
 /** One skeleton on the stage: its body, its ghosts in time, the lines that its points have gone along. */
-import { itemAt, numberAt } from "../motion/lists";
+import { itemAt, numberAt } from "../lists";
 import * as THREE from "three";
-import { SIDE_TOKENS, type Skeleton } from "../motion/skeleton";
+import { SIDE_TOKENS, type Skeleton } from "../motion/body/skeleton";
 import { Body, type Tint } from "./body";
 
 export interface Actor {

@@ -1,7 +1,7 @@
 /** A body of instanced bones and joints. Matrices are written straight from positions; nothing is made per frame. */
-import { itemAt, numberAt } from "../motion/lists";
+import { itemAt, numberAt } from "../lists";
 import * as THREE from "three";
-import type { Skeleton } from "../motion/skeleton";
+import type { Skeleton } from "../motion/body/skeleton";
 
 const LIMB = 0.016; // radius of a bone in body heights
 const JOINT = 0.019;

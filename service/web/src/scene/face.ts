@@ -1,8 +1,8 @@
 /** A face of markers in the round: dots, a surface between them, or a mesh that follows them. */
-import { numberAt } from "../motion/lists";
+import { numberAt } from "../lists";
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { bind, fitted, follow, surfaceOf, type Binding, type Facing } from "../motion/faces";
+import { bind, fitted, follow, surfaceOf, type Binding, type Facing } from "../motion/faces/faces";
 
 export type Skin = "markers" | "surface" | "mesh";
 

@@ -1,4 +1,4 @@
-import { itemAt } from "../motion/lists";
+import { itemAt } from "../lists";
 import { readFileSync } from "node:fs";
 import { AnimationMixer, Vector3, type SkinnedMesh } from "three";
 import { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";

@@ -1,5 +1,5 @@
 /** Arrows at a point that a hand pulls, each along its own line. Drawn flat over the scene, so that nothing hides them. */
-import { numberAt } from "../motion/lists";
+import { numberAt } from "../lists";
 import * as THREE from "three";
 
 export interface Arrow {

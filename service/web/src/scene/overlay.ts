@@ -1,5 +1,5 @@
 /** What is drawn in two dimensions over the stage: rings and names of joints. */
-import type { Skeleton } from "../motion/skeleton";
+import type { Skeleton } from "../motion/body/skeleton";
 
 const MOST_NAMED = 4; // selected joints: more names would cover one another
 

@@ -4,20 +4,20 @@
  *
  * World: metres, Y up. Clips whose up axis is Z are turned by the group they stand in.
  */
-import { itemAt, numberAt } from "../motion/lists";
+import { itemAt, numberAt } from "../lists";
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { actorOf, dispose, recolour, type Actor } from "./actor";
 import { Ground } from "./ground";
 import { arrowAt, drawHandle, reachOf, type Handle, type Surroundings } from "./handle";
-import { middleOf } from "../motion/middle";
+import { middleOf } from "../motion/body/middle";
 import { drawAxes } from "./axes";
 import { cleared, drawJoints, pictureOf } from "./overlay";
 import { seeAsFarAs, viewOf, type CameraView } from "./framing";
 import { lamps } from "./lamps";
 import { isSoftware, Sharpness } from "./sharpness";
 import { fillTrails } from "./trails";
-import type { Skeleton } from "../motion/skeleton";
+import type { Skeleton } from "../motion/body/skeleton";
 
 export type { CameraView };
 export interface Shown {

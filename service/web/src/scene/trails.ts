@@ -1,5 +1,5 @@
 /** Lines that points have gone along. */
-import { numberAt } from "../motion/lists";
+import { numberAt } from "../lists";
 import type * as THREE from "three";
 
 /** Put lines (points of x y z in the clip's unit) into the room that the segments have; what is not seen leaves a gap. */

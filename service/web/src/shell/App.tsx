@@ -1,13 +1,13 @@
 /** The frame around every page: rail, bar, toasts, palette, what is dropped, keys that work everywhere. */
 import { useEffect } from "preact/hooks";
 import { load, PAGES, rowOf, type PageRow } from "../pages";
-import { followPrefetch } from "../state/prefetch";
-import { go, page, route } from "../state/route";
-import { copyText } from "../state/notes";
-import { drawerOpen, keysOpen, paletteOpen } from "../state/shell";
-import { offer, type Command } from "../state/keys";
-import { leftFolded, rightFolded } from "../state/panes";
-import { railWide } from "../state/settings";
+import { followPrefetch } from "../state/session/prefetch";
+import { go, page, route } from "../state/session/route";
+import { copyText } from "../state/session/notes";
+import { drawerOpen, keysOpen, paletteOpen } from "../state/session/shell";
+import { offer, type Command } from "../state/session/keys";
+import { leftFolded, rightFolded } from "../state/session/panes";
+import { railWide } from "../state/session/settings";
 import { Icon } from "../ui/icons";
 import { w } from "../words";
 import { Bar } from "./Bar";

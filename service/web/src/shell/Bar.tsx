@@ -1,13 +1,13 @@
 /** The bar: where one is, one box to find anything, jobs, language, theme. */
-import { language, theme } from "../state/settings";
-import { page } from "../state/route";
+import { language, theme } from "../state/session/settings";
+import { page } from "../state/session/route";
 import { Icon } from "../ui/icons";
 import { Menu } from "../ui/Menu";
 import { SearchBox } from "../panels/library/SearchBox";
 import { rowOf } from "../pages";
 import { w } from "../words";
 import { JobTray } from "./JobTray";
-import { drawerOpen, keysOpen, paletteOpen, subject } from "../state/shell";
+import { drawerOpen, keysOpen, paletteOpen, subject } from "../state/session/shell";
 
 export function Bar() {
   const word = rowOf(page.value)?.title;

@@ -1,9 +1,9 @@
 /** Files over the window cover it with what will happen to them. */
 import { useEffect, useState } from "preact/hooks";
-import { filesOf } from "../state/dropped";
-import { addFiles } from "../state/uploads";
-import { dropHere } from "../state/drop";
-import { lookFirst } from "../state/inspect";
+import { filesOf } from "../state/importing/dropped";
+import { addFiles } from "../state/importing/uploads";
+import { dropHere } from "../state/importing/drop";
+import { lookFirst } from "../state/importing/inspect";
 import { Icon } from "../ui/icons";
 import { w } from "../words";
 

@@ -1,10 +1,10 @@
 /** Long work: what runs, how far it is, its way back when it has ended. */
-import { entryOf } from "../motion/lists";
+import { entryOf } from "../lists";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { cancelJob, jobs, placeOf, type Job } from "../state/jobs";
+import { cancelJob, jobs, placeOf, type Job } from "../state/session/jobs";
 import { rowOf } from "../pages";
-import { note } from "../state/notes";
-import { go, route } from "../state/route";
+import { note } from "../state/session/notes";
+import { go, route } from "../state/session/route";
 import { Icon } from "../ui/icons";
 import { w, type Word } from "../words";
 

@@ -1,6 +1,6 @@
 /** The keys that work now. */
 import { Dialog } from "../ui/Dialog";
-import { commands, commandsOf, type Command } from "../state/keys";
+import { commands, commandsOf, type Command } from "../state/session/keys";
 import { w } from "../words";
 
 export function Keys({ onClose }: { onClose: () => void }) {

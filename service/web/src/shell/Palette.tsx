@@ -1,10 +1,10 @@
 /** Ctrl+K: pages, commands, clips, motion names, a time of the open clip, XPath. */
 import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import { get, type Schemas } from "../api/client";
-import { commands } from "../state/keys";
-import { loadVocabulary, namesLike } from "../state/vocabulary";
-import { go } from "../state/route";
-import { paletteOpen, timeJump } from "../state/shell";
+import { commands } from "../state/session/keys";
+import { loadVocabulary, namesLike } from "../state/library/vocabulary";
+import { go } from "../state/session/route";
+import { paletteOpen, timeJump } from "../state/session/shell";
 import { Icon, type IconName } from "../ui/icons";
 import { useAsync } from "../ui/useAsync";
 import { duration, w } from "../words";

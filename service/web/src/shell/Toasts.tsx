@@ -1,5 +1,5 @@
 import { useEffect, useRef } from "preact/hooks";
-import { dismiss, held, notes } from "../state/notes";
+import { dismiss, held, notes } from "../state/session/notes";
 import { w } from "../words";
 import { Icon } from "../ui/icons";
 

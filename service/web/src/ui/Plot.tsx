@@ -1,9 +1,9 @@
 /** Curves over one axis, with what is marked on them; a table says the same for those who do not see it. */
-import { numberAt } from "../motion/lists";
+import { numberAt } from "../lists";
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { colour, look } from "../state/settings";
+import { colour, look } from "../state/session/settings";
 import { number, w } from "../words";
 
 export interface Curve {

@@ -1,5 +1,5 @@
 /** Tabs after the ARIA pattern: one stop, arrows inside. Those that do not fit are in a menu; the open one always fits. */
-import { itemAt } from "../motion/lists";
+import { itemAt } from "../lists";
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { w } from "../words";
 import { Icon } from "./icons";

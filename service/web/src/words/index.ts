@@ -1,5 +1,5 @@
 /** Words in the language of the page. Both tables have the same keys by type: one that misses fails the build. */
-import { language } from "../state/settings";
+import { language } from "../state/session/settings";
 import { en } from "./en";
 import { ko } from "./ko";
 

@@ -1,5 +1,5 @@
 /** Words of one panel, loaded with it: `const p = wordsOf(en, ko)`, then `p("title", { n: 3 })`. */
-import { language } from "../state/settings";
+import { language } from "../state/session/settings";
 import { filled } from ".";
 
 export function wordsOf<T extends Record<string, string>>(en: T, ko: { [K in keyof T]: string }) {

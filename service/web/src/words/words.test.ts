@@ -1,7 +1,7 @@
 // @vitest-environment happy-dom
-import { entryOf, itemAt } from "../motion/lists";
+import { entryOf, itemAt } from "../lists";
 import { describe, expect, it } from "vitest";
-import { language } from "../state/settings";
+import { language } from "../state/session/settings";
 import { duration, rate, w } from ".";
 import { en } from "./en";
 import { ko } from "./ko";

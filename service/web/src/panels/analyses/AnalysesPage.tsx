@@ -1,12 +1,12 @@
 /** Every analysis of the catalogue, each by the form that its schema says: one that is added appears by itself. */
-import { entryOf } from "../../motion/lists";
+import { entryOf } from "../../lists";
 import { useEffect, useState } from "preact/hooks";
 import { get, type Schemas } from "../../api/client";
-import { subject } from "../../state/shell";
-import { runAnalysis, jobs, cancelJob, type Job } from "../../state/jobs";
-import { go } from "../../state/route";
-import { ClipSelection, selectionNow, useMembers } from "../../ui/ClipSelection";
-import { SchemaForm, type Values } from "../../ui/SchemaForm";
+import { subject } from "../../state/session/shell";
+import { runAnalysis, jobs, cancelJob, type Job } from "../../state/session/jobs";
+import { go } from "../../state/session/route";
+import { ClipSelection, selectionNow, useMembers } from "../../ui/clips/ClipSelection";
+import { SchemaForm, type Values } from "../../ui/forms/SchemaForm";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when, type Word } from "../../words";

@@ -2,11 +2,11 @@
 import { useMemo, useState } from "preact/hooks";
 import type { Schemas } from "../../api/client";
 import { makeMotion, applyResult, type Done, type Made } from "../../api/results";
-import { wholeOf } from "../../motion/preview";
-import { SchemaForm, type Values } from "../../ui/SchemaForm";
-import type { Schema } from "../../ui/schema";
+import { wholeOf } from "../../motion/loading/preview";
+import { SchemaForm, type Values } from "../../ui/forms/SchemaForm";
+import type { Schema } from "../../ui/forms/schema";
 import { Trouble } from "../../ui/Trouble";
-import { WholeMotion } from "../../ui/WholeMotion";
+import { WholeMotion } from "../../ui/playing/WholeMotion";
 import { ApiError } from "../../api/client";
 import { a } from "./words";
 

@@ -1,13 +1,13 @@
 /** A part of any result by its kind: a clip plays, a curve is drawn, points and graphs are spread out, tables are tables. */
-import { itemAt, numberAt } from "../../motion/lists";
+import { itemAt, numberAt } from "../../lists";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { arrayOf, type Part } from "../../api/results";
-import { motionOf } from "../../motion/source";
-import { colour, look } from "../../state/settings";
-import { Player } from "../../state/player";
+import { motionOf } from "../../motion/loading/source";
+import { colour, look } from "../../state/session/settings";
+import { Player } from "../../state/clip/player";
 import { penOf } from "../../ui/canvas";
-import { MotionView, type Actor } from "../../ui/MotionView";
-import { PlayBar } from "../../ui/PlayBar";
+import { MotionView, type Actor } from "../../ui/playing/MotionView";
+import { PlayBar } from "../../ui/playing/PlayBar";
 import { Plot, type Curve } from "../../ui/Plot";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";

@@ -1,12 +1,12 @@
 /** What an analysis found: each part as its kind says, a picture for a page, and what can be done with it. */
-import { entryOf } from "../../motion/lists";
+import { entryOf } from "../../lists";
 import { useEffect, useState } from "preact/hooks";
 import { address, ask, get, type Schemas } from "../../api/client";
 import { resultOf } from "../../api/results";
-import { subject } from "../../state/shell";
-import { placeOf } from "../../state/jobs";
-import { note, refuse } from "../../state/notes";
-import { go, param, setParams } from "../../state/route";
+import { subject } from "../../state/session/shell";
+import { placeOf } from "../../state/session/jobs";
+import { note, refuse } from "../../state/session/notes";
+import { go, param, setParams } from "../../state/session/route";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
 import { Trouble } from "../../ui/Trouble";

@@ -1,6 +1,6 @@
 /** A slider over an attribute, with the examples above it: dots, or their density; gaps and what lies outside are hatched. */
 import { useMemo, useRef, useState } from "preact/hooks";
-import { densityOf, onStep, stepOver } from "../../motion/phases";
+import { densityOf, onStep, stepOver } from "../../motion/timeline/phases";
 import { Icon } from "../../ui/icons";
 import { number } from "../../words";
 import { endsOf, supportOf, type Attribute } from "./model";

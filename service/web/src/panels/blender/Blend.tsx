@@ -1,13 +1,13 @@
 /** Sliders, and the motion that follows them: alone, beside the nearest example, or with it as a ghost. */
-import { entryOf, itemAt } from "../../motion/lists";
+import { entryOf, itemAt } from "../../lists";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { ApiError } from "../../api/client";
 
 import type { Stage } from "../../scene/stage";
-import { offer } from "../../state/keys";
-import { param, route, setParams } from "../../state/route";
-import { MotionView, type Actor } from "../../ui/MotionView";
-import { PlayBar } from "../../ui/PlayBar";
+import { offer } from "../../state/session/keys";
+import { param, route, setParams } from "../../state/session/route";
+import { MotionView, type Actor } from "../../ui/playing/MotionView";
+import { PlayBar } from "../../ui/playing/PlayBar";
 import { Trouble } from "../../ui/Trouble";
 import { number } from "../../words";
 import { AttributeSlider } from "./AttributeSlider";

@@ -1,10 +1,10 @@
 /** A model of reaches: its examples, how well it fits, and the motion that sliders make with it. */
 import { useEffect, useMemo } from "preact/hooks";
 import { resultOf } from "../../api/results";
-import { subject } from "../../state/shell";
+import { subject } from "../../state/session/shell";
 import { lazy } from "../../ui/lazy";
-import { offer } from "../../state/keys";
-import { param, setParams } from "../../state/route";
+import { offer } from "../../state/session/keys";
+import { param, setParams } from "../../state/session/route";
 import { Tabs } from "../../ui/Tabs";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";

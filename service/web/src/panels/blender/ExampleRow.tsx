@@ -1,7 +1,7 @@
 /** One clip of a model in the table: taken or not, values that can be written, phases, and why it was left out. */
 import { useState } from "preact/hooks";
 import { ask, get } from "../../api/client";
-import { note, refuse } from "../../state/notes";
+import { note, refuse } from "../../state/session/notes";
 import { Icon } from "../../ui/icons";
 import { w } from "../../words";
 import type { Corrections } from "./corrections";

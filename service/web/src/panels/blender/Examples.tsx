@@ -1,7 +1,7 @@
 /** The clips of a model: their values, their phases to correct, those that were left out and why; fitted again from here. */
 import { useMemo, useState } from "preact/hooks";
 import { get } from "../../api/client";
-import { param, setParams } from "../../state/route";
+import { param, setParams } from "../../state/session/route";
 import { Icon } from "../../ui/icons";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";

@@ -1,5 +1,5 @@
 /** How well a model fits: what it says of itself, variance of components, errors of what was left out, what was tried. */
-import { entryOf, numberAt } from "../../motion/lists";
+import { entryOf, numberAt } from "../../lists";
 import { useMemo, useState } from "preact/hooks";
 import { address } from "../../api/client";
 import { arrayOf, rowsOf } from "../../api/results";

@@ -2,12 +2,12 @@
 import { useState } from "preact/hooks";
 import { address, fetched, get } from "../../api/client";
 import { applyResult } from "../../api/results";
-import { note, refuse } from "../../state/notes";
-import { go } from "../../state/route";
+import { note, refuse } from "../../state/session/notes";
+import { go } from "../../state/session/route";
 import { Dialog } from "../../ui/Dialog";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
-import { saveBlob } from "../../ui/saveBlob";
+import { saveBlob } from "../../ui/exporting/saveBlob";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w } from "../../words";

@@ -1,8 +1,8 @@
 /** Two attributes at once: the examples as a cloud, the hull round them, gaps hatched, a cross that is dragged or moved by arrows. */
-import { entryOf, itemAt, numberAt } from "../../motion/lists";
+import { entryOf, itemAt, numberAt } from "../../lists";
 import { useMemo, useRef, useState } from "preact/hooks";
-import { hullOf, onStep, stepOver } from "../../motion/phases";
-import { param, setParams } from "../../state/route";
+import { hullOf, onStep, stepOver } from "../../motion/timeline/phases";
+import { param, setParams } from "../../state/session/route";
 import { number } from "../../words";
 import { endsOf, type Attribute, type Model, type Values } from "./model";
 import { nameOf, unitOf } from "./names";

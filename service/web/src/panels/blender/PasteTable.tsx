@@ -1,7 +1,7 @@
 /** Values of many clips at once, as they come from a sheet: pasted, written into the documents. */
 import { useState } from "preact/hooks";
 import { address, ask, fetched, get, type Schemas } from "../../api/client";
-import { note } from "../../state/notes";
+import { note } from "../../state/session/notes";
 import { Dialog } from "../../ui/Dialog";
 import { Trouble } from "../../ui/Trouble";
 import { w } from "../../words";

@@ -1,9 +1,9 @@
 /** Angular speed over time with the phases behind it; where it is asked for, their edges are dragged, or moved by keys. */
-import { numberAt } from "../../motion/lists";
+import { numberAt } from "../../lists";
 import { effect } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
-import type { Player } from "../../state/player";
-import { colour, look } from "../../state/settings";
+import type { Player } from "../../state/clip/player";
+import { colour, look } from "../../state/session/settings";
 import { penOf } from "../../ui/canvas";
 import { number } from "../../words";
 import { LEAST_PHASE, type Times } from "./corrections";

@@ -1,5 +1,5 @@
 /** The phases of one clip on its angular speed: dragged, moved by keys, or written as frames. */
-import { numberAt } from "../../motion/lists";
+import { numberAt } from "../../lists";
 import { useMemo, useRef, useState } from "preact/hooks";
 import { number } from "../../words";
 import { moved, type Corrections, type Times } from "./corrections";

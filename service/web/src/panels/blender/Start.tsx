@@ -1,9 +1,9 @@
 /** Where a model begins: what it needs, the demo's in one press, models that there are, clips and options. */
 import { useState } from "preact/hooks";
 import { get } from "../../api/client";
-import { jobs } from "../../state/jobs";
-import { ClipSelection, selectionNow, useMembers } from "../../ui/ClipSelection";
-import { SchemaForm, type Values } from "../../ui/SchemaForm";
+import { jobs } from "../../state/session/jobs";
+import { ClipSelection, selectionNow, useMembers } from "../../ui/clips/ClipSelection";
+import { SchemaForm, type Values } from "../../ui/forms/SchemaForm";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when } from "../../words";

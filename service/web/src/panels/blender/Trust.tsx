@@ -1,5 +1,5 @@
 /** How far the made motion is to be trusted: in words, with a sign, and which examples it is made of. */
-import { entryOf } from "../../motion/lists";
+import { entryOf } from "../../lists";
 import { Icon } from "../../ui/icons";
 import { number } from "../../words";
 import type { Blending } from "./blending";

@@ -2,10 +2,10 @@
 import { signal } from "@preact/signals";
 import type { Schemas } from "../../api/client";
 import { makeMotion } from "../../api/results";
-import { samePhase, type Moments } from "../../motion/phases";
-import { wholeOf, type Preview } from "../../motion/preview";
-import { Player } from "../../state/player";
-import { noteParams, param } from "../../state/route";
+import { samePhase, type Moments } from "../../motion/timeline/phases";
+import { wholeOf, type Preview } from "../../motion/loading/preview";
+import { Player } from "../../state/clip/player";
+import { noteParams, param } from "../../state/session/route";
 import { middleOf, paramOf, type Model, type Values } from "./model";
 
 export type Answer = Schemas["ReachMotion"];

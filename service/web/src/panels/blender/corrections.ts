@@ -1,6 +1,6 @@
 /** What a person corrected for the next fit of a model: phase times, clips left out, values. Kept in this window. */
 import { computed, signal } from "@preact/signals";
-import { refuse } from "../../state/notes";
+import { refuse } from "../../state/session/notes";
 import type { Model, Row } from "./model";
 
 export interface Times {

@@ -1,8 +1,8 @@
 /** A fit that is under way: started, watched, cancelled; what refuses it, with the clips that can be left out. */
 import { useState } from "preact/hooks";
 import { ApiError } from "../../api/client";
-import { cancelJob, jobs, runAnalysis, type Job } from "../../state/jobs";
-import { go, route } from "../../state/route";
+import { cancelJob, jobs, runAnalysis, type Job } from "../../state/session/jobs";
+import { go, route } from "../../state/session/route";
 import { Trouble } from "../../ui/Trouble";
 import { number, w } from "../../words";
 import { isWord } from "./names";

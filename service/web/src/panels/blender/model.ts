@@ -1,6 +1,6 @@
 /** A fitted model as its page shows it: clips, attributes, errors, and what it says of itself. */
 import { partOf, rowsOf, type Result } from "../../api/results";
-import type { Moments } from "../../motion/phases";
+import type { Moments } from "../../motion/timeline/phases";
 
 export interface Row {
   document: string;

@@ -1,9 +1,9 @@
 /** The example nearest to the sliders, in the phase that the made motion is in. Asked for when the hand rests. */
 import { batch, effect, signal, type ReadonlySignal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
-import { samePhase, type Moments } from "../../motion/phases";
-import { motionOf, type Motion } from "../../motion/source";
-import type { Skeleton } from "../../motion/skeleton";
+import { samePhase, type Moments } from "../../motion/timeline/phases";
+import { motionOf, type Motion } from "../../motion/loading/source";
+import type { Skeleton } from "../../motion/body/skeleton";
 import type { Blending } from "./blending";
 import { momentsOf } from "./model";
 

@@ -1,5 +1,5 @@
 /** Angular speeds of all clips of a model, end to end as they are stored. */
-import { numberAt } from "../../motion/lists";
+import { numberAt } from "../../lists";
 import { partOf, arrayOf, type Result } from "../../api/results";
 
 export class Speeds {

@@ -1,22 +1,22 @@
 /** The clip's own bar: the draft and its saving, comparison, export. */
 import { useState } from "preact/hooks";
 import { ApiError, ask } from "../../api/client";
-import type { Clip } from "../../state/clip";
-import { mayEdit } from "../../state/me";
-import { confirmFact } from "../../state/uploads";
-import { go, setParams } from "../../state/route";
+import type { Clip } from "../../state/clip/clip";
+import { mayEdit } from "../../state/session/me";
+import { confirmFact } from "../../state/importing/uploads";
+import { go, setParams } from "../../state/session/route";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
-import { ShareDialog } from "../../ui/ShareDialog";
+import { ShareDialog } from "../../ui/exporting/ShareDialog";
 import { Trouble } from "../../ui/Trouble";
 import { w } from "../../words";
 import { clipActions } from "./actions";
-import { exportItems } from "../../ui/exports";
-import { CompareButton } from "./Compare";
+import { exportItems } from "../../ui/exporting/exports";
+import { CompareButton } from "./viewer/Compare";
 import { OthersEdit, People } from "./People";
 import { ConflictBanner } from "./ConflictBanner";
 import { saveClip } from "./keys";
-import { copyText, note, refuse } from "../../state/notes";
+import { copyText, note, refuse } from "../../state/session/notes";
 
 export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
   const {

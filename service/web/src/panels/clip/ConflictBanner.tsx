@@ -1,7 +1,7 @@
 /** Somebody saved meanwhile: what both changed, and the ways out. */
 import type { ApiError, Schemas } from "../../api/client";
-import type { Clip } from "../../state/clip";
-import { without } from "../../state/draft";
+import type { Clip } from "../../state/clip/clip";
+import { without } from "../../state/editing/draft";
 import { Icon } from "../../ui/icons";
 import { w } from "../../words";
 import { saveClip } from "./keys";

@@ -1,19 +1,19 @@
 /** The views of the document beside the viewer. One of them is open; the address says which. */
-import type { Clip } from "../../state/clip";
-import { param, setParams } from "../../state/route";
+import type { Clip } from "../../state/clip/clip";
+import { param, setParams } from "../../state/session/route";
 import { Tabs } from "../../ui/Tabs";
 import type { Word } from "../../words";
 import { w } from "../../words";
-import { Body } from "./Body";
-import { Comments } from "./Comments";
-import { Graph } from "./Graph";
-import { History } from "./History";
-import { Info } from "./Info";
-import { Structure } from "./Structure";
-import { Tree } from "./Tree";
+import { Body } from "./body/Body";
+import { Comments } from "./document/Comments";
+import { Graph } from "./timeline/Graph";
+import { History } from "./document/History";
+import { Info } from "./document/Info";
+import { Structure } from "./body/Structure";
+import { Tree } from "./document/Tree";
 import { lazy } from "../../ui/lazy";
 
-const Text = lazy(async () => (await import("./Text")).TextView);
+const Text = lazy(async () => (await import("./document/Text")).TextView);
 
 const VIEWS: { id: string; word: Word }[] = [
   { id: "tree", word: "tree" },

@@ -1,6 +1,6 @@
 /** Others at the clip: their initials, and a word where one of them edits it. */
-import { others, type Present } from "../../state/presence";
-import { language } from "../../state/settings";
+import { others, type Present } from "../../state/clip/presence";
+import { language } from "../../state/session/settings";
 import { w } from "../../words";
 
 const SHOWN = 4;

@@ -1,11 +1,11 @@
 /** What keys and buttons of the clip page do alike. */
-import { itemAt } from "../../motion/lists";
+import { itemAt } from "../../lists";
 import { signal } from "@preact/signals";
 import { ask } from "../../api/client";
-import type { Clip } from "../../state/clip";
-import type { Span } from "../../state/draft";
-import { note, refuse } from "../../state/notes";
-import { kept } from "../../state/settings";
+import type { Clip } from "../../state/clip/clip";
+import type { Span } from "../../state/editing/draft";
+import { note, refuse } from "../../state/session/notes";
+import { kept } from "../../state/session/settings";
 import type { CameraView, Shown } from "../../scene/stage";
 import { w } from "../../words";
 

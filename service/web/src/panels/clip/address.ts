@@ -1,9 +1,9 @@
 /** The view of a clip in the address: frame, loop, selection, camera, tab. Frames in addresses count from 1. */
 import { effect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import type { Clip } from "../../state/clip";
-import { noteParams, param } from "../../state/route";
-import { timeJump } from "../../state/shell";
+import type { Clip } from "../../state/clip/clip";
+import { noteParams, param } from "../../state/session/route";
+import { timeJump } from "../../state/session/shell";
 
 export function useAddress(clip: Clip): void {
   useEffect(() => {

@@ -1,11 +1,11 @@
 /** The keys of the clip page. */
 import { useEffect } from "preact/hooks";
 import { ask } from "../../api/client";
-import type { Clip } from "../../state/clip";
-import { besideIds, putBeside } from "../../state/comparison";
-import { offer, type Command } from "../../state/keys";
-import { note, refuse } from "../../state/notes";
-import { param, setParams } from "../../state/route";
+import type { Clip } from "../../state/clip/clip";
+import { besideIds, putBeside } from "../../state/clip/comparison";
+import { offer, type Command } from "../../state/session/keys";
+import { note, refuse } from "../../state/session/notes";
+import { param, setParams } from "../../state/session/route";
 import { w } from "../../words";
 import { clipActions } from "./actions";
 

@@ -2,11 +2,11 @@
 import { useState } from "preact/hooks";
 import { get, type Schemas } from "../../api/client";
 import { Icon } from "../../ui/icons";
-import { ThumbnailView } from "../../ui/ThumbnailView";
+import { ThumbnailView } from "../../ui/clips/ThumbnailView";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
-import { useClips } from "../../ui/useClips";
-import { useThumbnail } from "../../ui/useThumbnail";
+import { useClips } from "../../ui/clips/useClips";
+import { useThumbnail } from "../../ui/clips/useThumbnail";
 import { number, w } from "../../words";
 import { carry, type Board, type Taken } from "./board";
 

@@ -1,11 +1,11 @@
 /** The composition as it will move: the server makes its positions without storing anything. */
 import { signal, useSignal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
-import { previewOf } from "../../motion/preview";
-import { Player } from "../../state/player";
+import { previewOf } from "../../motion/loading/preview";
+import { Player } from "../../state/clip/player";
 import { Icon } from "../../ui/icons";
-import { MotionView, type Actor } from "../../ui/MotionView";
-import { Scrubber } from "../../ui/Scrubber";
+import { MotionView, type Actor } from "../../ui/playing/MotionView";
+import { Scrubber } from "../../ui/playing/Scrubber";
 import { w } from "../../words";
 import type { Board } from "./board";
 import { facts } from "./facts";

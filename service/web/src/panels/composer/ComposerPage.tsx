@@ -1,12 +1,12 @@
 /** A new clip of stored ones: pieces in a row, trimmed, ordered, with layers upon them, seen before they are saved. */
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { ask, type Schemas } from "../../api/client";
-import { subject } from "../../state/shell";
-import { stepFor } from "../../motion/preview";
-import { asSegments, LONGEST, sizeOf } from "../../state/composition";
-import { offer } from "../../state/keys";
-import { note, refuse } from "../../state/notes";
-import { go, setParams } from "../../state/route";
+import { subject } from "../../state/session/shell";
+import { stepFor } from "../../motion/loading/preview";
+import { asSegments, LONGEST, sizeOf } from "../../state/editing/composition";
+import { offer } from "../../state/session/keys";
+import { note, refuse } from "../../state/session/notes";
+import { go, setParams } from "../../state/session/route";
 import { Icon } from "../../ui/icons";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";

@@ -1,9 +1,9 @@
 /** What is chosen of the storyboard, as fields: a piece, a seam, a layer. All that a drag does, a field does too. */
 import { useState } from "preact/hooks";
-import { PARTS, partNamed, partsOf } from "../../motion/parts";
-import { FASTEST, LONGEST, SLOWEST, sizeOf, type Layer, type Piece, type Style } from "../../state/composition";
+import { PARTS, partNamed, partsOf } from "../../motion/body/parts";
+import { FASTEST, LONGEST, SLOWEST, sizeOf, type Layer, type Piece, type Style } from "../../state/editing/composition";
 import { Dialog } from "../../ui/Dialog";
-import { NumberField } from "../../ui/NumberField";
+import { NumberField } from "../../ui/forms/NumberField";
 import { Icon, type IconName } from "../../ui/icons";
 import { number, w, type Word } from "../../words";
 import type { Board } from "./board";

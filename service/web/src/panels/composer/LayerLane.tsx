@@ -1,7 +1,7 @@
 /** The layers on one piece: where each begins, how long it lasts. Edges trim, the middle moves, a drop adds one. */
 import { useSignal } from "@preact/signals";
-import { partNamed } from "../../motion/parts";
-import { sizeOf, type Layer, type Piece } from "../../state/composition";
+import { partNamed } from "../../motion/body/parts";
+import { sizeOf, type Layer, type Piece } from "../../state/editing/composition";
 import { number, w } from "../../words";
 import { carried, type Board } from "./board";
 import { facts } from "./facts";

@@ -1,9 +1,9 @@
 /** The pieces in their order, as wide as they last; below each the layers on it. Edges trim, the middle moves, seams are pressed. */
-import { itemAt } from "../../motion/lists";
+import { itemAt } from "../../lists";
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { nameColour } from "../../motion/colours";
-import { sizeOf, type Piece, type Stretch } from "../../state/composition";
+import { nameColour } from "../../motion/timeline/colours";
+import { sizeOf, type Piece, type Stretch } from "../../state/editing/composition";
 import { Icon } from "../../ui/icons";
 import { number, w } from "../../words";
 import { carried, type Board } from "./board";

@@ -1,5 +1,5 @@
 /** The storyboard that is open: its steps, what of it is chosen, and what can be done with it. */
-import { itemAt } from "../../motion/lists";
+import { itemAt } from "../../lists";
 import { computed, signal } from "@preact/signals";
 import {
   learnt,
@@ -15,10 +15,10 @@ import {
   type Layer,
   type Piece,
   type Storyboard,
-} from "../../state/composition";
-import { param } from "../../state/route";
-import { kept } from "../../state/settings";
-import { Steps } from "../../state/steps";
+} from "../../state/editing/composition";
+import { param } from "../../state/session/route";
+import { kept } from "../../state/session/settings";
+import { Steps } from "../../state/editing/steps";
 import { w } from "../../words";
 import { facts } from "./facts";
 

@@ -1,11 +1,11 @@
 /** What is known of the clips of a storyboard: asked once each. */
 import { signal } from "@preact/signals";
 import { get } from "../../api/client";
-import { usualPart } from "../../motion/parts";
-import type { Skeleton } from "../../motion/skeleton";
-import { motionOf } from "../../motion/source";
-import type { Stretch } from "../../state/composition";
-import { refuse } from "../../state/notes";
+import { usualPart } from "../../motion/body/parts";
+import type { Skeleton } from "../../motion/body/skeleton";
+import { motionOf } from "../../motion/loading/source";
+import type { Stretch } from "../../state/editing/composition";
+import { refuse } from "../../state/session/notes";
 
 export interface Facts {
   name: string;

@@ -1,4 +1,4 @@
-import type { Part } from "../../motion/parts";
+import type { Part } from "../../motion/body/parts";
 import type { Word } from "../../words";
 
 export const PART_WORDS = {

@@ -1,6 +1,6 @@
 /** What the repository says of a composition, and what of it a person should look at. */
 import type { Schemas } from "../../api/client";
-import type { Skeleton } from "../../motion/skeleton";
+import type { Skeleton } from "../../motion/body/skeleton";
 
 export type Composed = Schemas["Composed"] & { step: number; skeleton: Skeleton };
 export type Seam = Schemas["ComposedSeam"];

@@ -1,5 +1,5 @@
 /** Edges that are dragged: which frame one comes to, snapping to named stretches; Alt does not snap. */
-import { snapped, type Stretch } from "../../state/composition";
+import { snapped, type Stretch } from "../../state/editing/composition";
 
 const EDGE = 8; // px at either end
 const REACH = 8; // px within which an edge snaps

@@ -1,10 +1,10 @@
 /** A bar that moves in a small picture: the frames of its clip, seen from the front and a little from the side. */
-import { itemAt, numberAt } from "../../motion/lists";
+import { itemAt, numberAt } from "../../lists";
 import { useEffect, useRef } from "preact/hooks";
-import { motionOf, type Motion } from "../../motion/source";
-import { reducedMotion } from "../../state/settings";
+import { motionOf, type Motion } from "../../motion/loading/source";
+import { reducedMotion } from "../../state/session/settings";
 import { penOf } from "../../ui/canvas";
-import { inksNow } from "../../ui/ThumbnailView";
+import { inksNow } from "../../ui/clips/ThumbnailView";
 import type { Place } from "./bench";
 
 const [ACROSS, DEPTH] = [0.87, 0.5];

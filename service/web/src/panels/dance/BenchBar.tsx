@@ -1,13 +1,13 @@
 /** What is danced to: a tempo by number, taps or music, how long, from which seed; dry run and making of it. */
-import { itemAt } from "../../motion/lists";
+import { itemAt } from "../../lists";
 import { useState } from "preact/hooks";
 import { address, ask, fetched, get } from "../../api/client";
 import { partOf, resultOf } from "../../api/results";
-import { cancelJob, jobs, runAnalysis } from "../../state/jobs";
-import { note, refuse } from "../../state/notes";
-import { go, param, route, setParams } from "../../state/route";
+import { cancelJob, jobs, runAnalysis } from "../../state/session/jobs";
+import { note, refuse } from "../../state/session/notes";
+import { go, param, route, setParams } from "../../state/session/route";
 import { Icon } from "../../ui/icons";
-import { NumberField } from "../../ui/NumberField";
+import { NumberField } from "../../ui/forms/NumberField";
 import { Trouble } from "../../ui/Trouble";
 import { number, w } from "../../words";
 import { USUAL_BARS, USUAL_BPM, type Bench } from "./bench";

@@ -1,9 +1,9 @@
 /** The speed of a clip with its beats, what was refused, and its bars: all of it can be pressed, dragged, and walked by keys. */
-import { itemAt } from "../../motion/lists";
+import { itemAt } from "../../lists";
 import { effect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { nearestBeat, snapped } from "../../motion/dancing";
-import { colour, look } from "../../state/settings";
+import { nearestBeat, snapped } from "../../motion/dance/dancing";
+import { colour, look } from "../../state/session/settings";
 import { number } from "../../words";
 import type { Bench } from "./bench";
 import { drawLane, NEAR, type Dragged } from "./drawLane";

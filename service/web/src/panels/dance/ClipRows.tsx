@@ -1,7 +1,7 @@
 /** The clips of the bench: tempo and its rivals, beats and bars, each by itself. */
-import { entryOf } from "../../motion/lists";
+import { entryOf } from "../../lists";
 import { useState } from "preact/hooks";
-import { refuse } from "../../state/notes";
+import { refuse } from "../../state/session/notes";
 import { Icon } from "../../ui/icons";
 import { Trouble } from "../../ui/Trouble";
 import { number, w } from "../../words";

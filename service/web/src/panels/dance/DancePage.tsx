@@ -2,11 +2,11 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Schemas } from "../../api/client";
 import { resultOf, type Result } from "../../api/results";
-import { subject } from "../../state/shell";
-import { offer } from "../../state/keys";
-import { refuse } from "../../state/notes";
-import { param, setParams } from "../../state/route";
-import { selectionNow, useMembers } from "../../ui/ClipSelection";
+import { subject } from "../../state/session/shell";
+import { offer } from "../../state/session/keys";
+import { refuse } from "../../state/session/notes";
+import { param, setParams } from "../../state/session/route";
+import { selectionNow, useMembers } from "../../ui/clips/ClipSelection";
 import { Tabs } from "../../ui/Tabs";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";

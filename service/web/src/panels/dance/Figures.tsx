@@ -1,11 +1,11 @@
 /** A dance in figures, in plain words beside the classic blend; its transitions, each to be seen; saving and export. */
-import { itemAt } from "../../motion/lists";
+import { itemAt } from "../../lists";
 import { useState } from "preact/hooks";
 import { address, ask, get } from "../../api/client";
 import { partOf, rowsOf, type Result } from "../../api/results";
-import { note } from "../../state/notes";
-import { AskName } from "../../ui/AskName";
-import { exportItems } from "../../ui/exports";
+import { note } from "../../state/session/notes";
+import { AskName } from "../../ui/forms/AskName";
+import { exportItems } from "../../ui/exporting/exports";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
 import { useAsync } from "../../ui/useAsync";

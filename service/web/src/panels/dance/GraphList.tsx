@@ -1,5 +1,5 @@
 /** The graph as a table: the same bars and edges, for keys and for those who do not see it. */
-import { itemAt } from "../../motion/lists";
+import { itemAt } from "../../lists";
 import { number } from "../../words";
 import type { Edge, Graph, Node } from "./graph";
 import { d } from "./words";

@@ -1,9 +1,9 @@
 /** Which bar may follow which: drawn, with a threshold that is tried at once; as a list too. */
 import { useMemo, useState } from "preact/hooks";
 import { resultOf } from "../../api/results";
-import { readAllowed, toggled, writeAllowed } from "../../motion/dancing";
-import { cancelJob, jobs, runAnalysis } from "../../state/jobs";
-import { param, setParams } from "../../state/route";
+import { readAllowed, toggled, writeAllowed } from "../../motion/dance/dancing";
+import { cancelJob, jobs, runAnalysis } from "../../state/session/jobs";
+import { param, setParams } from "../../state/session/route";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { number, w } from "../../words";

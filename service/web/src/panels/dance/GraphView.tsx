@@ -1,7 +1,7 @@
 /** The graph, drawn: nodes are bars, their loops move under the pointer; an edge that is pressed plays. Laid out in a worker. */
-import { itemAt, numberAt } from "../../motion/lists";
+import { itemAt, numberAt } from "../../lists";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import { colour, look } from "../../state/settings";
+import { colour, look } from "../../state/session/settings";
 import { penOf } from "../../ui/canvas";
 import { number } from "../../words";
 import { BarLoop } from "./BarLoop";

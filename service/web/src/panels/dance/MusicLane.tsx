@@ -1,7 +1,7 @@
 /** The outline of the music with its beats; dragged, it says where in it the dance begins. */
-import { numberAt } from "../../motion/lists";
+import { numberAt } from "../../lists";
 import { useEffect, useRef } from "preact/hooks";
-import { colour, look } from "../../state/settings";
+import { colour, look } from "../../state/session/settings";
 import { penOf } from "../../ui/canvas";
 import { number } from "../../words";
 import { offsetNow, setOffset } from "./keys";

@@ -1,7 +1,7 @@
 /** The bars of the dance in order: which stand there, and which alone may. */
 import { rowsOf, type Result } from "../../api/results";
-import { readAllowed, writeAllowed } from "../../motion/dancing";
-import { param, setParams } from "../../state/route";
+import { readAllowed, writeAllowed } from "../../motion/dance/dancing";
+import { param, setParams } from "../../state/session/route";
 import { number } from "../../words";
 import { USUAL_BARS, type Bench } from "./bench";
 import { d } from "./words";

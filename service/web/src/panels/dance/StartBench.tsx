@@ -1,8 +1,8 @@
 /** Before there is a bench: the clips it is made of, and what was made of others. */
 import { useState } from "preact/hooks";
 import { get } from "../../api/client";
-import { go } from "../../state/route";
-import { ClipSelection, selectionNow, useMembers } from "../../ui/ClipSelection";
+import { go } from "../../state/session/route";
+import { ClipSelection, selectionNow, useMembers } from "../../ui/clips/ClipSelection";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { when } from "../../words";

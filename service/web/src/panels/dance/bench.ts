@@ -2,11 +2,11 @@
 import { computed, signal } from "@preact/signals";
 import { ApiError, ask } from "../../api/client";
 import { resultOf, type Result } from "../../api/results";
-import { accepted, movedBeat, readAllowed, withBeat, withoutBeat, type Beat } from "../../motion/dancing";
-import { dropJob, runAnalysis, type Job } from "../../state/jobs";
-import type { Player } from "../../state/player";
-import { param } from "../../state/route";
-import { Steps } from "../../state/steps";
+import { accepted, movedBeat, readAllowed, withBeat, withoutBeat, type Beat } from "../../motion/dance/dancing";
+import { dropJob, runAnalysis, type Job } from "../../state/session/jobs";
+import type { Player } from "../../state/clip/player";
+import { param } from "../../state/session/route";
+import { Steps } from "../../state/editing/steps";
 import type { Music } from "./music";
 import { readRows, type ClipRow } from "./rows";
 

@@ -1,5 +1,5 @@
 /** Draws a clip's row: speed, pins, crosses, bars, playhead. */
-import { colour } from "../../state/settings";
+import { colour } from "../../state/session/settings";
 import { penOf } from "../../ui/canvas";
 import type { ClipRow } from "./rows";
 

@@ -1,5 +1,5 @@
 /** The graph of bars as the bench draws it. */
-import { itemAt, numberAt } from "../../motion/lists";
+import { itemAt, numberAt } from "../../lists";
 import { partOf, applyResult, type Result } from "../../api/results";
 import type { Schemas } from "../../api/client";
 import type { Place } from "./bench";

@@ -1,8 +1,8 @@
 /** Keys of the bench: what a pointer does on a clip's row, and the beat of the tempo. */
 import { signal } from "@preact/signals";
-import { tapped, tempoOf } from "../../motion/tempo";
-import type { Command } from "../../state/keys";
-import { param, setParams } from "../../state/route";
+import { tapped, tempoOf } from "../../motion/dance/tempo";
+import type { Command } from "../../state/session/keys";
+import { param, setParams } from "../../state/session/route";
 import type { Bench } from "./bench";
 
 /** Taps of the tempo so far, ms. */

@@ -1,5 +1,5 @@
 /** Lays out a graph beside the page, so that nothing waits for it. */
-import { layOut, type Link } from "../../motion/layout";
+import { layOut, type Link } from "../../motion/dance/layout";
 
 export interface LayoutWish {
   turn: number;

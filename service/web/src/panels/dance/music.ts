@@ -1,7 +1,7 @@
 /** A piece of music: its beats as the server found them, its sound and outline as the browser reads it. */
-import { numberAt } from "../../motion/lists";
+import { numberAt } from "../../lists";
 import { address, fetched, get, type Schemas } from "../../api/client";
-import { peaksOf } from "../../motion/peaks";
+import { peaksOf } from "../../motion/dance/peaks";
 
 const MOST_DECODED = 5 * 60; // seconds; what is longer plays from the file
 const PEAKS = 4000;

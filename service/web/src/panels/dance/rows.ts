@@ -1,6 +1,6 @@
 /** What the analysis `beats` says of each clip, as the bench draws it. Seconds from the first frame. */
 import { partOf, rowsOf, type Result } from "../../api/results";
-import type { Beat } from "../../motion/dancing";
+import type { Beat } from "../../motion/dance/dancing";
 
 export interface Candidate {
   at: number;

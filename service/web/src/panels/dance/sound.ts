@@ -1,8 +1,8 @@
 /** The sound of a dance: music and clicks by Web Audio, whose clock leads the picture. The context is made on the first press. */
 import { effect } from "@preact/signals";
-import { AudioClock } from "../../motion/audioClock";
-import { clicksBetween } from "../../motion/clicks";
-import { kept } from "../../state/settings";
+import { AudioClock } from "../../motion/dance/audioClock";
+import { clicksBetween } from "../../motion/dance/clicks";
+import { kept } from "../../state/session/settings";
 import type { Music } from "./music";
 
 const FADE = 0.008; // seconds

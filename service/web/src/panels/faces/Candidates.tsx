@@ -1,5 +1,5 @@
 /** The candidates of a level as a list of faces. */
-import { numberAt } from "../../motion/lists";
+import { numberAt } from "../../lists";
 import { useEffect } from "preact/hooks";
 import { FaceThumb } from "./FaceThumb";
 import { type Level, type Space } from "./space";

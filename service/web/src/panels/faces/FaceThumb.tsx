@@ -1,8 +1,8 @@
 /** A face as dots, small: for candidates and keys of a path. */
-import { numberAt } from "../../motion/lists";
+import { numberAt } from "../../lists";
 import { useEffect, useRef } from "preact/hooks";
-import { seenFrom } from "../../motion/faces";
-import { colour, look } from "../../state/settings";
+import { seenFrom } from "../../motion/faces/faces";
+import { colour, look } from "../../state/session/settings";
 import { penOf } from "../../ui/canvas";
 import type { Space } from "./space";
 

@@ -2,9 +2,9 @@
 import { effect, type ReadonlySignal } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { FaceStage, type Skin } from "../../scene/face";
-import { note } from "../../state/notes";
-import { param, setParams } from "../../state/route";
-import { colour, look } from "../../state/settings";
+import { note } from "../../state/session/notes";
+import { param, setParams } from "../../state/session/route";
+import { colour, look } from "../../state/session/settings";
 import { f } from "./words";
 import type { Space } from "./space";
 

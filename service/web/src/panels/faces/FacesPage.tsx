@@ -1,11 +1,11 @@
 /** The expression space: a map one walks on from face to face, coarse to fine; the walk is an animation. */
-import { itemAt, numberAt } from "../../motion/lists";
+import { itemAt, numberAt } from "../../lists";
 import { computed, signal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { applyResult, type Result } from "../../api/results";
-import { subject } from "../../state/shell";
-import { note, refuse } from "../../state/notes";
-import { go, param, setParams } from "../../state/route";
+import { subject } from "../../state/session/shell";
+import { note, refuse } from "../../state/session/notes";
+import { go, param, setParams } from "../../state/session/route";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w } from "../../words";

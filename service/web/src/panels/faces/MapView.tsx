@@ -1,10 +1,10 @@
 /** The map: all frames on the graphics card; over them candidates, links, the path, and where the animation is. */
-import { numberAt } from "../../motion/lists";
+import { numberAt } from "../../lists";
 import { effect, type ReadonlySignal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
-import { Grid } from "../../motion/grid";
+import { Grid } from "../../motion/faces/grid";
 import { Cloud, type View } from "../../scene/cloud";
-import { colour, look } from "../../state/settings";
+import { colour, look } from "../../state/session/settings";
 import { Icon } from "../../ui/icons";
 import { f } from "./words";
 import { MOST_LINKS, type Level, type Space } from "./space";

@@ -1,10 +1,10 @@
 /** Before there is a map: the takes it is made of, and the maps that were made. */
 import { useState } from "preact/hooks";
 import { get, type Schemas } from "../../api/client";
-import { cancelJob, jobs, runAnalysis } from "../../state/jobs";
-import { go } from "../../state/route";
-import { ClipSelection, selectionNow, useMembers } from "../../ui/ClipSelection";
-import { SchemaForm, type Values } from "../../ui/SchemaForm";
+import { cancelJob, jobs, runAnalysis } from "../../state/session/jobs";
+import { go } from "../../state/session/route";
+import { ClipSelection, selectionNow, useMembers } from "../../ui/clips/ClipSelection";
+import { SchemaForm, type Values } from "../../ui/forms/SchemaForm";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when } from "../../words";

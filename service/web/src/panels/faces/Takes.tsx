@@ -1,5 +1,5 @@
 /** The clips of the expression space by name, each shown or dimmed. */
-import { setParams } from "../../state/route";
+import { setParams } from "../../state/session/route";
 import { type Space } from "./space";
 import { f } from "./words";
 

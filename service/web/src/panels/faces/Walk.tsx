@@ -1,15 +1,15 @@
 /** A path that is made: played on the face, moved as a cross on the map; refined into versions; saved and exported. */
-import { itemAt, numberAt } from "../../motion/lists";
+import { itemAt, numberAt } from "../../lists";
 import { computed, signal, type Signal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { address, fetched, get, type Schemas } from "../../api/client";
 import { makeMotion, resultOf, applyResult, type Result } from "../../api/results";
-import { Player } from "../../state/player";
-import { note, refuse } from "../../state/notes";
-import { go } from "../../state/route";
+import { Player } from "../../state/clip/player";
+import { note, refuse } from "../../state/session/notes";
+import { go } from "../../state/session/route";
 import { Menu } from "../../ui/Menu";
-import { PlayBar } from "../../ui/PlayBar";
-import { saveBlob } from "../../ui/saveBlob";
+import { PlayBar } from "../../ui/playing/PlayBar";
+import { saveBlob } from "../../ui/exporting/saveBlob";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { Icon } from "../../ui/icons";

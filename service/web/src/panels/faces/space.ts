@@ -1,10 +1,10 @@
 /** A space of expressions as the panel needs it: places, levels, links and faces, fetched once, faces as they are looked at. */
-import { itemAt, numberAt } from "../../motion/lists";
+import { itemAt, numberAt } from "../../lists";
 import { signal } from "@preact/signals";
 import { ApiError, type Schemas } from "../../api/client";
 import { partOf, arrayOf, resultOf, rowsOf, applyResult, type Result } from "../../api/results";
-import { facingOf, type Facing } from "../../motion/faces";
-import { neighboursOf, shortestRoute, type Links, type Neighbour } from "../../motion/routes";
+import { facingOf, type Facing } from "../../motion/faces/faces";
+import { neighboursOf, shortestRoute, type Links, type Neighbour } from "../../motion/faces/routes";
 
 export interface Level {
   number: number;

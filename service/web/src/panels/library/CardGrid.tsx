@@ -1,7 +1,7 @@
 /** Cards in rows of a virtual list. Arrows go from card to card, a click opens, Ctrl and Shift pick. */
 import { useEffect, useRef, useState } from "preact/hooks";
-import * as library from "../../state/library";
-import { go } from "../../state/route";
+import * as library from "../../state/library/library";
+import { go } from "../../state/session/route";
 import { VirtualList } from "../../ui/VirtualList";
 import { w } from "../../words";
 import { CardView } from "./CardView";

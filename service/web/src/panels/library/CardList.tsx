@@ -1,8 +1,8 @@
 /** The same clips as rows of a table. */
 import { useState } from "preact/hooks";
-import * as library from "../../state/library";
-import { go } from "../../state/route";
-import { ThumbnailView } from "../../ui/ThumbnailView";
+import * as library from "../../state/library/library";
+import { go } from "../../state/session/route";
+import { ThumbnailView } from "../../ui/clips/ThumbnailView";
 import { VirtualList } from "../../ui/VirtualList";
 import { duration, number, rate, w, when } from "../../words";
 import { pickBy } from "./picking";

@@ -1,10 +1,10 @@
 import { useState } from "preact/hooks";
-import { nameColour } from "../../motion/colours";
-import * as library from "../../state/library";
-import type { Card } from "../../state/library";
+import { nameColour } from "../../motion/timeline/colours";
+import * as library from "../../state/library/library";
+import type { Card } from "../../state/library/library";
 import { Icon } from "../../ui/icons";
-import { ThumbnailView } from "../../ui/ThumbnailView";
-import { prefetch } from "../../state/prefetch";
+import { ThumbnailView } from "../../ui/clips/ThumbnailView";
+import { prefetch } from "../../state/session/prefetch";
 import { duration, rate, w } from "../../words";
 import { pickBy } from "./picking";
 

@@ -1,8 +1,8 @@
 /** What the list can be narrowed by, with counts within the filter. A facet's own choice does not count against it. */
 import { get, type Schemas } from "../../api/client";
-import * as library from "../../state/library";
-import { param, route, setParams } from "../../state/route";
-import { nameColour } from "../../motion/colours";
+import * as library from "../../state/library/library";
+import { param, route, setParams } from "../../state/session/route";
+import { nameColour } from "../../motion/timeline/colours";
 import { useAsync } from "../../ui/useAsync";
 import { SavedFilters, useCollections } from "./SavedFilters";
 import { Histogram } from "./Histogram";

@@ -1,10 +1,10 @@
 /** Numbers of clips by a range of numbers: dragged over, pressed, or given in two fields. */
-import { numberAt } from "../../motion/lists";
+import { numberAt } from "../../lists";
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import type { Schemas } from "../../api/client";
-import { isInRange, rangeOfBins, readRange, writeRange } from "../../state/ranges";
-import { NumberField } from "../../ui/NumberField";
+import { isInRange, rangeOfBins, readRange, writeRange } from "../../state/library/ranges";
+import { NumberField } from "../../ui/forms/NumberField";
 import { number, w } from "../../words";
 
 export function Histogram({

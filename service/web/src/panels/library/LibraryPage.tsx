@@ -1,20 +1,20 @@
 /** Cards of all clips under a filter, facets beside them, a preview of the one that is looked at. */
 import { useEffect } from "preact/hooks";
 import { get } from "../../api/client";
-import { subject } from "../../state/shell";
+import { subject } from "../../state/session/shell";
 import { lazy } from "../../ui/lazy";
-import { offer } from "../../state/keys";
-import { mayEdit } from "../../state/me";
-import * as library from "../../state/library";
-import { facetsWide, leftFolded, previewOpen, previewWide } from "../../state/panes";
-import { go, param, setParams } from "../../state/route";
+import { offer } from "../../state/session/keys";
+import { mayEdit } from "../../state/session/me";
+import * as library from "../../state/library/library";
+import { facetsWide, leftFolded, previewOpen, previewWide } from "../../state/session/panes";
+import { go, param, setParams } from "../../state/session/route";
 import { Icon } from "../../ui/icons";
 import { Splitter } from "../../ui/Splitter";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
-import { isDemoAlone, welcomed } from "../../state/welcome";
+import { isDemoAlone, welcomed } from "../../state/session/welcome";
 import { w } from "../../words";
-import { chooseFiles } from "../../state/uploads";
+import { chooseFiles } from "../../state/importing/uploads";
 import { CardGrid } from "./CardGrid";
 import { CardList } from "./CardList";
 import { Facets } from "./Facets";

@@ -1,7 +1,7 @@
 /** The motion of a file that is not stored. */
 import { useMemo } from "preact/hooks";
-import { numbersOf, wholeOf, type Told } from "../../motion/preview";
-import { WholeMotion } from "../../ui/WholeMotion";
+import { numbersOf, wholeOf, type Told } from "../../motion/loading/preview";
+import { WholeMotion } from "../../ui/playing/WholeMotion";
 import { w } from "../../words";
 
 export function LookedMotion({ told }: { told: Told }) {

@@ -1,19 +1,19 @@
 /** What can be done with the clips that are picked. */
 import { useEffect, useState } from "preact/hooks";
 import { ask, fetched, address } from "../../api/client";
-import { saveBlob } from "../../ui/saveBlob";
-import * as library from "../../state/library";
-import { askMe, mayEdit } from "../../state/me";
-import { note, refuse } from "../../state/notes";
-import { collectionsChanged } from "../../state/collections";
-import { go } from "../../state/route";
-import { namesLike } from "../../state/vocabulary";
-import { AskName } from "../../ui/AskName";
+import { saveBlob } from "../../ui/exporting/saveBlob";
+import * as library from "../../state/library/library";
+import { askMe, mayEdit } from "../../state/session/me";
+import { note, refuse } from "../../state/session/notes";
+import { collectionsChanged } from "../../state/library/collections";
+import { go } from "../../state/session/route";
+import { namesLike } from "../../state/library/vocabulary";
+import { AskName } from "../../ui/forms/AskName";
 import { Dialog } from "../../ui/Dialog";
 import { Icon } from "../../ui/icons";
-import { askWritable, unwritable } from "../../ui/exports";
+import { askWritable, unwritable } from "../../ui/exporting/exports";
 import { Menu } from "../../ui/Menu";
-import { ShareDialog } from "../../ui/ShareDialog";
+import { ShareDialog } from "../../ui/exporting/ShareDialog";
 import { w } from "../../words";
 import { ToProject } from "./ToProject";
 

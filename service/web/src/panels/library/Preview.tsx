@@ -1,14 +1,14 @@
 /** The card that is looked at, large, with its passport and what can be done with it. */
-import { nameColour } from "../../motion/colours";
-import * as library from "../../state/library";
-import { mayEdit } from "../../state/me";
-import { confirmFact } from "../../state/uploads";
-import { go } from "../../state/route";
+import { nameColour } from "../../motion/timeline/colours";
+import * as library from "../../state/library/library";
+import { mayEdit } from "../../state/session/me";
+import { confirmFact } from "../../state/importing/uploads";
+import { go } from "../../state/session/route";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
-import { ThumbnailView } from "../../ui/ThumbnailView";
+import { ThumbnailView } from "../../ui/clips/ThumbnailView";
 import { duration, number, rate, w, when } from "../../words";
-import { exportItems } from "../../ui/exports";
+import { exportItems } from "../../ui/exporting/exports";
 
 export function Preview() {
   void library.version.value;

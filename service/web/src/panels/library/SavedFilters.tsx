@@ -1,12 +1,12 @@
 /** Filters under names: saved, chosen by one press, shared by the address that they become. */
 import { useState } from "preact/hooks";
 import { ask, get, type Schemas } from "../../api/client";
-import { collectionsChanged } from "../../state/collections";
-import { addressOf, asConditions, asFilter, sameFilter, type Filter } from "../../state/filters";
-import * as library from "../../state/library";
-import { note, refuse } from "../../state/notes";
-import { go, route } from "../../state/route";
-import { AskName } from "../../ui/AskName";
+import { collectionsChanged } from "../../state/library/collections";
+import { addressOf, asConditions, asFilter, sameFilter, type Filter } from "../../state/library/filters";
+import * as library from "../../state/library/library";
+import { note, refuse } from "../../state/session/notes";
+import { go, route } from "../../state/session/route";
+import { AskName } from "../../ui/forms/AskName";
 import { Icon } from "../../ui/icons";
 import { useAsync } from "../../ui/useAsync";
 import { w } from "../../words";

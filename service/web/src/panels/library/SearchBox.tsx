@@ -1,9 +1,9 @@
 /** One box: words, motion names that become chips, or XPath from its first slash. */
 import { useEffect, useState } from "preact/hooks";
-import { filter } from "../../state/library";
-import { setParams } from "../../state/route";
-import { loadVocabulary, namesLike } from "../../state/vocabulary";
-import { nameColour } from "../../motion/colours";
+import { filter } from "../../state/library/library";
+import { setParams } from "../../state/session/route";
+import { loadVocabulary, namesLike } from "../../state/library/vocabulary";
+import { nameColour } from "../../motion/timeline/colours";
 import { Icon } from "../../ui/icons";
 import { w } from "../../words";
 

@@ -1,7 +1,7 @@
 /** By what the library is ordered, and in which direction; headings of the list say and do the same. */
-import * as library from "../../state/library";
-import { setParams } from "../../state/route";
-import { asSort, COLUMNS, pressed, type Column, type Order } from "../../state/sorting";
+import * as library from "../../state/library/library";
+import { setParams } from "../../state/session/route";
+import { asSort, COLUMNS, pressed, type Column, type Order } from "../../state/library/sorting";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
 import { w, type Word } from "../../words";

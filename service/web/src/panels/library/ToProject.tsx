@@ -1,8 +1,8 @@
 /** Copy or move the picked clips into a project, one that is there or a new one. */
 import { useState } from "preact/hooks";
 import { ask, get } from "../../api/client";
-import * as library from "../../state/library";
-import { note, refuse } from "../../state/notes";
+import * as library from "../../state/library/library";
+import { note, refuse } from "../../state/session/notes";
 import { Dialog } from "../../ui/Dialog";
 import { useAsync } from "../../ui/useAsync";
 import { w } from "../../words";

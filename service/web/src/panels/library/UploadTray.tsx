@@ -1,8 +1,8 @@
 /** What comes in: each file's progress, and its receipt in plain words with what was guessed to be confirmed. */
-import { itemAt } from "../../motion/lists";
+import { itemAt } from "../../lists";
 import { useState } from "preact/hooks";
-import { looked } from "../../state/inspect";
-import { timeLeft } from "../../state/pace";
+import { looked } from "../../state/importing/inspect";
+import { timeLeft } from "../../state/importing/pace";
 import {
   addFiles,
   cancel,
@@ -15,10 +15,10 @@ import {
   undoImport,
   uploads,
   type Upload,
-} from "../../state/uploads";
-import { folderOf } from "../../state/dropped";
-import { FACTS, ORIGINS, shownValue, type Fact } from "../../motion/calibration";
-import type { Told } from "../../motion/preview";
+} from "../../state/importing/uploads";
+import { folderOf } from "../../state/importing/dropped";
+import { FACTS, ORIGINS, shownValue, type Fact } from "../../motion/body/calibration";
+import type { Told } from "../../motion/loading/preview";
 import { lazy } from "../../ui/lazy";
 import { Dialog } from "../../ui/Dialog";
 import { Icon } from "../../ui/icons";

@@ -1,13 +1,13 @@
 /** The first start: one loop that plays large, and three ways to begin. Gone for good when it is closed. */
 import { useEffect, useMemo } from "preact/hooks";
 import { get } from "../../api/client";
-import { motionOf } from "../../motion/source";
-import { Player } from "../../state/player";
-import { reducedMotion } from "../../state/settings";
-import { chooseFiles } from "../../state/uploads";
-import { welcomed } from "../../state/welcome";
+import { motionOf } from "../../motion/loading/source";
+import { Player } from "../../state/clip/player";
+import { reducedMotion } from "../../state/session/settings";
+import { chooseFiles } from "../../state/importing/uploads";
+import { welcomed } from "../../state/session/welcome";
 import { Icon, type IconName } from "../../ui/icons";
-import { MotionView, type Actor } from "../../ui/MotionView";
+import { MotionView, type Actor } from "../../ui/playing/MotionView";
 import { useAsync } from "../../ui/useAsync";
 import { w, type Word } from "../../words";
 

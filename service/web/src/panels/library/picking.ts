@@ -1,5 +1,5 @@
 /** Picking cards with Ctrl and Shift, as in file managers. */
-import * as library from "../../state/library";
+import * as library from "../../state/library/library";
 
 let anchor = -1;
 

@@ -2,7 +2,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { address, fetched, get, type Problem, type Schemas } from "../../api/client";
 import { jsonLines } from "../../api/lines";
-import * as library from "../../state/library";
+import * as library from "../../state/library/library";
 import { Dialog } from "../../ui/Dialog";
 import { Icon } from "../../ui/icons";
 import { Trouble } from "../../ui/Trouble";

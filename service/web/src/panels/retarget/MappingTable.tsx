@@ -1,7 +1,7 @@
 /** Which joint of the motion moves which joint of the body; doubtful ones first, each with its reason. */
-import { numberAt } from "../../motion/lists";
+import { numberAt } from "../../lists";
 import type { Schemas } from "../../api/client";
-import { SIDE_TOKENS, type Skeleton } from "../../motion/skeleton";
+import { SIDE_TOKENS, type Skeleton } from "../../motion/body/skeleton";
 import { number, w } from "../../words";
 
 export interface Pair {

@@ -1,5 +1,5 @@
 /** How a motion is put on a body, with what each choice means. */
-import { NumberField } from "../../ui/NumberField";
+import { NumberField } from "../../ui/forms/NumberField";
 import { number, w, type Word } from "../../words";
 
 export interface Choices {

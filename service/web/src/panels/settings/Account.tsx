@@ -1,9 +1,9 @@
 /** Who one is here, one's tokens; and for owners, the people of the repository. */
-import { entryOf } from "../../motion/lists";
+import { entryOf } from "../../lists";
 import { useState } from "preact/hooks";
 import { ask, get, type Schemas } from "../../api/client";
-import { note, refuse } from "../../state/notes";
-import { AskName } from "../../ui/AskName";
+import { note, refuse } from "../../state/session/notes";
+import { AskName } from "../../ui/forms/AskName";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when, type Word } from "../../words";

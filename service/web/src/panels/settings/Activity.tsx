@@ -1,9 +1,9 @@
 /** What was done, by whom and when: the newest first, heard while one looks. */
 import { useEffect, useRef, useState } from "preact/hooks";
 import { get, type Schemas } from "../../api/client";
-import { commented, news } from "../../state/events";
-import { param, setParams } from "../../state/route";
-import { language } from "../../state/settings";
+import { commented, news } from "../../state/session/events";
+import { param, setParams } from "../../state/session/route";
+import { language } from "../../state/session/settings";
 import { Icon } from "../../ui/icons";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";

@@ -1,8 +1,8 @@
 /** Make a project of the file that an export gave: chosen or dropped, named, watched, told. */
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Schemas } from "../../api/client";
-import { dropHere } from "../../state/drop";
-import { note } from "../../state/notes";
+import { dropHere } from "../../state/importing/drop";
+import { note } from "../../state/session/notes";
 import { Icon } from "../../ui/icons";
 import { Trouble } from "../../ui/Trouble";
 import { number, w } from "../../words";

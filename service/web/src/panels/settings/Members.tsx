@@ -1,8 +1,8 @@
 /** Who belongs to a project, and the links into it that were given away. */
-import { entryOf } from "../../motion/lists";
+import { entryOf } from "../../lists";
 import { useState } from "preact/hooks";
 import { ask, get, type Schemas } from "../../api/client";
-import { note, refuse } from "../../state/notes";
+import { note, refuse } from "../../state/session/notes";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when } from "../../words";

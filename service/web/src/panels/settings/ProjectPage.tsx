@@ -1,9 +1,9 @@
 /** A project: how much is in it and may be, its archive, its file, its people. */
 import { useState } from "preact/hooks";
 import { address, ask, get, type Schemas } from "../../api/client";
-import { note, refuse } from "../../state/notes";
-import { go, param, setParams } from "../../state/route";
-import { AskName } from "../../ui/AskName";
+import { note, refuse } from "../../state/session/notes";
+import { go, param, setParams } from "../../state/session/route";
+import { AskName } from "../../ui/forms/AskName";
 import { Dialog } from "../../ui/Dialog";
 import { Icon } from "../../ui/icons";
 import { Trouble } from "../../ui/Trouble";

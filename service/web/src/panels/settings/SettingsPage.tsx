@@ -2,10 +2,10 @@
 import type { Signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { get } from "../../api/client";
-import { subject } from "../../state/shell";
+import { subject } from "../../state/session/shell";
 import { lazy } from "../../ui/lazy";
-import { route } from "../../state/route";
-import { language, singleKeys, swapSides, theme, timeAs } from "../../state/settings";
+import { route } from "../../state/session/route";
+import { language, singleKeys, swapSides, theme, timeAs } from "../../state/session/settings";
 import { useAsync } from "../../ui/useAsync";
 import { w, type Word } from "../../words";
 import { Account } from "./Account";

@@ -1,8 +1,8 @@
 /** The motion names that a project agrees on: what they mean there, and their colours. */
 import { useState } from "preact/hooks";
 import { ask, get, type Schemas } from "../../api/client";
-import { nameColour } from "../../motion/colours";
-import { refuse } from "../../state/notes";
+import { nameColour } from "../../motion/timeline/colours";
+import { refuse } from "../../state/session/notes";
 import { Icon } from "../../ui/icons";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";

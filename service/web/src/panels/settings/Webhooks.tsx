@@ -1,7 +1,7 @@
 /** Addresses that the server tells of what was done, and the log of what it sent there. */
 import { useEffect, useState } from "preact/hooks";
 import { ask, get, type Schemas } from "../../api/client";
-import { note, refuse } from "../../state/notes";
+import { note, refuse } from "../../state/session/notes";
 import { Dialog } from "../../ui/Dialog";
 import { Icon, type IconName } from "../../ui/icons";
 import { Trouble } from "../../ui/Trouble";

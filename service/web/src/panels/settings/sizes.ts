@@ -1,5 +1,5 @@
 /** Amounts of bytes, in decimal units as disks have them. */
-import { language } from "../../state/settings";
+import { language } from "../../state/session/settings";
 
 export const UNITS = { megabyte: 1e6, gigabyte: 1e9, terabyte: 1e12 } as const;
 export type Unit = keyof typeof UNITS;

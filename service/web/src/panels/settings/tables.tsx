@@ -1,7 +1,7 @@
 /** Tables of people, tokens and links, and words for what they may do. */
 import type { ComponentChildren } from "preact";
-import { language } from "../../state/settings";
-import { copyText } from "../../state/notes";
+import { language } from "../../state/session/settings";
+import { copyText } from "../../state/session/notes";
 import { w, type Word } from "../../words";
 
 export const day = (iso: string): string =>

@@ -2,13 +2,13 @@
 import { effect } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { address, ask, below, type Schemas } from "../../api/client";
-import { motionOf, type Motion } from "../../motion/source";
-import { Player } from "../../state/player";
-import { language } from "../../state/settings";
+import { motionOf, type Motion } from "../../motion/loading/source";
+import { Player } from "../../state/clip/player";
+import { language } from "../../state/session/settings";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
-import { MotionView, type Actor } from "../../ui/MotionView";
-import { PlayBar } from "../../ui/PlayBar";
+import { MotionView, type Actor } from "../../ui/playing/MotionView";
+import { PlayBar } from "../../ui/playing/PlayBar";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { duration, w } from "../../words";

@@ -1,6 +1,6 @@
 /** Answers that are no runs: one value, values, nodes; each with the document that it is of. */
 import { useEffect, useState } from "preact/hooks";
-import { copyText } from "../../state/notes";
+import { copyText } from "../../state/session/notes";
 import { get, type Schemas } from "../../api/client";
 import { number, w } from "../../words";
 

@@ -1,9 +1,9 @@
 /** What was found and how fast; copies, exports, a new clip of all frame ranges. */
 import { useState } from "preact/hooks";
 import { address, ask, type Schemas } from "../../api/client";
-import { needsToken } from "../../state/me";
-import { copyText, note, refuse } from "../../state/notes";
-import { go } from "../../state/route";
+import { needsToken } from "../../state/session/me";
+import { copyText, note, refuse } from "../../state/session/notes";
+import { go } from "../../state/session/route";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
 import { w } from "../../words";

@@ -1,8 +1,8 @@
 /** The answer as a table: frame ranges or items; what is picked is played or read beside it. */
 import type { HTMLAttributes } from "preact";
 import { useMemo, useState } from "preact/hooks";
-import { go } from "../../state/route";
-import { RunPlayer } from "../../ui/RunPlayer";
+import { go } from "../../state/session/route";
+import { RunPlayer } from "../../ui/playing/RunPlayer";
 import { VirtualList } from "../../ui/VirtualList";
 import { number, w } from "../../words";
 import { ItemCells, ItemHead, OneValue, shapeOf, WholeValue, type Item } from "./Answer";

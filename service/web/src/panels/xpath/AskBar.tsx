@@ -1,8 +1,8 @@
 /** The scope of a query and the form of its answer; queries kept and asked before. */
 import { get } from "../../api/client";
-import { asked } from "../../state/queries";
-import { param, setParams } from "../../state/route";
-import { kept } from "../../state/settings";
+import { asked } from "../../state/library/queries";
+import { param, setParams } from "../../state/session/route";
+import { kept } from "../../state/session/settings";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
 import { useAsync } from "../../ui/useAsync";

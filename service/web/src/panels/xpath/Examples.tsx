@@ -1,6 +1,6 @@
 /** Questions to begin with: each finds something in this library where anything can. */
 import { useEffect } from "preact/hooks";
-import { inUse, loadVocabulary } from "../../state/vocabulary";
+import { inUse, loadVocabulary } from "../../state/library/vocabulary";
 import { w, type Word } from "../../words";
 import { literal } from "./builder";
 

@@ -1,8 +1,8 @@
 /** Questions that the team saved, and saving one. */
 import { useState } from "preact/hooks";
 import { ask, get } from "../../api/client";
-import { note } from "../../state/notes";
-import { AskName } from "../../ui/AskName";
+import { note } from "../../state/session/notes";
+import { AskName } from "../../ui/forms/AskName";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
 import { useAsync } from "../../ui/useAsync";

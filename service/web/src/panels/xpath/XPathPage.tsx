@@ -1,10 +1,10 @@
 /** Ask the library: editor, answer as a table, its runs playing one after the other. */
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { EditorView } from "@codemirror/view";
-import { offer } from "../../state/keys";
-import { askMe } from "../../state/me";
-import { param } from "../../state/route";
-import { subject } from "../../state/shell";
+import { offer } from "../../state/session/keys";
+import { askMe } from "../../state/session/me";
+import { param } from "../../state/session/route";
+import { subject } from "../../state/session/shell";
 import { Trouble } from "../../ui/Trouble";
 import { w } from "../../words";
 import type { Run } from "./answered";

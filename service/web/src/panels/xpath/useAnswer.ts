@@ -1,7 +1,7 @@
 /** The answer that the page shows: asks, stops what was asked before, adds pages. */
 import { useRef, useState } from "preact/hooks";
-import { remember } from "../../state/queries";
-import { param, setParams } from "../../state/route";
+import { remember } from "../../state/library/queries";
+import { param, setParams } from "../../state/session/route";
 import { extended, fetchAnswer, type Answered } from "./answered";
 
 const formOf = (): Answered["as"] => (param("as") === "nodes" ? "json" : "runs");

@@ -1,0 +1,195 @@
+/** What can be asked of a body in motion, as a curve over the clip; a threshold on it writes the question. */
+import { useMemo, useState } from "preact/hooks";
+import { get } from "../../../api/client";
+import { quantityOf } from "../../../motion/loading/blocks";
+import {
+  ANGLE,
+  argumentOf,
+  expression,
+  JOINT_KINDS,
+  KINDS,
+  known,
+  rounded,
+  startOf,
+  textOf,
+  UNITS,
+  type Asked,
+  type Kind,
+} from "../../../motion/body/quantities";
+import type { Clip } from "../../../state/clip/clip";
+import { go, param, setParams } from "../../../state/session/route";
+import { Trouble } from "../../../ui/Trouble";
+import { useAsync } from "../../../ui/useAsync";
+import { number, w, type Word } from "../../../words";
+import { Alike } from "./Alike";
+import { Curve } from "./BodyCurve";
+import { Calibrated } from "./Calibration";
+import { Unknown } from "./UnknownMeasure";
+
+const WORDS: Record<Kind, Word> = {
+  height: "quantityHeight",
+  speed: "quantitySpeed",
+  acceleration: "quantityAcceleration",
+  angle: "quantityAngle",
+  contact: "quantityContact",
+  heading: "quantityHeading",
+};
+
+export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
+  const asked = startOf(
+    param("quantity"),
+    clip.selection.value.bones[0],
+    clip.skeleton.view.bones.map((bone) => bone.name),
+  );
+  const text = textOf(asked);
+  const choose = (next: Asked) => setParams({ quantity: textOf(next) });
+  const angles = useAsync((signal) => get("/xpath/complete", { query: { q: ANGLE }, signal }), []);
+  const curve = useAsync((signal) => quantityOf(clip.id, clip.detail.revision, text, signal), [clip, text]);
+  const [limit, setLimit] = useState<{ of: string; at: number; above: boolean } | null>(null);
+  const values = curve.value;
+  const span = useMemo(() => (values ? known(values) : null), [values]);
+  const mine = limit?.of === text ? limit : span && { of: text, at: rounded((span.low + span.high) / 2), above: true };
+  const frame = clip.player.playing.value ? clip.player.frame.peek() : clip.player.frame.value;
+  const question = mine && expression(asked, mine.at, mine.above);
+  const hits =
+    values && mine
+      ? values.reduce(
+          (sum, value) =>
+            sum + Number(asked.kind === "contact" ? value === 1 : mine.above ? value > mine.at : value < mine.at),
+          0,
+        )
+      : 0;
+  const loop = clip.player.loop.value;
+  const [alike, setAlike] = useState<{ first: number; last?: number } | null>(null);
+  const search = (q: string) => go(`/xpath?q=${encodeURIComponent(q)}`);
+  const bones = clip.skeleton.view.bones.map((bone) => bone.name);
+  return (
+    <div class="graph">
+      <div class="row wrap graph-tools">
+        <select
+          class="field"
+          aria-label={w("quantity")}
+          value={asked.kind}
+          onChange={(event) =>
+            choose({
+              kind: event.currentTarget.value as Kind,
+              argument: argumentOf(event.currentTarget.value as Kind, asked, bones),
+            })
+          }
+        >
+          {KINDS.map((kind) => (
+            <option key={kind} value={kind}>
+              {w(WORDS[kind])}
+            </option>
+          ))}
+        </select>
+        {JOINT_KINDS.has(asked.kind) && (
+          <select
+            class="field"
+            aria-label={w("joints")}
+            value={asked.argument}
+            onChange={(event) => choose({ ...asked, argument: event.currentTarget.value })}
+          >
+            {bones.map((name) => (
+              <option key={name}>{name}</option>
+            ))}
+          </select>
+        )}
+        {asked.kind === "angle" && (
+          <select
+            class="field"
+            aria-label={w("quantityAngle")}
+            value={asked.argument}
+            onChange={(event) => choose({ ...asked, argument: event.currentTarget.value })}
+          >
+            {[
+              ...new Set([
+                asked.argument,
+                ...(angles.value?.items ?? []).filter((one) => one.kind === "angle").map((one) => one.text),
+              ]),
+            ].map((name) => (
+              <option key={name}>{name}</option>
+            ))}
+          </select>
+        )}
+        <span class="tail" />
+        <button
+          type="button"
+          class="button"
+          disabled={!clip.frames}
+          title={w("posesLikeHelp")}
+          onClick={() => setAlike({ first: frame + 1 })}
+        >
+          {w("posesLike")}
+        </button>
+        {loop && (
+          <button
+            type="button"
+            class="button"
+            title={w("motionsLikeHelp")}
+            onClick={() => setAlike({ first: loop[0] + 1, last: loop[1] + 1 })}
+          >
+            {w("motionsLike", { first: number(loop[0] + 1), last: number(loop[1] + 1) })}
+          </button>
+        )}
+      </div>
+      <Trouble error={curve.error} retry={curve.again} />
+      {curve.busy && !values && <div class="busy" />}
+      {values && !span && <Unknown clip={clip} kind={asked.kind} reload={reload} />}
+      {values && span && mine && (
+        <Curve
+          clip={clip}
+          values={values}
+          label={text}
+          unit={UNITS[asked.kind]}
+          limit={asked.kind === "contact" ? null : mine.at}
+          above={mine.above}
+          onLimit={(at) => setLimit({ ...mine, at })}
+        />
+      )}
+      {values && span && mine && question && (
+        <div class="curve-tools" role="group" aria-label={w("quantityAsk")}>
+          <span class="row wrap">
+            {asked.kind !== "contact" && (
+              <div class="segments" role="group" aria-label={w("threshold")}>
+                <button type="button" aria-pressed={mine.above} onClick={() => setLimit({ ...mine, above: true })}>
+                  {w("above")}
+                </button>
+                <button type="button" aria-pressed={!mine.above} onClick={() => setLimit({ ...mine, above: false })}>
+                  {w("below")}
+                </button>
+              </div>
+            )}
+            {asked.kind !== "contact" && (
+              <label class="row">
+                <input
+                  class="field number"
+                  type="number"
+                  step="any"
+                  aria-label={w("threshold")}
+                  value={mine.at}
+                  onChange={(event) => {
+                    const at = Number(event.currentTarget.value);
+                    if (event.currentTarget.value !== "" && Number.isFinite(at)) setLimit({ ...mine, at });
+                  }}
+                />
+                <span class="dim">{UNITS[asked.kind]}</span>
+              </label>
+            )}
+            <span class="dim" role="status">
+              {w("framesFound", { n: hits, all: number(clip.frames) })}
+            </span>
+          </span>
+          <span class="row wrap code-line">
+            <code>{question}</code>
+            <button type="button" class="button primary dense" onClick={() => search(question)}>
+              {w("askLibrary")}
+            </button>
+          </span>
+        </div>
+      )}
+      <Calibrated clip={clip} reload={reload} />
+      {alike && <Alike clip={clip} {...alike} onClose={() => setAlike(null)} />}
+    </div>
+  );
+}

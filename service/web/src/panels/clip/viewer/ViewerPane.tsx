@@ -1,0 +1,288 @@
+/** The clip in three dimensions, with what the passport says of its units beside it. */
+import { itemAt, numberAt } from "../../../lists";
+import { effect } from "@preact/signals";
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { Skeleton } from "../../../motion/body/skeleton";
+import type { Clip } from "../../../state/clip/clip";
+import type { Compared as Earlier } from "../../../state/clip/compared";
+import { noteParams, param } from "../../../state/session/route";
+import { colour, look } from "../../../state/session/settings";
+import { Stage, type CameraView } from "../../../scene/stage";
+import { Icon } from "../../../ui/icons";
+import { Menu } from "../../../ui/Menu";
+import { Trouble } from "../../../ui/Trouble";
+import { rate, w } from "../../../words";
+import { cameraView, clipActions, frameAsked, shown } from "../actions";
+import { saveFilm, savePicture } from "./pictures";
+import { bodiesBeside } from "./bodiesBeside";
+import { Compared } from "./Compare";
+import { floorOf, metresText, niceStep } from "./ground";
+import { Reference } from "../document/Reference";
+import { restPose, restShown, type RestPose } from "./restPose";
+
+const GHOST_SECONDS = [-0.2, -0.1, 0.1, 0.2];
+const TRAIL_SECONDS = 1;
+
+export function ViewerPane({ clip }: { clip: Clip }) {
+  const host = useRef<HTMLDivElement>(null);
+  const stage = useRef<Stage | null>(null);
+  const rest = useRef<RestPose | null>(null);
+  const words = useRef<HTMLParagraphElement>(null);
+  const [noWebgl, setNoWebgl] = useState<unknown>(null);
+  const [grid, setGrid] = useState(0.5);
+  const { skeleton, player, detail } = clip;
+
+  useEffect(() => {
+    let made: Stage;
+    try {
+      made = new Stage(host.current!, colour);
+    } catch (error) {
+      setNoWebgl(error);
+      return;
+    }
+    stage.current = made;
+    const actor = made.add(skeleton);
+    let ghost = -1;
+    let framed = false;
+    let floorFrom = -1;
+    const stops: (() => void)[] = [
+      effect(() => {
+        clip.blocks.arrived.value;
+        clip.channels.arrived.value;
+        const frame = player.frame.value;
+        const old = clip.flipped.value ? clip.compared.value : null;
+        old?.blocks.arrived.value;
+        const positions = old ? positionsThen(old, frame, skeleton) : clip.positions(frame);
+        const show = shown.value;
+        made.shown = show;
+        made.selected = new Set(clip.selection.value.bones.map((name) => skeleton.byName.get(name)!));
+        made.pose(actor, {
+          positions,
+          before: show.ghosts ? ghostsOf(clip, frame) : [null, null, null, null],
+          trail: show.trails ? trailsOf(clip, frame, [...made.selected]) : [],
+        });
+        const overview = clip.blocks.overview();
+        const version = clip.blocks.arrived.peek();
+        if (overview && floorFrom !== version && (floorFrom < 0 || overview.values.length)) {
+          floorFrom = version;
+          const floor = floorOf(skeleton, overview.values);
+          const step = niceStep(skeleton.height);
+          made.setFloor(floor, step);
+          setGrid(step);
+        }
+        if (positions && !framed) {
+          framed = true;
+          made.frame(cameraView.peek());
+          if (param("cam")) made.cameraText = param("cam");
+          performance.mark("first-frame");
+        }
+      }),
+      effect(() => {
+        const other = clip.compared.value;
+        if (!other || clip.flipped.value) {
+          if (ghost >= 0) made.pose(ghost, { positions: null, before: [], trail: [] });
+          return;
+        }
+        if (ghost < 0) ghost = made.add(skeleton, { dim: true });
+        other.blocks.arrived.value;
+        made.pose(ghost, { positions: positionsThen(other, player.frame.value, skeleton), before: [], trail: [] });
+      }),
+      effect(() => {
+        look.value;
+        made.recolour();
+      }),
+      effect(() => {
+        const view = cameraView.value;
+        if (framed) made.frame(view);
+      }),
+      effect(() => {
+        if (frameAsked.value && framed) made.frame(cameraView.peek(), [...made.selected]);
+      }),
+      effect(() => {
+        if (!player.playing.value && words.current)
+          words.current.textContent = w("viewerWords", {
+            name: detail.name,
+            frame: player.frame.value + 1,
+            n: clip.frames,
+          });
+      }),
+    ];
+    rest.current = restPose(clip, made);
+    stops.push(bodiesBeside(clip, made, actor));
+    made.onCamera = () => framed && noteParams({ cam: made.cameraText });
+    return () => {
+      for (const stop of stops) stop();
+      rest.current?.stop();
+      made.close();
+      stage.current = null;
+    };
+  }, [clip]);
+
+  const pulling = useRef(false);
+  const press = useRef<[number, number] | null>(null);
+  const place = (event: PointerEvent): [number, number] => {
+    const box = host.current!.getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
+  };
+  const toggles = ["follow", "ghosts", "trails", "names", "axes", "rest"] as const;
+  const passport = (
+    <div class="passport">
+      <span class={detail.unit ? "" : "guess"} title={w("unit")}>
+        {skeleton.view.likely_unit ?? w("unitUnknown")}
+      </span>
+      <span class={detail.seconds_per_frame ? "" : "guess"} title={w("rateWord")}>
+        {rate(detail.seconds_per_frame)}
+      </span>
+      <span class={detail.up ? "" : "guess"} title={w("up")}>
+        {skeleton.view.likely_up}
+      </span>
+    </div>
+  );
+  return (
+    <div class="viewer">
+      <div class="viewer-tools row">
+        <Menu
+          label={w("view")}
+          className="button quiet dense"
+          items={(["persp", "front", "side", "top"] as CameraView[]).map((one) => ({
+            text: w(one),
+            checked: cameraView.value === one,
+            run: () => {
+              cameraView.value = one;
+              frameAsked.value++;
+            },
+          }))}
+        >
+          {w(cameraView.value)}
+          <Icon name="down" />
+        </Menu>
+        {toggles.map((one) => (
+          <button
+            key={one}
+            type="button"
+            class="button quiet dense"
+            aria-pressed={one === "rest" ? restShown() : shown.value[one]}
+            onClick={() => clipActions.toggle(one)}
+          >
+            {w(one === "names" ? "jointNames" : one === "rest" ? "restPose" : one)}
+          </button>
+        ))}
+        <span class="grow" />
+        {passport}
+        <Menu
+          label={w("picture")}
+          className="button quiet icon dense"
+          side="right"
+          items={[
+            { text: w("picture"), detail: "PNG", run: () => stage.current && void savePicture(stage.current, clip) },
+            { text: w("film"), detail: "WebM", run: () => stage.current && void saveFilm(stage.current, clip) },
+          ]}
+        >
+          <Icon name="more" />
+        </Menu>
+      </div>
+      <div
+        ref={host}
+        class="stage"
+        role="img"
+        aria-label={w("viewerWords", { name: detail.name, frame: player.frame.peek() + 1, n: clip.frames })}
+        tabIndex={0}
+        onPointerDownCapture={(event) => {
+          press.current = place(event);
+          pulling.current = !event.button && Boolean(rest.current?.grab(...press.current));
+          if (pulling.current) event.currentTarget.setPointerCapture(event.pointerId);
+        }}
+        onPointerMove={(event) => {
+          if (pulling.current) {
+            rest.current!.pull(...place(event));
+            return;
+          }
+          const made = stage.current;
+          if (!made || event.buttons) return;
+          const near = made.pick(...place(event));
+          const found = near?.actor === 0 ? near.point : -1;
+          if (found !== made.hovered) {
+            made.hovered = found;
+            made.ask();
+          }
+        }}
+        onPointerCancel={() => {
+          pulling.current = false;
+          rest.current?.drop();
+        }}
+        onPointerUp={(event) => {
+          if (pulling.current) {
+            pulling.current = false;
+            rest.current!.drop();
+            return;
+          }
+          const [x, y] = place(event);
+          const moved = press.current ? Math.hypot(x - press.current[0], y - press.current[1]) : 9;
+          if (moved > 4 || event.button) return;
+          const found = stage.current?.pick(x, y);
+          const name = found?.actor === 0 && itemAt(skeleton.view.bones, found.point).name;
+          if (!name) {
+            clip.select([]);
+            return;
+          }
+          const before = clip.selection.peek().bones;
+          if (event.ctrlKey || event.shiftKey)
+            clip.select(before.includes(name) ? before.filter((one) => one !== name) : [...before, name]);
+          else clip.select([name]);
+        }}
+      >
+        {noWebgl !== null && <Trouble error={noWebgl} />}
+        {clip.frames === 0 && <div class="empty">{w("noFrames")}</div>}
+        <span class="grid-label dim">
+          {w("gridOf", { size: metresText(grid) })}
+          {!skeleton.unitKnown && <span class="guess" />}
+        </span>
+      </div>
+      {detail.media && <Reference clip={clip} media={detail.media} />}
+      {clip.blocks.trouble.value !== null && (
+        <Trouble error={clip.blocks.trouble.value} retry={() => clip.blocks.want(player.frame.peek())} />
+      )}
+      <Compared clip={clip} />
+      <p ref={words} class="unseen" aria-live="polite" />
+    </div>
+  );
+}
+
+/** The same frame as another revision has it, from the open one's origin; null where it has none. */
+function positionsThen(other: Earlier, frame: number, { view }: Skeleton): Float32Array | null {
+  const place = other.at(frame);
+  const found = place === null ? null : other.blocks.frame(place);
+  return found && found.map((one, at) => one + other.origin[at % 3]! - view.origin[at % 3]!);
+}
+
+function ghostsOf(clip: Clip, frame: number): (Float32Array | null)[] {
+  return GHOST_SECONDS.map((seconds) => {
+    const at = frame + Math.round(seconds * clip.player.perSecond);
+    return at >= 0 && at < clip.frames && clip.blocks.has(at) ? clip.positions(at, false) : null;
+  });
+}
+
+/** Lines of the selected points, or of hands and feet, a second before and after. */
+function trailsOf(clip: Clip, frame: number, points: number[]): Float32Array[] {
+  const { skeleton, player, frames } = clip;
+  const chosen = points.length
+    ? points
+    : ["left_hand", "right_hand", "left_foot", "right_foot"]
+        .map((name) => skeleton.byName.get(name) ?? -1)
+        .filter((one) => one >= 0);
+  const around = Math.round(TRAIL_SECONDS * player.perSecond);
+  const step = Math.max(1, Math.round(player.perSecond / 60));
+  return chosen.map((point) => {
+    const line: number[] = [];
+    for (let at = Math.max(0, frame - around); at <= Math.min(frames - 1, frame + around); at += step) {
+      const positions = clip.blocks.has(at) ? clip.positions(at, false) : null;
+      if (positions)
+        line.push(
+          numberAt(positions, point * 3),
+          numberAt(positions, point * 3 + 1),
+          numberAt(positions, point * 3 + 2),
+        );
+    }
+    return Float32Array.from(line);
+  });
+}

@@ -1,0 +1,99 @@
+/** Choose clips by their names and moving pictures. */
+import { useState } from "preact/hooks";
+import { w } from "../../words";
+import { Dialog } from "../Dialog";
+import { Icon } from "../icons";
+import { ThumbnailView } from "./ThumbnailView";
+import { Trouble } from "../Trouble";
+import { useClips } from "./useClips";
+import "../../styles/chooser.css";
+
+export function ClipChooser({
+  label,
+  chosen,
+  onChoose,
+}: {
+  label: string;
+  chosen: string | undefined;
+  onChoose: (id: string) => void;
+}) {
+  const [open, setOpen] = useState(false);
+  return (
+    <>
+      <button type="button" class="button" onClick={() => setOpen(true)}>
+        <span class="dim">{label}:</span> <strong>{chosen ?? w("choose")}</strong>
+        <Icon name="down" />
+      </button>
+      {open && (
+        <Chooser
+          title={label}
+          onClose={() => setOpen(false)}
+          onChoose={(id) => {
+            setOpen(false);
+            onChoose(id);
+          }}
+        />
+      )}
+    </>
+  );
+}
+
+/** chosen: ids of those that are; the dialog then stays open, and a press takes one in or out. without: not offered. */
+export function Chooser({
+  title,
+  help,
+  chosen,
+  most = Infinity,
+  without,
+  onClose,
+  onChoose,
+}: {
+  title: string;
+  help?: string;
+  chosen?: readonly string[];
+  most?: number;
+  without?: string;
+  onClose: () => void;
+  onChoose: (id: string) => void;
+}) {
+  const [text, setText] = useState("");
+  const [hovered, setHovered] = useState("");
+  const clips = useClips(text);
+  return (
+    <Dialog title={title} onClose={onClose} wide>
+      {help && <p class="dim chooser-help">{help}</p>}
+      <input
+        class="field chooser-search"
+        type="search"
+        autoFocus
+        aria-label={w("search")}
+        placeholder={w("search")}
+        value={text}
+        onInput={(event) => setText(event.currentTarget.value)}
+      />
+      <Trouble error={clips.error} retry={clips.again} />
+      <div class="chooser">
+        {(clips.value ?? [])
+          .filter((one) => one.id !== without)
+          .map((one) => {
+            const taken = chosen?.includes(one.id);
+            return (
+              <button
+                key={one.id}
+                type="button"
+                class="chooser-card"
+                aria-pressed={taken}
+                disabled={taken === false && chosen!.length >= most}
+                onPointerEnter={() => setHovered(one.id)}
+                onFocus={() => setHovered(one.id)}
+                onClick={() => onChoose(one.id)}
+              >
+                <ThumbnailView thumbnail={one.thumb} runs={hovered === one.id || Boolean(taken)} label={one.name} />
+                <span class="cut block">{one.name}</span>
+              </button>
+            );
+          })}
+      </div>
+    </Dialog>
+  );
+}

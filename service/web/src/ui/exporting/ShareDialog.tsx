@@ -1,0 +1,102 @@
+/** A link by which somebody without an account sees some clips. */
+import { useState } from "preact/hooks";
+import { ask, type Schemas } from "../../api/client";
+import { note, refuse } from "../../state/session/notes";
+import { w } from "../../words";
+import { Dialog } from "../Dialog";
+import "../../styles/shared.css";
+
+const FORMATS = ["bvh", "asf-amc", "htr", "c3d", "trc", "glb", "mcml", "csv"] as const;
+
+export function ShareDialog({ ids, onClose }: { ids: string[]; onClose: () => void }) {
+  const [given, setGiven] = useState({ name: "", days: 14, latest: true });
+  const [formats, setFormats] = useState<Schemas["ShareRequest"]["formats"]>([]);
+  const [link, setLink] = useState("");
+  const make = async (event: Event) => {
+    event.preventDefault();
+    try {
+      const made = await ask("post", "/shares", { body: { ...given, documents: ids, formats } });
+      setLink(location.origin + made.path);
+    } catch (error) {
+      refuse(error);
+    }
+  };
+  const copy = async () => {
+    await navigator.clipboard.writeText(link);
+    note(w("copied"));
+  };
+  const choose = (format: (typeof FORMATS)[number], on: boolean) =>
+    setFormats((formats ?? []).filter((one) => one !== format).concat(on ? [format] : []));
+  if (link) {
+    return (
+      <Dialog title={w("shareLink")} onClose={onClose}>
+        <div class="share-form">
+          <p>{w("shareMade")}</p>
+          <code class="share-link">{link}</code>
+          <p class="row">
+            <button type="button" class="button primary" onClick={() => void copy()}>
+              {w("copy")}
+            </button>
+            <a class="button" href={link} target="_blank" rel="noreferrer">
+              {w("open")}
+            </a>
+          </p>
+        </div>
+      </Dialog>
+    );
+  }
+  return (
+    <Dialog title={w("shareLink")} onClose={onClose}>
+      <form class="share-form" onSubmit={(event) => void make(event)}>
+        <p class="dim">{w("shareHelp", { n: ids.length })}</p>
+        <label>
+          {w("shareFor")}{" "}
+          <input
+            class="field"
+            required
+            maxLength={256}
+            value={given.name}
+            onInput={(event) => setGiven({ ...given, name: event.currentTarget.value })}
+          />
+        </label>
+        <label>
+          {w("shareDays")}{" "}
+          <input
+            class="field"
+            type="number"
+            min={1}
+            max={365}
+            value={given.days}
+            onInput={(event) => setGiven({ ...given, days: Number(event.currentTarget.value) })}
+          />
+        </label>
+        <label class="row">
+          <input
+            type="checkbox"
+            checked={given.latest}
+            onChange={(event) => setGiven({ ...given, latest: event.currentTarget.checked })}
+          />{" "}
+          {w("shareLatest")}
+        </label>
+        <fieldset>
+          <legend>{w("shareFormats")}</legend>
+          <div class="checks">
+            {FORMATS.map((format) => (
+              <label key={format} class="row">
+                <input
+                  type="checkbox"
+                  checked={formats?.includes(format)}
+                  onChange={(event) => choose(format, event.currentTarget.checked)}
+                />{" "}
+                {format.toUpperCase()}
+              </label>
+            ))}
+          </div>
+        </fieldset>
+        <p class="row">
+          <button class="button primary">{w("makeLink")}</button>
+        </p>
+      </form>
+    </Dialog>
+  );
+}
