@@ -16,6 +16,7 @@ describe.each(PAGES)("the page $name", (row) => {
     expect(Boolean(row.go)).toBe(Boolean(row.key));
     if (row.go) expect(en).toHaveProperty(row.go);
     if (row.rail) expect(icons).toContain(row.icon);
+    if (row.rail) expect(row.key).toBeDefined();
     if (row.within) expect(rowOf(row.within)?.rail).toBeDefined();
     expect(await load(row)).toBeTypeOf("function");
   });

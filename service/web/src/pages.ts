@@ -21,6 +21,8 @@ export interface PageRow extends PageAddress {
   within?: string;
   /** Whether it shows the ends of the jobs that it started. */
   jobs?: boolean;
+  /** The analyses that have their window here. */
+  analyses?: string[];
   /** Its component, which has the name of the file, below panels/. */
   file: string;
 }
@@ -31,6 +33,10 @@ const MODULES: Partial<Record<string, () => Promise<unknown>>> = import.meta.glo
 
 // A unit test checks that words, icons and files exist.
 export const PAGES = rows as PageRow[];
+
+/** The page that is the window of an analysis. */
+export const windowOf = (analysis: string): PageRow | undefined =>
+  PAGES.find((one) => one.analyses?.includes(analysis));
 
 export const rowOf = (name: string): PageRow | undefined => PAGES.find((one) => one.name === name);
 

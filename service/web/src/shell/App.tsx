@@ -24,7 +24,7 @@ followPrefetch(async (name) => {
   if (row) await load(row);
 });
 
-/** Commands that open pages; those without a key of their own are in the rail alone. */
+/** Commands that open the pages of the rail. */
 const toPages = (): Command[] =>
   PAGES.flatMap(({ name, path, go: word, key }) =>
     word && key ? [{ id: `go-${name}`, word, keys: [`G then ${key}`], run: () => go(path) }] : [],

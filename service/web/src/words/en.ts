@@ -2,7 +2,7 @@
 export const en = {
   blender: "Motion blender", dance: "Dance bench", faces: "Expression space", analyses: "Analyses", goBlender: "Go to the motion blender",
   addBeat: "Add a beat", acceptTracked: "Accept tracked beats", tapTempo: "Tap the tempo", soundEarlier: "Sound 10 ms earlier", soundLater: "Sound 10 ms later",
-  goDance: "Go to the dance bench", goFaces: "Go to the expression space", jobs: "Jobs", jobsNone: "Nothing runs. Analyses that you start are listed here.",
+  goAnalyses: "Go to the analyses", goDance: "Go to the dance bench", goFaces: "Go to the expression space", jobs: "Jobs", jobsNone: "Nothing runs. Analyses that you start are listed here.",
   reachExamples: "Examples of the model", reachFit: "How well it fits", reachBlend: "Sliders", toNearest: "To the nearest example",
   jobDone: "done", jobFailed: "failed", jobCancelled: "cancelled", jobWaiting: "waiting", openResult: "Open the result", jobEnded: "{name}: done",
   asTable: "As a table", moreOptions: "1 more option|{n} more options", outOfRange: "A number from {least} to {most}.", noNumber: "This is no number.",

@@ -4,7 +4,7 @@ import type { en } from "./en";
 export const ko: typeof en = {
   blender: "모션 블렌더", dance: "댄스 벤치", faces: "표정 공간", analyses: "분석", goBlender: "모션 블렌더로 가기",
   addBeat: "비트 추가", acceptTracked: "추적한 비트 받아들이기", tapTempo: "템포 두드리기", soundEarlier: "소리 10 ms 앞으로", soundLater: "소리 10 ms 뒤로",
-  goDance: "댄스 벤치로 가기", goFaces: "표정 공간으로 가기", jobs: "작업", jobsNone: "실행 중인 작업이 없습니다. 시작한 분석이 여기에 나타납니다.",
+  goAnalyses: "분석으로 가기", goDance: "댄스 벤치로 가기", goFaces: "표정 공간으로 가기", jobs: "작업", jobsNone: "실행 중인 작업이 없습니다. 시작한 분석이 여기에 나타납니다.",
   reachExamples: "모델의 예제", reachFit: "적합도", reachBlend: "슬라이더", toNearest: "가장 가까운 예제로",
   jobDone: "완료", jobFailed: "실패", jobCancelled: "취소됨", jobWaiting: "대기 중", openResult: "결과 열기", jobEnded: "{name}: 완료했습니다",
   asTable: "표로 보기", moreOptions: "옵션 {n}개 더", outOfRange: "{least}에서 {most}까지의 수입니다.", noNumber: "수가 아닙니다.",

@@ -1,7 +1,7 @@
 /** Every analysis of the catalogue, each by the form that its schema says: one that is added appears by itself. */
-import { entryOf } from "../../lists";
 import { useEffect, useState } from "preact/hooks";
 import { get, type Schemas } from "../../api/client";
+import { windowOf, type PageRow } from "../../pages";
 import { subject } from "../../state/session/shell";
 import { runAnalysis, jobs, cancelJob, type Job } from "../../state/session/jobs";
 import { go } from "../../state/session/route";
@@ -9,19 +9,11 @@ import { ClipSelection, selectionNow, useMembers } from "../../ui/clips/ClipSele
 import { SchemaForm, type Values } from "../../ui/forms/SchemaForm";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
-import { w, when, type Word } from "../../words";
+import { w, when } from "../../words";
 import { a } from "./words";
 import "../../styles/analyses.css";
 
 type Info = Schemas["AnalysisInfo"];
-
-const WINDOWS: Record<string, { path: string; word: Word }> = {
-  reach: { path: "/reach", word: "blender" },
-  beats: { path: "/dance", word: "dance" },
-  "motion-graph": { path: "/dance", word: "dance" },
-  dance: { path: "/dance", word: "dance" },
-  expression: { path: "/faces", word: "faces" },
-};
 
 export function AnalysesPage({ id }: { id: string }) {
   useEffect(() => {
@@ -51,12 +43,7 @@ function Catalogue({ items }: { items: Info[] }) {
                 <a href={`/analyses/${one.name}`}>{one.title}</a>
               </h2>
               <p>{one.description}</p>
-              {WINDOWS[one.name] && (
-                <p class="dim">
-                  {a("window", { name: w(entryOf(WINDOWS, one.name).word) })}{" "}
-                  <a href={entryOf(WINDOWS, one.name).path}>{w("open")}</a>
-                </p>
-              )}
+              <Window of={windowOf(one.name)} />
             </li>
           ))}
         </ul>
@@ -64,6 +51,15 @@ function Catalogue({ items }: { items: Info[] }) {
       <Recent />
     </div>
   );
+}
+
+/** Where an analysis has a page of its own. */
+function Window({ of }: { of: PageRow | undefined }) {
+  return of ? (
+    <p class="dim">
+      {a("window", { name: w(of.title) })} <a href={of.path}>{w("open")}</a>
+    </p>
+  ) : null;
 }
 
 /** Results, of one analysis or all. */
