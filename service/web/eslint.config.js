@@ -42,7 +42,6 @@ const COMPLEX = {
   "src/panels/retarget/Many.tsx": 32,
   "src/panels/retarget/RetargetPage.tsx": 19,
   "src/panels/settings/ProjectPage.tsx": 18,
-  "src/ui/exporting/exports.ts": 17,
 };
 
 const lines = (max) => ({ "max-lines-per-function": ["error", { max, skipBlankLines: true, skipComments: true }] });

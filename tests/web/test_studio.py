@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from fastapi.testclient import TestClient
 
+from mcml.formats import WRITERS
 from mcml_service.api.studio import PAGES, STATIC, page_addresses
 from service.web.build import WEB, fingerprint, is_current
 from tests.web.types import TYPES, types
@@ -127,6 +128,15 @@ def test_questions_are_asked_in_dialogs_of_the_studio() -> None:
     asks = re.compile(r"(?<![\w.])(window\.)?(prompt|confirm|alert)\(")
     found = [path.name for path in (WEB / "src").rglob("*.ts*") if asks.search(path.read_text(encoding="utf-8"))]
     assert found == [], "the browser's own boxes stop the page: ui/Dialog.tsx, ui/AskName.tsx"
+
+
+def test_no_format_is_named() -> None:
+    """The studio asks the server for formats: one that is added appears in every menu."""
+    named = re.compile(rf"""["'`](?:{"|".join(WRITERS)})["'`]""")
+    sources = [path for path in (WEB / "src").rglob("*.ts*") if ".test." not in path.name]
+    own = [path for path in sources if path.name != "types.gen.ts" and path.parent.name != "testing"]
+    found = [path.name for path in own if named.search(path.read_text(encoding="utf-8"))]
+    assert found == [], "state/session/formats.ts knows them"
 
 
 def test_files_are_short() -> None:

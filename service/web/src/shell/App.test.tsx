@@ -17,8 +17,9 @@ const press = (keys: string) =>
     ?.run();
 
 beforeAll(async () => {
-  // Pages show that they wait: no server answers.
-  vi.stubGlobal("fetch", () => new Promise(() => {}));
+  // The frame is there though the server says nothing; formats are asked once, and other tests ask for them too.
+  const refused = async () => new Response("{}", { status: 404 });
+  vi.stubGlobal("fetch", (url: string) => (url.endsWith("/formats") ? refused() : new Promise(() => {})));
   document.body.append(root);
   followHistory(PAGES);
   await act(() => render(<App />, root));

@@ -2,6 +2,7 @@
 import { useEffect } from "preact/hooks";
 import { load, PAGES, rowOf, type PageRow } from "../pages";
 import { followPrefetch } from "../state/session/prefetch";
+import { formats } from "../state/session/formats";
 import { go, page, route } from "../state/session/route";
 import { copyText } from "../state/session/notes";
 import { drawerOpen, keysOpen, paletteOpen } from "../state/session/shell";
@@ -33,6 +34,7 @@ const toPages = (): Command[] =>
 const VIEWS = new Map(PAGES.map((row) => [row.name, lazy(() => load(row))]));
 
 export function App() {
+  useEffect(() => void formats(), []);
   useEffect(
     () =>
       offer("shell", [

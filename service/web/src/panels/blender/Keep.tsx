@@ -2,6 +2,7 @@
 import { useState } from "preact/hooks";
 import { address, fetched, get } from "../../api/client";
 import { applyResult } from "../../api/results";
+import { extensionOf, isOneFile, writtenFormats } from "../../state/session/formats";
 import { note, refuse } from "../../state/session/notes";
 import { go } from "../../state/session/route";
 import { Dialog } from "../../ui/Dialog";
@@ -15,12 +16,15 @@ import type { Blending } from "./blending";
 import type { Model } from "./model";
 import { b } from "./words";
 
-const FORMATS = [
-  ["mcml", "MCML"],
-  ["bvh", "BVH"],
-  ["htr", "HTR"],
-  ["npy", "NumPy"],
-] as const;
+const NUMBERS = { name: "npy", label: "NumPy", extension: ".npy" };
+
+/** What one motion of a body can be saved as. */
+const kinds = () => [
+  ...writtenFormats("bodies")
+    .filter(isOneFile)
+    .map((one) => ({ name: one.name, label: one.label, extension: extensionOf(one) })),
+  NUMBERS,
+];
 
 export function Keep({
   model,
@@ -35,14 +39,14 @@ export function Keep({
   const wish = () => ({ attributes: blending.values.peek() });
   const suggested = () =>
     `reach, ${model.attributes.map((one) => `${one.name} ${blending.values.peek()[one.name]}`).join(", ")}`;
-  const file = async (format: string) => {
+  const file = async (format: string, extension: string) => {
     try {
       const answer = await fetched(address("/results/{id}/synthesize", { id: model.id }, { format }), {
         method: "POST",
         headers: { "content-type": "application/json" },
         body: JSON.stringify({ parameters: wish() }),
       });
-      saveBlob(await answer.blob(), `${suggested()}.${format}`);
+      saveBlob(await answer.blob(), `${suggested()}${extension}`);
     } catch (error) {
       refuse(error);
     }
@@ -60,8 +64,12 @@ export function Keep({
         label={b("exportMade")}
         className="button"
         side="right"
-        items={[
-          ...FORMATS.map(([format, text]) => ({ text, detail: `.${format}`, run: () => void file(format) })),
+        items={() => [
+          ...kinds().map(({ name, label, extension }) => ({
+            text: label,
+            detail: extension,
+            run: () => void file(name, extension),
+          })),
           { text: b("pictureOfIt"), detail: ".png", run: () => void save() },
         ]}
       >

@@ -5,6 +5,7 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import { address, fetched, get, type Schemas } from "../../api/client";
 import { makeMotion, resultOf, applyResult, type Result } from "../../api/results";
 import { Player } from "../../state/clip/player";
+import { extensionOf, isOneFile, writtenFormats, type Format } from "../../state/session/formats";
 import { note, refuse } from "../../state/session/notes";
 import { go } from "../../state/session/route";
 import { Menu } from "../../ui/Menu";
@@ -27,13 +28,18 @@ export interface Offer {
 
 const FPS = 60;
 const MOST_SAMPLES = 36_000;
-const FORMATS = ["c3d", "trc", "mcml"] as const;
 
 /** What plays: the face, and where it is on the map; both null where nothing does. */
 export interface Playing {
   face: Signal<Float32Array | null>;
   cross: Signal<[number, number] | null>;
 }
+
+/** What one motion of a face can be saved as. */
+const fileItems = (save: (format: Format) => Promise<void>) =>
+  writtenFormats("markers")
+    .filter(isOneFile)
+    .map((format) => ({ text: format.label, run: () => void save(format) }));
 
 export function Walk({
   space,
@@ -140,17 +146,17 @@ export function Walk({
       refuse(error);
     }
   };
-  const download = async (format: string) => {
+  const download = async (format: Format) => {
     try {
       const answer = await fetched(
-        address("/results/{id}/{operation}", { id: path.id, operation: "playback" }, { format }),
+        address("/results/{id}/{operation}", { id: path.id, operation: "playback" }, { format: format.name }),
         {
           method: "POST",
           headers: { "content-type": "application/json" },
           body: JSON.stringify({ parameters: wish }),
         },
       );
-      saveBlob(await answer.blob(), `expression-path.${format}`);
+      saveBlob(await answer.blob(), `expression-path${extensionOf(format)}`);
     } catch (error) {
       refuse(error);
     }
@@ -168,10 +174,7 @@ export function Walk({
         <button type="button" class="button primary" disabled={!made.value} onClick={() => void save()}>
           {f("save")}
         </button>
-        <Menu
-          label={f("export")}
-          items={FORMATS.map((format) => ({ text: format.toUpperCase(), run: () => void download(format) }))}
-        >
+        <Menu label={f("export")} items={() => fileItems(download)}>
           {f("export")}
           <Icon name="down" />
         </Menu>

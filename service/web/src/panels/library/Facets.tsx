@@ -1,6 +1,7 @@
 /** What the list can be narrowed by, with counts within the filter. A facet's own choice does not count against it. */
 import { get, type Schemas } from "../../api/client";
 import * as library from "../../state/library/library";
+import { labelOf } from "../../state/session/formats";
 import { param, route, setParams } from "../../state/session/route";
 import { nameColour } from "../../motion/timeline/colours";
 import { useAsync } from "../../ui/useAsync";
@@ -53,7 +54,7 @@ export function Facets() {
       <Group
         word="format"
         name="format"
-        choices={counts(found.formats).map((one) => ({ ...one, text: one.text.toUpperCase().replace("-", "/") }))}
+        choices={counts(found.formats).map((one) => ({ ...one, text: labelOf(one.value) }))}
       />
       <Lengths found={found.lengths} />
       <Group

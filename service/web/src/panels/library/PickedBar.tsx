@@ -3,6 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 import { ask, fetched, address } from "../../api/client";
 import { saveBlob } from "../../ui/exporting/saveBlob";
 import * as library from "../../state/library/library";
+import { writtenFormats } from "../../state/session/formats";
 import { askMe, mayEdit } from "../../state/session/me";
 import { note, refuse } from "../../state/session/notes";
 import { collectionsChanged } from "../../state/library/collections";
@@ -11,13 +12,10 @@ import { namesLike } from "../../state/library/vocabulary";
 import { AskName } from "../../ui/forms/AskName";
 import { Dialog } from "../../ui/Dialog";
 import { Icon } from "../../ui/icons";
-import { askWritable, unwritable } from "../../ui/exporting/exports";
 import { Menu } from "../../ui/Menu";
 import { ShareDialog } from "../../ui/exporting/ShareDialog";
 import { w } from "../../words";
 import { ToProject } from "./ToProject";
-
-const FORMATS = ["mcml", "bvh", "asf-amc", "htr", "c3d", "trc", "glb", "usd", "mot"];
 
 export function PickedBar() {
   const [naming, setNaming] = useState(false);
@@ -56,13 +54,12 @@ export function PickedBar() {
       <Menu
         label={w("exportWord")}
         className="button dense"
-        items={() => {
-          askWritable();
-          return FORMATS.filter((format) => !unwritable.value.has(format)).map((format) => ({
-            text: w("exportAs", { format }),
-            run: () => void exportAll(format),
-          }));
-        }}
+        items={() =>
+          writtenFormats().map(({ name, label }) => ({
+            text: w("exportAs", { format: label }),
+            run: () => void exportAll(name),
+          }))
+        }
       >
         <Icon name="export" />
         {w("exportWord")}

@@ -1,7 +1,10 @@
 // @vitest-environment happy-dom
-import { describe, expect, it } from "vitest";
+import { beforeAll, describe, expect, it } from "vitest";
+import { learnFormats } from "../../testing/formats";
 import { filesOf } from "./dropped";
 import { filesDone, grouped, outcomes, rowsOf, together, type Upload } from "./uploads";
+
+beforeAll(learnFormats);
 
 const file = (path: string): File => Object.assign(new File([""], path.split("/").at(-1)!), { path: `/${path}` });
 const names = (groups: File[][]) =>

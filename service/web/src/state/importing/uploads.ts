@@ -4,6 +4,7 @@ import { ApiError, address, ask, fetched, type Problem, type Schemas } from "../
 import { w } from "../../words";
 import { folderOf, type Missed } from "./dropped";
 import { refresh } from "../library/library";
+import { isOneClip, isRead, readExtensions } from "../session/formats";
 import { note, refuse } from "../session/notes";
 import { Pace, type Told } from "./pace";
 import { param } from "../session/route";
@@ -34,9 +35,6 @@ const AT_ONCE = 2;
 const MOST_TOGETHER = 32;
 const BYTES_TOGETHER = 8 << 20;
 const MOST_FILES = 5000;
-/** Kinds of one clip a file: they may share a request. */
-const ONE_CLIP = /\.(bvh|htr|gtr|c3d|trc|mcml|xml)$/i;
-const KNOWN = /\.(bvh|asf|amc|htr|gtr|c3d|trc|mcml|xml|zip|tar|tgz|gz)$/i;
 /** Of a longer file of an unknown kind the beginning is asked about first. */
 const MOST_UNKNOWN = 8 << 20; // bytes
 const BEGINNING = 64 << 10; // bytes
@@ -141,7 +139,7 @@ export function chooseFiles(): void {
   const input = document.createElement("input");
   input.type = "file";
   input.multiple = true;
-  input.accept = ".bvh,.asf,.amc,.htr,.gtr,.c3d,.trc,.mcml,.xml,.zip,.tar,.tgz,.gz";
+  input.accept = readExtensions().join(",");
   input.onchange = () => addFiles([...(input.files ?? [])]);
   input.click();
 }
@@ -152,7 +150,7 @@ export function together(queued: Upload[]): Upload[] {
   let bytes = 0;
   for (const one of queued) {
     const size = one.files[0]!.size;
-    const isSingle = one.files.length === 1 && ONE_CLIP.test(one.name);
+    const isSingle = one.files.length === 1 && isOneClip(one.name);
     const fits = isSingle && bytes + size <= BYTES_TOGETHER && !batch.some((other) => other.name === one.name);
     if (batch.length && !fits) break;
     batch.push(one);
@@ -193,7 +191,7 @@ function pump(): void {
     const batch = together(queued);
     queued = queued.slice(batch.length);
     const [first] = batch[0]!.files;
-    if (!KNOWN.test(first!.name) && first!.size > MOST_UNKNOWN && !batch[0]!.asked) void askFirst(batch[0]!, first!);
+    if (!isRead(first!.name) && first!.size > MOST_UNKNOWN && !batch[0]!.asked) void askFirst(batch[0]!, first!);
     else send(batch);
   }
 }

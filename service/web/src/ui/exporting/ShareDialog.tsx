@@ -1,12 +1,13 @@
 /** A link by which somebody without an account sees some clips. */
 import { useState } from "preact/hooks";
 import { ask, type Schemas } from "../../api/client";
+import { writtenFormats } from "../../state/session/formats";
 import { note, refuse } from "../../state/session/notes";
 import { w } from "../../words";
 import { Dialog } from "../Dialog";
 import "../../styles/shared.css";
 
-const FORMATS = ["bvh", "asf-amc", "htr", "c3d", "trc", "glb", "mcml", "csv"] as const;
+const CSV = { name: "csv", label: "CSV" };
 
 export function ShareDialog({ ids, onClose }: { ids: string[]; onClose: () => void }) {
   const [given, setGiven] = useState({ name: "", days: 14, latest: true });
@@ -25,7 +26,7 @@ export function ShareDialog({ ids, onClose }: { ids: string[]; onClose: () => vo
     await navigator.clipboard.writeText(link);
     note(w("copied"));
   };
-  const choose = (format: (typeof FORMATS)[number], on: boolean) =>
+  const choose = (format: string, on: boolean) =>
     setFormats((formats ?? []).filter((one) => one !== format).concat(on ? [format] : []));
   if (link) {
     return (
@@ -81,14 +82,14 @@ export function ShareDialog({ ids, onClose }: { ids: string[]; onClose: () => vo
         <fieldset>
           <legend>{w("shareFormats")}</legend>
           <div class="checks">
-            {FORMATS.map((format) => (
-              <label key={format} class="row">
+            {[...writtenFormats(), CSV].map(({ name, label }) => (
+              <label key={name} class="row">
                 <input
                   type="checkbox"
-                  checked={formats?.includes(format)}
-                  onChange={(event) => choose(format, event.currentTarget.checked)}
+                  checked={formats?.includes(name)}
+                  onChange={(event) => choose(name, event.currentTarget.checked)}
                 />{" "}
-                {format.toUpperCase()}
+                {label}
               </label>
             ))}
           </div>

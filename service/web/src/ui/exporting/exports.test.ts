@@ -1,28 +1,18 @@
 // @vitest-environment happy-dom
-import { describe, expect, it, vi } from "vitest";
-import { exportItems, lacking, unwritable, type Exported } from "./exports";
+import { beforeAll, describe, expect, it } from "vitest";
+import { learnFormats, LISTED } from "../../testing/formats";
+import { exportItems, lacking, type Exported } from "./exports";
 
-const formats = {
-  items: [
-    { name: "glb", writes: true },
-    { name: "usd", writes: true },
-    { name: "usda", writes: false },
-  ],
-  unsupported: [],
-};
-vi.stubGlobal(
-  "fetch",
-  async () => new Response(JSON.stringify(formats), { headers: { "content-type": "application/json" } }),
-);
+beforeAll(learnFormats);
+
+const of = (name: string) => LISTED.find((one) => one.name === name)!;
 const known: Exported = { id: "x", markers: false, original: false, format: "bvh", unit: "cm", up: "Y", hasRate: true };
 const texts = (markers: boolean) => exportItems({ ...known, markers, revision: 3 }).map((item) => item.text);
 
 describe("what a document can be exported as", () => {
-  it("has USD once the server says that it writes it", async () => {
-    expect(texts(false)).toEqual(["MCML", "BVH", "ASF/AMC", "HTR", "glTF", "OpenSim", "CSV", "NumPy"]);
-    await vi.waitFor(() => expect([...unwritable.value]).toEqual(["usda"]));
-    expect(texts(false)).toContain("USD");
-    expect(texts(true)).toEqual(["MCML", "C3D", "TRC", "glTF", "USD", "CSV", "NumPy"]);
+  it("is what the server writes and what holds the clip", () => {
+    expect(texts(false)).toEqual(["MCML", "BVH", "ASF/AMC", "HTR", "glTF", "Tomorrow's", "CSV", "NumPy"]);
+    expect(texts(true)).toEqual(["MCML", "C3D", "TRC", "glTF", "Tomorrow's", "CSV", "NumPy"]);
     expect(exportItems({ ...known, markers: true, format: "" }).find((item) => item.text === "glTF")!.href).toContain(
       "/documents/x/export?format=glb",
     );
@@ -38,9 +28,9 @@ describe("what a document can be exported as", () => {
     const glb = items.find((item) => item.text === "glTF")!;
     expect(glb.detail).toBe("unit unknown, read as m, 100 times too large");
     expect(glb.href).toBeTruthy();
-    expect(lacking({ ...guessed, likelyUnit: "m" }, "usd")!.text).toContain("100 times too small");
-    expect(lacking({ ...guessed, likelyUnit: null }, "glb")!.text).toBe("unit unknown, read as m");
-    expect(lacking(known, "glb")).toBe(null);
+    expect(lacking({ ...guessed, likelyUnit: "m" }, of("usd"))!.text).toContain("100 times too small");
+    expect(lacking({ ...guessed, likelyUnit: null }, of("glb"))!.text).toBe("unit unknown, read as m");
+    expect(lacking(known, of("glb"))).toBe(null);
     expect(exportItems(known).every((item) => item.href)).toBe(true);
   });
 
@@ -48,10 +38,10 @@ describe("what a document can be exported as", () => {
     const bare: Exported = { ...known, format: "asf-amc", unit: null, likelyUnit: null, hasRate: false };
     const items = exportItems(bare, { give: () => undefined });
     expect(items.slice(0, 2).map((item) => item.text)).toEqual(["Give the unit", "Give the frame rate"]);
-    for (const text of ["BVH", "glTF", "OpenSim"])
+    for (const text of ["BVH", "glTF", "Tomorrow's"])
       expect(items.find((item) => item.text === text)).toMatchObject({ disabled: true, detail: "needs a frame rate" });
     expect(items.find((item) => item.text === "ASF/AMC")!.href).toBeTruthy();
-    expect(lacking({ ...bare, format: "trc", original: true }, "trc")).toBe(null);
-    expect(lacking({ ...bare, hasRate: true }, "trc")).toMatchObject({ refused: true, text: "needs a unit" });
+    expect(lacking({ ...bare, format: "trc", original: true }, of("trc"))).toBe(null);
+    expect(lacking({ ...bare, hasRate: true }, of("trc"))).toMatchObject({ refused: true, text: "needs a unit" });
   });
 });

@@ -1,0 +1,58 @@
+/** The formats of this server: what it reads and writes, and what each holds and needs. Asked once a visit. */
+import { signal } from "@preact/signals";
+import { get, type Schemas } from "../../api/client";
+
+export type Format = Schemas["FormatInfo"];
+
+/** The language of the repository, which every clip can be written in. */
+export const LANGUAGE = "mcml";
+const ARCHIVES = [".zip", ".tar", ".tgz", ".gz"];
+
+const known = signal<readonly Format[]>([]);
+let asked = false;
+
+/** All, as the server lists them; none until it has answered. */
+export function formats(): readonly Format[] {
+  if (!asked) {
+    asked = true;
+    get("/formats").then(
+      (list) => (known.value = list.items),
+      () => (asked = false),
+    );
+  }
+  return known.value;
+}
+
+/** Those that are written, the language first. holds: only those for clips of bodies, or of markers. */
+export function writtenFormats(holds?: "bodies" | "markers"): Format[] {
+  const written = formats().filter((one) => one.writes && (!holds || one[holds]));
+  return [...written.filter((one) => one.name === LANGUAGE), ...written.filter((one) => one.name !== LANGUAGE)];
+}
+
+export const isOneFile = (format: Format): boolean => format.parts.length === 1;
+
+/** The extension of a written file, with its point; formats of several files come as a zip. */
+export const extensionOf = (format: Format): string =>
+  (isOneFile(format) ? format.parts[0]?.extensions[0] : undefined) ?? ".zip";
+
+/** The name that people know a format by. */
+export const labelOf = (name: string): string =>
+  formats().find((one) => one.name === name)?.label ?? name.toUpperCase();
+
+const extensionsOf = (some: readonly Format[]): string[] =>
+  some.filter((one) => one.reads).flatMap((one) => one.parts.flatMap((part) => part.extensions));
+
+const ends = (name: string, extensions: string[]): boolean =>
+  extensions.some((extension) => name.toLowerCase().endsWith(extension));
+
+/** Extensions of the files that can be uploaded, archives too; none until the server has answered. */
+export function readExtensions(): string[] {
+  const found = extensionsOf(formats());
+  return found.length ? [...found, ...ARCHIVES] : [];
+}
+
+/** Whether a file of this name is of a kind that is read. */
+export const isRead = (name: string): boolean => ends(name, readExtensions());
+
+/** Whether a file of this name is one clip by itself. */
+export const isOneClip = (name: string): boolean => ends(name, extensionsOf(formats().filter(isOneFile)));

@@ -1,0 +1,46 @@
+/** A server that lists formats, some of which no real one has. */
+import { vi } from "vitest";
+import { formats, type Format } from "../state/session/formats";
+
+const format = (
+  name: string,
+  label: string,
+  holds: "bodies" | "markers" | "both",
+  more: Partial<Format> = {},
+): Format => ({
+  name,
+  title: label,
+  label,
+  parts: [{ name, title: label, extensions: [`.${name}`] }],
+  convention: "any",
+  bodies: holds !== "markers",
+  markers: holds !== "bodies",
+  needs: ["frame_time"],
+  assumes: "",
+  reads: true,
+  writes: true,
+  ...more,
+});
+const part = (name: string) => ({ name, title: name, extensions: [`.${name}`] });
+
+export const LISTED: Format[] = [
+  format("bvh", "BVH", "bodies"),
+  format("asf-amc", "ASF/AMC", "bodies", { needs: [], parts: [part("asf"), part("amc")] }),
+  format("htr", "HTR", "bodies", { needs: [] }),
+  format("c3d", "C3D", "markers"),
+  format("trc", "TRC", "markers", { needs: ["frame_time", "unit"] }),
+  format("glb", "glTF", "both", { assumes: "m", reads: false }),
+  format("usd", "USD", "both", { assumes: "cm", reads: false, writes: false }),
+  format("tomorrow", "Tomorrow's", "both", { assumes: "cm" }),
+  format("mcml", "MCML", "both", { needs: [] }),
+];
+
+/** Have the formats asked of that server. */
+export async function learnFormats(): Promise<void> {
+  const answer = JSON.stringify({ items: LISTED, unsupported: [] });
+  vi.stubGlobal("fetch", async () => new Response(answer, { headers: { "content-type": "application/json" } }));
+  await vi.waitFor(() => {
+    if (!formats().length) throw new Error("not yet");
+  });
+  vi.unstubAllGlobals();
+}
