@@ -43,7 +43,7 @@ def _shares(version: str, made: Library, kind: type[Grammar]) -> dict[str, float
     elements = {uuid: sum(1 for _ in tree.iter()) for uuid, tree in made.trees.items()}
     for uuid, text in kind(random, made.trees).expressions():
         query = parse(text)
-        if query.needs_xpath2 != (version == "XPath 2.0"):
+        if query.is_later != (version == "XPath 2.0"):
             # The grammar of 2.0 makes some of 1.0 as well.
             continue
         small = [other for other, size in elements.items() if size <= most_elements(query.tree)]

@@ -136,9 +136,6 @@ class Settings(BaseSettings):
     read_seconds: float = Field(60.0, gt=0, description="Half of the longest time that reading music may take")
     read_memory_mib: int = Field(2048, ge=256, description="Most memory that reading music may take")
     query_seconds: float = Field(10.0, gt=0, description="Longest time one XPath query may take")
-    saxon_seconds: float = Field(
-        300.0, gt=0, description="The same for the stream of a query that Saxon evaluates, one document after the other"
-    )
     query_memory_mib: int = Field(512, ge=64, description="Most memory that one XPath query may take")
     query_cache_mib: int = Field(
         512, ge=8, description="Memory for columns that each process keeps between the XPath queries it evaluates"

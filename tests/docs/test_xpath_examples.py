@@ -21,7 +21,8 @@ from mcml_service.storage.lists.filtering import DocumentFilter
 from mcml_service.xpath.language.parse import parse
 from mcml_service.xpath.language.tree import Written
 from mcml_service.xpath.queries import Queries
-from mcml_service.xpath.xml.worker import Addresses, describe
+from mcml_service.xpath.trees.evaluate import Addresses
+from tests.xpath.libxml2 import describe
 
 TEXT = (Path(__file__).resolve().parents[2] / "docs" / "xpath.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"^\| [^|`]+ \| `(.+)` \|$", TEXT, re.MULTILINE)

@@ -7,7 +7,7 @@ import resource
 import signal
 import sys
 
-from mcml_service.processes.bounds import bound_memory, end_after
+from mcml_service.processes.bounds import end_after
 
 
 def main() -> None:
@@ -19,7 +19,7 @@ def main() -> None:
     elif behaviour == "grow":
         grow()
     elif behaviour == "grow-bounded":
-        bound_memory(resource.RLIMIT_AS, 1 << 28)
+        resource.setrlimit(resource.RLIMIT_AS, (1 << 28, 1 << 28))
         grow()
     else:
         if behaviour == "hang-bounded":

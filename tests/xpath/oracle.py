@@ -36,7 +36,8 @@ from mcml_service.xpath.language.types import type_of
 from mcml_service.xpath.language.unparse import unparse
 from mcml_service.xpath.nodes.texts import to_number
 from mcml_service.xpath.queries import Queries
-from mcml_service.xpath.xml.worker import Addresses, describe, namespace_owners
+from mcml_service.xpath.trees.evaluate import Addresses
+from tests.xpath.libxml2 import describe, namespace_owners
 
 Trees = Mapping[str, Any]
 WIDE = ("descendant", "descendant-or-self", "following", "preceding", "following-sibling", "preceding-sibling")

@@ -8,7 +8,8 @@ from typing import Any
 from lxml import etree
 
 from mcml_service.xpath.language.reach import Projection
-from mcml_service.xpath.xml.worker import Addresses, describe
+from mcml_service.xpath.trees.evaluate import Addresses
+from tests.xpath.libxml2 import describe
 
 DOCUMENT = (
     '<mcml version="1.0"><header format="bvh"><filename>reach.bvh</filename><num_frames>6</num_frames>'

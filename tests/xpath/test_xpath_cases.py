@@ -19,7 +19,7 @@ from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.xpath.language.parse import parse
 from mcml_service.xpath.queries import Queries
-from mcml_service.xpath.xml.evaluate import Evaluator, Nodes
+from mcml_service.xpath.trees.evaluate import Found, Tree
 from tests.xpath.small import DOCUMENT, answer, tree
 
 
@@ -63,13 +63,6 @@ CASES = list(cases())
 
 
 @pytest.fixture(scope="module")
-def pool() -> Iterator[Evaluator]:
-    evaluator = Evaluator(processes=1)
-    yield evaluator
-    evaluator.close()
-
-
-@pytest.fixture(scope="module")
 def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Queries]:
     database = Database(f"sqlite:///{tmp_path_factory.mktemp('cases') / 'store.db'}")
     database.migrate()
@@ -84,10 +77,12 @@ def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Queries]:
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.expression)
-def test_the_pool_answers_as_expected(case: Case, pool: Evaluator) -> None:
+def test_trees_answer_as_expected(case: Case) -> None:
     assert case.expected
-    found = pool.evaluate(parse(case.expression), [DOCUMENT.encode()])
-    case.check([(node.address, node.value) for node in found.items] if isinstance(found, Nodes) else found.value)
+    query = parse(case.expression)
+    found = Tree([DOCUMENT.encode()]).items(query.text, variables={}, offset=0, limit=1000)
+    nodes = [(item.address, item.value) for item in found.items if isinstance(item, Found)]
+    case.check(nodes if nodes or not found.items else found.items[0])
 
 
 @pytest.mark.parametrize("case", [case for case in CASES if case.expression != "/"], ids=lambda case: case.expression)
@@ -111,8 +106,7 @@ def test_columns_answer_as_expected(case: Case, engine: Queries) -> None:
         case.check(special.get(value, value) if found.type == "number" and isinstance(value, str) else value)
 
 
-def test_pages_and_totals(pool: Evaluator) -> None:
-    found = pool.evaluate(parse("//frame/@id"), [DOCUMENT.encode()], limit=2, offset=3)
-    assert isinstance(found, Nodes)
-    assert [node.value for node in found.items] == ["4", "5"]
+def test_pages_and_totals() -> None:
+    found = Tree([DOCUMENT.encode()]).items("//frame/@id", variables={}, offset=3, limit=2)
+    assert [item.value for item in found.items if isinstance(item, Found)] == ["4", "5"]
     assert found.total == 6

@@ -15,12 +15,12 @@ from mcml_schemas.querying.queries import NodeItem, QueryRequest
 from mcml_service.storage.database import Database
 from mcml_service.xpath.engine import values
 from mcml_service.xpath.engine.samples import frame_bones
-from mcml_service.xpath.xml.saxon_worker import evaluate
 from tests import postgres
 from tests.conftest import shared_folder
 from tests.xpath import whole
 from tests.xpath.library import Library, library
 from tests.xpath.oracle import DifferenceError, pages, plain, same, same_value
+from tests.xpath.saxon import evaluate
 from tests.xpath.shares import Tally
 from tests.xpath.test_xpath_campaign import seed_of
 from tests.xpath.xpath2_grammar import XPATH2_FEATURES, Xpath2Grammar, xpath2_features

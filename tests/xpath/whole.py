@@ -34,8 +34,8 @@ from mcml_service.xpath.language.tree import (
 )
 from mcml_service.xpath.language.types import depends_on_position, type_of
 from mcml_service.xpath.language.unparse import unparse
-from mcml_service.xpath.xml.saxon_worker import Places, _item
 from tests.xpath.oracle import plain
+from tests.xpath.saxon import Places, _item
 
 OF_SEQUENCES = {
     "count", "sum", "min", "max", "avg", "exists", "empty", "distinct-values", "string-join", "data", "reverse", "head",

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from elementpath.tdop import Parser
 from elementpath.xpath31 import XPath31Parser
 
-from mcml_service.xpath.language.written import spell_for_elementpath
+from mcml_service.xpath.language.xpath31.written import spell_for_elementpath
 from tests.xpath.grammar import Grammar
 from tests.xpath.on_frames import CHANNELS, later_of_frame_bones
 from tests.xpath.witness import Witness, element

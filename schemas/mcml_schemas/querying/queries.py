@@ -43,7 +43,7 @@ class ScalarItem(BaseModel):
 
     document: str
     revision: int
-    value: str | float | bool
+    value: str | int | float | bool
 
 
 class RunItem(BaseModel):
@@ -72,7 +72,7 @@ class ValueItem(BaseModel):
     """One of several values, such as those of distinct-values(). document, frame, time: of what it is the value, where
     it is one of a node; time in seconds since frame 1."""
 
-    value: str | float | bool
+    value: str | int | float | bool
     document: str | None = None
     frame: int | None = None
     time: float | None = None
@@ -110,7 +110,7 @@ class QueryAnswer(BaseModel):
     )
 
     type: Literal["nodes", "runs", "number", "string", "boolean", "strings", "values"]
-    value: str | float | bool | None = None
+    value: str | int | float | bool | None = None
     items: list[NodeItem | RunItem | ScalarItem | ValueItem] | None = None
     next_cursor: str | None = None
     total: int | None = Field(None, description="All items on all pages, where it is known without more work")
@@ -148,10 +148,11 @@ class QueryRequest(RequestBody):
     guesses: Literal["yes", "no"] = Field(
         "yes", description="no: functions of bodies leave out documents whose unit, up axis or floor is guessed"
     )
+    strict: bool = Field(False, description="XPath 3.1 without its mode that is compatible with 1.0")
     explain: bool = False
     raw: bool = Field(False, description="csv: also texts that spreadsheets take for formulas as they are")
     with_: str | None = Field(None, alias="with", pattern=WITH, description="Of runs: totals, range, or both")
-    variables: dict[str, str | float | bool] = Field(
+    variables: dict[str, str | int | float | bool] = Field(
         default_factory=dict, max_length=100, description="Values of $name in the expression"
     )
 

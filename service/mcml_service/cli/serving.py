@@ -172,7 +172,6 @@ EXTRAS = {
     "openid": "authlib",
     "plots": "matplotlib",
     "usd": "pxr",
-    "xpath2": "saxonche",
 }
 """What can be installed beside the program, and a module of it."""
 

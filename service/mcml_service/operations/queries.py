@@ -79,6 +79,7 @@ def get_query(
         Literal["yes", "no"],
         Field(description="no: functions of bodies leave out documents whose unit, up axis or floor is guessed"),
     ] = "yes",
+    strict: Annotated[bool, Field(description="XPath 3.1 without its mode that is compatible with 1.0")] = False,
     explain: Annotated[bool, Field(description="Say how the query ran")] = False,
     raw: Raw = False,
     with_: Annotated[
@@ -105,6 +106,7 @@ def get_query(
         cursor=cursor,
         per=per,
         guesses=guesses,
+        strict=strict,
         explain=explain,
         raw=raw,
         **{"as": as_, "with": with_},

@@ -14,18 +14,6 @@ GRACE_SECONDS = 5.0
 """More than who watches a program gives it: as long as somebody does, it is ended, and told of, by him."""
 
 
-def bound_memory(kind: int, memory: int) -> None:
-    """Refuse this process more than so many bytes, and leave no copy of its memory on the disk when it crashes.
-
-    kind: what counts, resource.RLIMIT_AS or RLIMIT_DATA.
-    """
-    # What bounds a process that started this one is no bound of this one.
-    hard = resource.getrlimit(resource.RLIMIT_DATA)[1]
-    resource.setrlimit(resource.RLIMIT_DATA, (hard, hard))
-    resource.setrlimit(kind, (memory, memory))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-
-
 def end_after(seconds: float | None) -> None:
     """End this process so many seconds from now, and some; None: no more. It needs nothing of what the process does."""
     signal.signal(signal.SIGALRM, signal.SIG_DFL)

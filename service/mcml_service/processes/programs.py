@@ -1,6 +1,6 @@
 """Programs of this house that work on what strangers give: started, watched, and ended from here.
 
-libxml2, Saxon and decoders of sound may crash, hang or take all memory. In a process that is another's that ends in an
+Decoders of sound may crash, hang or take all memory. In a process of their own that ends in an
 error of one request. A program is a module with `main`, which bounds itself too (`bounds.py`), so that it ends where
 nobody is left to watch it. Workers of an import are no programs: they run what the importer runs (`import_pool.py`).
 """
@@ -59,7 +59,7 @@ def end_program(process: subprocess.Popen[bytes]) -> None:
 class Watch(threading.Thread):
     """Looks at a process while the block lasts: kills it once `is_over` says so, or it holds more memory than it may.
 
-    Memory is seen from outside, for what Saxon reserves escapes the limits that the system sets.
+    Memory is seen from outside, for what a library reserves may escape the limits that the system sets.
 
     memory: bytes. long_after: seconds after which a process gets only what time others leave.
     is_long, is_too_large: what was seen.

@@ -11,7 +11,7 @@ from mcml_service.xpath.answer.streams import Answer, Shown
 from mcml_service.xpath.language.complete import Completion
 from mcml_service.xpath.limits import Limits
 from mcml_service.xpath.queries import Queries
-from mcml_service.xpath.xml.evaluate import out_of_memory
+from mcml_service.xpath.trees.evaluate import out_of_memory
 
 
 class BoundedQueries(Queries):

@@ -34,40 +34,33 @@ from mcml_service.xpath.language.hints import hints
 from mcml_service.xpath.language.labels import without_index
 from mcml_service.xpath.language.parse import Query, parse
 from mcml_service.xpath.language.rules import normal
-from mcml_service.xpath.language.scopes import asks_each, asks_scope, is_node_set
+from mcml_service.xpath.language.scopes import asks_each, is_node_set
 from mcml_service.xpath.language.tree import Call, Expression
 from mcml_service.xpath.language.types import distinct_of, item_type, type_of
 from mcml_service.xpath.library.caches import Caches
 from mcml_service.xpath.library.disk.part_file import path_of
 from mcml_service.xpath.library.disk.sidecar import Sidecar
 from mcml_service.xpath.library.listing import Scope
-from mcml_service.xpath.library.motion_notes import BodyScope, motion_calls, require_saxon, without_guesses
+from mcml_service.xpath.library.motion_notes import BodyScope, motion_calls, refuse_top, without_guesses
 from mcml_service.xpath.limits import Limits, Running, no_such_question
 from mcml_service.xpath.nodes.node import Node
 from mcml_service.xpath.nodes.pairs import TooWideError
-from mcml_service.xpath.xml.evaluate import Evaluator
-from mcml_service.xpath.xml.projected import Projected
-from mcml_service.xpath.xml.saxon import Saxon
-from mcml_service.xpath.xml.sequences import Sequences, require_alone, require_time
+from mcml_service.xpath.trees.evaluate import Found
+from mcml_service.xpath.trees.sequences import Sequences, require_alone, value_of_nothing
 
 DEFAULT_LIMIT = 100
-MAX_ON_XML = 100_000
+MOST_BY_TREES = 100_000
+"""Nodes of an answer that is written out document by document."""
 LAST_SECONDS = 2.0
 """That a process may take at its end to write what the next one reads."""
 
 
 class Queries:
-    """The query engine of one process: the store, the limits, and the pools of processes that evaluate XML.
+    """The query engine of one process: the store, the limits, and what is kept between questions."""
 
-    processes: of a pool.
-    """
-
-    def __init__(self, database: Database, settings: Settings, processes: int = 4) -> None:
+    def __init__(self, database: Database, settings: Settings) -> None:
         self.database = database
         self.settings = settings
-        memory = settings.query_memory_mib << 20
-        self.evaluator = Evaluator(seconds=settings.query_seconds, memory_bytes=memory, processes=processes)
-        self.saxon = Saxon(seconds=settings.query_seconds, memory_bytes=memory, processes=processes)
         place = path_of(database, settings.cache_dir)
         sidecar = None if place is None else Sidecar(place, settings.cache_disk_mib << 20)
         self.caches = Caches(settings.query_cache_mib << 20, sidecar)
@@ -83,8 +76,6 @@ class Queries:
     def close(self) -> None:
         if self.caches.sidecar is not None:
             self.caches.sidecar.close(LAST_SECONDS)
-        self.evaluator.close()
-        self.saxon.close()
 
     def answer(self, request: QueryRequest, limits: Limits | None = None) -> QueryAnswer:
         """A page of the answer. limits: by the settings, if not given; another thread may cancel through them.
@@ -94,7 +85,7 @@ class Queries:
         """
         start = time.perf_counter()
         limits = limits or self.limits()
-        query = parse(request.q, request.variables)
+        query = parse(request.q, request.variables, strict=request.strict)
         cursor = read_cursor(request)
         kind = type_of(query.tree)
         if request.as_ != "json" and kind not in ("nodes", "sequence"):
@@ -123,7 +114,7 @@ class Queries:
     def stream(self, request: QueryRequest, limits: Limits | None = None) -> Answer | Shown:
         """All nodes of an answer (or the first `limit`), to be shown bit by bit. Raises as `answer` does."""
         limits = limits or self.limits()
-        query = parse(request.q, request.variables)
+        query = parse(request.q, request.variables, strict=request.strict)
         kind = type_of(query.tree)
         if kind not in ("nodes", "sequence"):
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
@@ -135,18 +126,14 @@ class Queries:
             try:
                 found = collect(asking.nodes(), request.limit)
             except (TooWideError, TooLongError, NotOnColumnsError):
-                if not query.needs_xpath2 and not motion_calls(query.tree):
-                    nodes = asking.on_xml(request.limit)
-                    return Shown([nodes], len(nodes))
                 asking.require_documents_alone()
                 documents = [one for group in asking.bodies.select(asking.scope.groups()) for one in group]
             else:
                 return Answer(self.database, self.caches, commit, since, found)
-        limits.extend(self.settings.saxon_seconds)
         parts = [documents] if without_index(query.tree)[1] is not None else [[stored] for stored in documents]
-        return Shown(self._by_saxon(query, parts, commit, since, limits, request.limit or MAX_ON_XML))
+        return Shown(self._by_trees(query, parts, commit, since, limits, request.limit or MOST_BY_TREES))
 
-    def _by_saxon(
+    def _by_trees(
         self, query: Query, parts: list[list[Listed]], commit: int, since: int, limits: Limits, limit: int
     ) -> Iterator[list[Node]]:
         """The nodes of an answer, some documents at a time, each time in a transaction of its own."""
@@ -154,7 +141,7 @@ class Queries:
 
             def found_in(tx: Transaction, some: list[Listed] = documents, most: int = limit) -> list[Node]:
                 tx.pruning.require_whole_since(since)
-                answer = Sequences(self.saxon, tx, self.caches, query, [self.caches.listing.group(some)], limits)
+                answer = Sequences(tx, self.caches, query, [self.caches.listing.group(some)], limits)
                 items = answer.page(0, most).items
                 nodes = [item for item in items if isinstance(item, Node)]
                 if len(nodes) < len(items):
@@ -222,7 +209,7 @@ class _Asking:
         self.bodies = BodyScope(tx, engine.caches, self.motion, conditions(query.tree), limits.check)
         self.explain = Explain(way="columns", plan=[], documents=0, milliseconds=0)
         self._scan: Scan | None = None
-        self.is_later = query.needs_xpath2
+        self.is_later = query.is_later
         self.whole = Whole(tx, engine.caches, self.source, limits.check, is_later=self.is_later)
 
     def answer(self, page: Page) -> QueryAnswer:
@@ -230,10 +217,9 @@ class _Asking:
             return self._on_columns(normal(self.query.tree), page)
         except (TooWideError, TooLongError, NotOnColumnsError):
             self.explain.way = "projection"
-            by = "Saxon" if self.is_later else "libxml2"
-            self.explain.plan = ["the documents as XML, without what the expression cannot touch", f"by {by}"]
+            self.explain.plan = ["the documents as trees, without what the expression cannot touch"]
             self.require_documents_alone()
-            return self._by_saxon(page) if self.is_later else self._on_xml(page)
+            return self._by_trees(page)
 
     def leave_out_guesses(self, guesses: str) -> None:
         """Where they are not wanted, ask no documents of which what a function of bodies needs is guessed."""
@@ -242,7 +228,10 @@ class _Asking:
             self.scope.narrow(without_guesses(self.tx, self.engine.caches, groups, self.motion, self.limits.check))
 
     def _on_columns(self, tree: Expression, page: Page) -> QueryAnswer:
-        if self.query.only_saxon:
+        if self.query.constant is not None and self.per is None:
+            self.explain.plan.append("a value that no document can change")
+            return self._constant(page)
+        if not self.query.has_columns:
             raise NotOnColumnsError
         if self.per == "document":
             return self._of_each(tree, page)
@@ -256,8 +245,6 @@ class _Asking:
             return page.of(self.tx, self._nodes(tree), self.limits.max_elements)
         if asks_each(tree):
             return self._of_each(tree, page)
-        if not asks_scope(tree):
-            self.explain.plan.append("a value that no document can change")
         parts = self.whole.parts(tree)
         if type_of(tree) in ("number", "string", "boolean"):
             values = [value for part in parts for value in part.values()]
@@ -314,7 +301,7 @@ class _Asking:
         return scan
 
     def _column_source(self, tree: Expression) -> ColumnSource:
-        if self.query.only_saxon:
+        if not self.query.has_columns:
             raise NotOnColumnsError
         caches = self.engine.caches
         found = ColumnSource(self.tx, tree, self.scope, caches, self.limits.check, self.bodies, is_later=self.is_later)
@@ -337,27 +324,23 @@ class _Asking:
         found = aggregates.value(call, source)
         return QueryAnswer(type=_kind(call), value=None if found is None else plain(found))
 
-    def on_xml(self, limit: int | None) -> list[Node]:
-        """The nodes of the whole expression, evaluated on documents as XML. LimitError for too many."""
-        most = MAX_ON_XML + 1 if limit is None else min(limit, MAX_ON_XML)
-        found = self._projected().nodes(0, most)
-        if len(found) > MAX_ON_XML:
-            raise LimitError(f"The answer has more than {MAX_ON_XML:,} nodes.", remedy="Narrow the question.")
-        return found
-
-    def _projected(self) -> Projected:
-        return Projected(self.engine.evaluator, self.tx, self.query, self.scope.documents(), self.limits)
+    def _constant(self, page: Page) -> QueryAnswer:
+        """The value of what asks no document."""
+        found = value_of_nothing(self.query)
+        values = [item for item in found.items if not isinstance(item, Found)]
+        if found.total == 1 and values:
+            return QueryAnswer(type=kind_of_value(values[0]), value=plain(values[0]))
+        return page.of_values(self.tx, values)
 
     def _sequences(self) -> Sequences:
         groups = list(self.bodies.select(self.scope.groups()))
-        return Sequences(self.engine.saxon, self.tx, self.engine.caches, self.query, groups, self.limits)
+        return Sequences(self.tx, self.engine.caches, self.query, groups, self.limits)
 
-    def _by_saxon(self, page: Page) -> QueryAnswer:
+    def _by_trees(self, page: Page) -> QueryAnswer:
         source = self._sequences()
         if page.request.as_ == "runs":
             return page.of_runs(self.tx, source.runs())
         if page.request.as_ == "json" and page.request.per is None:
-            require_time(len(source.documents) if source.is_aggregate else 0, self.limits)
             whole = source.aggregate()
             if whole is not None:
                 return self._of_aggregate(*whole, page)
@@ -372,7 +355,7 @@ class _Asking:
 
     def require_documents_alone(self) -> None:
         """Refuses what must be evaluated on all documents together, which XML is not."""
-        require_saxon(self.motion, is_later=self.is_later)
+        refuse_top(self.motion)
         if self.per != "document":
             require_alone(self.query.tree, len(self.scope.documents()))
 
@@ -382,18 +365,6 @@ class _Asking:
         single: float | str | bool | None = value  # type: ignore[assignment]  # no list
         kind: Kind = "number" if single is None else kind_of_value(single)
         return QueryAnswer(type=kind, value=None if single is None else plain(single))
-
-    def _on_xml(self, page: Page) -> QueryAnswer:
-        source = self._projected()
-        if source.type == "nodes":
-            if page.request.as_ == "runs":
-                return page.of_runs(self.tx, source.runs())
-            nodes = source.nodes(page.offset, page.limit + 1)
-            return page.of_nodes(self.tx, nodes[: page.limit], more=len(nodes) > page.limit)
-        kind, value, each = source.scalars()
-        if value is not None:
-            return QueryAnswer(type=kind, value=plain(value))
-        return scalars(kind, [listed for listed, _ in each], [item for _, item in each])
 
 
 def _kind(tree: Expression) -> Kind:

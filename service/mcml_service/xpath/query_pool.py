@@ -39,7 +39,7 @@ from mcml_service.xpath.query_worker import (
     Value,
     serve,
 )
-from mcml_service.xpath.xml.evaluate import out_of_memory
+from mcml_service.xpath.trees.evaluate import out_of_memory
 
 LOOK_SECONDS = 0.05
 START_SECONDS = 60.0
@@ -229,9 +229,7 @@ class PooledQueries(Queries):
 
     def stream(self, request: QueryRequest, limits: Limits | None = None) -> Answer | Shown:
         limits = limits or self.limits()
-        # Saxon evaluates one document after the other, within its own time limit.
-        seconds = max(limits.seconds_left, self.settings.saxon_seconds)
-        messages = self._ask("stream", (request,), request.q, limits, seconds)
+        messages = self._ask("stream", (request,), request.q, limits, limits.seconds_left)
         first = next(messages)
         if isinstance(first, NodeNumbers):
             messages.close()

@@ -24,7 +24,7 @@ from mcml_service.xpath.answer.streams import Answer, GroupNodes
 from mcml_service.xpath.limits import Limits
 from mcml_service.xpath.nodes.node import Node
 from mcml_service.xpath.queries import Queries
-from mcml_service.xpath.xml.evaluate import out_of_memory
+from mcml_service.xpath.trees.evaluate import out_of_memory
 
 Method = Literal["answer", "stream", "completions"]
 
@@ -112,7 +112,7 @@ def serve(connection: Connection, url: str, read_url: str | None, settings: Sett
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     signal.signal(signal.SIGUSR1, state.cancel)
-    queries = Queries(Database(url, read_url), settings, processes=1)
+    queries = Queries(Database(url, read_url), settings)
     with suppress(EOFError, OSError):
         connection.send(READY)
         while _answer(queries, connection, connection.recv(), state):

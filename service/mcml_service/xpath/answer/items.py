@@ -11,6 +11,7 @@ import numpy as np
 from mcml_schemas.querying.queries import NodeItem, QueryAnswer, RunItem, ScalarItem
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
+from mcml_service.xpath.language.tree import Atomic
 from mcml_service.xpath.library.caches import Caches
 from mcml_service.xpath.nodes.frame_runs import IdRuns
 from mcml_service.xpath.nodes.node import Node, Run
@@ -18,7 +19,7 @@ from mcml_service.xpath.nodes.node import Node, Run
 Kind = Literal["nodes", "runs", "number", "string", "boolean", "strings", "values"]
 
 
-def scalars(kind: Kind, documents: Sequence[Listed], found: Sequence[float | str | bool]) -> QueryAnswer:
+def scalars(kind: Kind, documents: Sequence[Listed], found: Sequence[Atomic]) -> QueryAnswer:
     """One value of one document, or a value of each."""
     if len(documents) == 1:
         return QueryAnswer(type=kind, value=plain(found[0]))
@@ -29,7 +30,7 @@ def scalars(kind: Kind, documents: Sequence[Listed], found: Sequence[float | str
     return QueryAnswer(type=kind, items=list(items))
 
 
-def kind_of_value(value: float | str | bool) -> Kind:
+def kind_of_value(value: Atomic) -> Kind:
     if isinstance(value, bool):
         return "boolean"
     return "string" if isinstance(value, str) else "number"
@@ -67,7 +68,7 @@ def node_item(node: Node) -> NodeItem:
     )
 
 
-def plain(value: float | str | bool) -> float | str | bool:
+def plain(value: Atomic) -> Atomic:
     """JSON has no NaN and no infinities: they are the texts that XPath's string() gives."""
     if isinstance(value, float) and not math.isfinite(value):
         return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"

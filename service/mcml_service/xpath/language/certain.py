@@ -164,8 +164,8 @@ def _asks_body(expression: Expression) -> bool:
 def conditions(expression: Expression) -> list[Call]:
     """Return the calls of motion functions in conditions.
 
-    Conditions are predicates, tests of `if`, and the conditions of `some` and `every`. In an expression that only Saxon
-    reads, all calls in brackets count, or all calls if it has other conditions.
+    Conditions are predicates, tests of `if`, and the conditions of `some` and `every`. In an expression that has
+    no columns, all calls in brackets count, or all calls if it has other conditions.
     """
     found: list[Call] = []
     waiting = [(expression, False)]
@@ -206,7 +206,7 @@ def _written(part: Written) -> list[Call]:
 
 
 def certain_text(text: str) -> str:
-    """Rewrite `not(…)` in an expression that only Saxon reads. Calls in other contexts, behind a slash or in brackets,
+    """Rewrite `not(…)` in an expression that elementpath reads. Calls in other contexts, behind a slash or in brackets,
     are not considered."""
     plain = _QUOTED.sub(lambda found: " " * len(found[0]), text)
     result, end = "", 0
@@ -231,7 +231,7 @@ def certain_text(text: str) -> str:
 
 
 def require_certain(text: str) -> None:
-    """Raise QueryError for a condition that only Saxon reads, about a body, which an unknown value would make true:
+    """Raise QueryError for a condition that elementpath reads, about a body, which an unknown value would make true:
     with `!=` or `ne`, or chosen by `if`. The text is that of `certain_text`."""
     plain = _QUOTED.sub(lambda found: " " * len(found[0]), text)
     if not any(type_of(one.call) in ("number", "boolean") for one in written_calls(text, {})):

@@ -166,7 +166,7 @@ FUNCTIONS = {
 }
 """Functions that run on columns."""
 
-SAXON_FUNCTIONS = {
+OTHER_FUNCTIONS = {
     name: _later("sequence", least, most)
     for name, least, most in (
         ("insert-before", 3, 3), ("compare", 2, 2), ("deep-equal", 2, 2), ("codepoints-to-string", 1, 1),
@@ -174,9 +174,9 @@ SAXON_FUNCTIONS = {
         ("exactly-one", 1, 1), ("root", 0, 1), ("unordered", 1, 1),
     )
 }  # fmt: skip
-"""Functions that only Saxon evaluates. They see nothing but their arguments and the document."""
+"""Functions that have no columns, and that hints and completion know."""
 
-SAFE_FUNCTIONS = FUNCTIONS | SAXON_FUNCTIONS
+SAFE_FUNCTIONS = FUNCTIONS | OTHER_FUNCTIONS
 AGGREGATES = frozenset({"count", "sum", "min", "max", "avg", "exists", "empty", "distinct-values", "string-join"})
 """Functions that make one value of many items, or fewer of them; of the whole scope, outside predicates."""
 OF_CONTEXT = frozenset({"string", "number", "string-length", "normalize-space", "name", "local-name", "namespace-uri"})

@@ -2,7 +2,7 @@
 
 XPath 1.0 §2 and §3, and of 2.0 and 3.1 what columns evaluate: sequences, `for`, `let`, `some`, `every`, `if`, ranges,
 `||`, `!`, `=>`, comparisons of values, expressions as steps. Types, casts, comments and comparisons of nodes are left
-to Saxon (`written.py`).
+to elementpath (`xpath31/written.py`).
 """
 
 from __future__ import annotations

@@ -15,9 +15,11 @@ from mcml_service.xpath.language.functions import SAFE_FUNCTIONS
 from mcml_service.xpath.language.grammar import read
 from mcml_service.xpath.language.meaning import bind, from_document, with_stored_names
 from mcml_service.xpath.language.motion_functions import CONSTANT, MOTION_FUNCTIONS, OF_FRAMES, PREFIX
+from mcml_service.xpath.language.scopes import asks_each, asks_scope
 from mcml_service.xpath.language.tree import (
     OF_NODES,
     VALUE_COMPARISONS,
+    Atomic,
     Call,
     Expression,
     Filter,
@@ -32,7 +34,7 @@ from mcml_service.xpath.language.tree import (
 )
 from mcml_service.xpath.language.types import depends_on_position, is_of_document, is_of_variables, item_type, type_of
 from mcml_service.xpath.language.unparse import unparse
-from mcml_service.xpath.language.written import read_xpath2
+from mcml_service.xpath.language.xpath31.written import read_written
 
 _LATER_OPERATORS = frozenset({*VALUE_COMPARISONS, "||", "to", "idiv", "intersect", "except"})
 MAX_LENGTH = 10_000
@@ -48,11 +50,14 @@ class Query:
 
     tree: motion names in comparisons are in the form in which they are stored, paths outside of predicates start at the
     document, which is the context node (`mcml` is `/mcml`), and variables are the values they are bound to.
-    warnings: what the writer should know, such as a name that was a synonym.
+    warnings: what the writer should know, such as a name that was a synonym. compatible: in the mode compatible with
+    XPath 1.0. constant: the expression as it is written, where no document can change its value.
     """
 
     tree: Expression
     warnings: tuple[str, ...] = ()
+    compatible: bool = True
+    constant: Written | None = None
 
     @property
     def text(self) -> str:
@@ -60,22 +65,23 @@ class Query:
         return unparse(self.tree)
 
     @property
-    def needs_xpath2(self) -> bool:
-        """Whether it needs XPath 2.0."""
+    def is_later(self) -> bool:
+        """Whether it needs more than XPath 1.0."""
         return isinstance(self.tree, Written) or uses_later(self.tree)
 
     @property
-    def only_saxon(self) -> bool:
-        """Whether Saxon alone can answer it: what has no tree of ours; and in XPath 2.0 what stands in an element
-        follows its attributes and namespaces, which libxml2, and with it our columns, has otherwise."""
-        if isinstance(self.tree, Written) or not self.needs_xpath2:
-            return isinstance(self.tree, Written)
+    def has_columns(self) -> bool:
+        """Whether columns may answer it: it has a tree of ours; and in XPath 2.0 and later what stands in an element
+        follows its attributes and namespaces, which in 1.0, and so on our columns, it does not."""
+        if isinstance(self.tree, Written) or not self.is_later:
+            return not isinstance(self.tree, Written)
         axes = {step.axis for part in walk(self.tree) if isinstance(part, Path) for step in part.steps}
-        return "following" in axes and not axes.isdisjoint({"attribute", "namespace"})
+        return "following" not in axes or axes.isdisjoint({"attribute", "namespace"})
 
 
-def parse(text: str, variables: Mapping[str, str | float | bool] | None = None) -> Query:
-    """Parses an XPath expression. variables: the values of `$name`.
+def parse(text: str, variables: Mapping[str, Atomic] | None = None, *, strict: bool = False) -> Query:
+    """Parses an XPath expression. variables: the values of `$name`. strict: as XPath 3.1 has it, without the mode
+    compatible with 1.0.
 
     Raises QueryError with the column and a hint for what is none, LimitError for a text that is too long or nested
     too deeply.
@@ -83,36 +89,52 @@ def parse(text: str, variables: Mapping[str, str | float | bool] | None = None) 
     _bound(text)
     warnings: list[str] = []
     try:
-        tree = _tree(text, variables or {})
+        tree = read_written(text, variables or {}, compatible=False) if strict else _tree(text, variables or {})
         _bound_depth(tree)
         tree = certain(from_document(with_stored_names(tree, warnings, in_name=False)))
+        constant = _constant(text, tree, variables or {}, strict=strict)
     except RecursionError:
         raise LimitError("the expression is nested too deeply", remedy="Write it flatter.") from None
-    return Query(tree, tuple(dict.fromkeys(warnings)))
+    return Query(tree, tuple(dict.fromkeys(warnings)), compatible=not strict, constant=constant)
 
 
-def _tree(text: str, variables: Mapping[str, str | float | bool]) -> Expression:
-    """What has a tree of ours; the rest may be XPath 2.0 that only Saxon evaluates."""
+def _tree(text: str, variables: Mapping[str, Atomic]) -> Expression:
+    """What has a tree of ours; the rest may be XPath 3.1 that has no columns, as has what asks no document."""
     try:
         tree = bind(read(text), variables)
     except QueryError as error:
-        return _read_xpath2(text, error, variables)
+        return _read_written(text, error, variables)
     _check_types(tree)
     return tree
 
 
-def _read_xpath2(text: str, error: QueryError, variables: Mapping[str, str | float | bool]) -> Expression:
-    """The expression as XPath 2.0. error: why it is no XPath 1.0."""
-    if isinstance(error, ArityError) or text.lstrip().startswith("+"):
-        raise error
+def _constant(text: str, tree: Expression, variables: Mapping[str, Atomic], *, strict: bool) -> Written | None:
+    """See `Query`. Values of ours are doubles, and types get lost: what is nothing but values is elementpath's."""
+    if isinstance(tree, Written):
+        return tree if tree.constant else None
+    if asks_each(tree) or asks_scope(tree):
+        return None
     try:
-        tree = read_xpath2(text, variables)
+        written = read_written(text, variables, compatible=not strict)
+    except (QueryError, RecursionError):
+        # What was XPath 1.0 and is none any more (`1 = 1 = 1`, `1div 2`); or a sum of thousands.
+        return None
+    return written if written.constant else None
+
+
+def _read_written(text: str, error: QueryError, variables: Mapping[str, Atomic]) -> Expression:
+    """The expression as XPath 3.1. error: why it has no tree of ours."""
+    try:
+        tree = read_written(text, variables)
         sure = certain_text(text)
-        tree = tree if sure == text else read_xpath2(sure, variables)
+        tree = tree if sure == text else read_written(sure, variables)
     except QueryError as other:
+        if isinstance(error, ArityError):
+            raise error from None
         # The parser that came further is the one that the writer had in mind.
         chosen = max(error, other, key=_column)
-        raise QueryError(chosen.what, at=chosen.at, remedy=chosen.remedy or _hint(text, chosen.what)) from None
+        remedy = chosen.remedy or _hint(text, chosen.what)
+        raise QueryError(chosen.what, at=chosen.at, remedy=remedy, **chosen.details) from None
     require_certain(sure)
     for part in walk(tree):
         if isinstance(part, Call):

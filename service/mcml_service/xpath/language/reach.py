@@ -34,7 +34,6 @@ from mcml_service.xpath.language.tree import (
     Variable,
     Written,
 )
-from mcml_service.xpath.language.types import type_of
 
 DOCUMENT = "/"
 Types = frozenset[str]
@@ -102,11 +101,6 @@ def is_of_skeleton(tree: Expression) -> bool:
 def types_of(tree: Expression, context: Types = frozenset({DOCUMENT})) -> Types:
     """Types of the nodes that an expression can select; of a value, none."""
     return _Analysis().types(tree, context)
-
-
-def may_select_document(tree: Expression) -> bool:
-    """Whether the document node can be among the nodes that the expression selects."""
-    return type_of(tree) == "nodes" and DOCUMENT in _Analysis().types(tree, frozenset({DOCUMENT}))
 
 
 class _Analysis:

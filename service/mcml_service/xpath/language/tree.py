@@ -11,6 +11,8 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import TypeAlias
 
+Atomic: TypeAlias = int | float | str | bool
+"""A value that is no node, as requests and answers have it."""
 Span: TypeAlias = tuple[int, int]
 """First and last + 1 character in the text."""
 
@@ -180,7 +182,7 @@ class Function:
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """A whole expression of XPath 2.0 that only Saxon evaluates, as it is written.
+    """A whole expression of XPath 3.1 that has no columns, as it is written.
 
     variables: the values of those that it does not bind itself. function, arguments: of a call that makes one value of
     all documents. nodes: whether its operator gives nodes. spans: whether a function of sequences, or a quantifier,
@@ -189,7 +191,7 @@ class Written:
     """
 
     text: str
-    variables: tuple[tuple[str, str | float | bool], ...] = ()
+    variables: tuple[tuple[str, Atomic], ...] = ()
     function: str = ""
     arguments: tuple[str, ...] = ()
     nodes: bool = False

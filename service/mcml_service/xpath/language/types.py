@@ -31,7 +31,7 @@ from mcml_service.xpath.language.tree import (
 
 def type_of(expression: Expression) -> str:
     """Type of the value: "nodes", "number", "string", "boolean" or "strings"; "sequence" where it may have any number
-    of items, or only Saxon can tell."""
+    of items, or only its evaluation can tell."""
     if isinstance(expression, Literal):
         return "string" if isinstance(expression.value, str) else "number"
     if isinstance(expression, Path):

@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 
 import numpy as np
 
-from mcml.errors import LimitError, McmlError, QueryError
+from mcml.errors import McmlError, QueryError
 from mcml.motion.bodies.quantities import QUANTITIES, joints_of
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
@@ -86,20 +86,13 @@ class BodyScope:
         return self._caches.listing.group([listed for listed, out in zip(group, lacks, strict=True) if not out])
 
 
-def require_saxon(calls: Sequence[Call], *, is_later: bool) -> None:
-    """Refuses calls in a question to which columns have no answer, and Saxon has none either. is_later: whether it is
-    asked at all, in XPath 2.0; libxml2 knows no bodies."""
+def refuse_top(calls: Sequence[Call]) -> None:
+    """Refuses what is of the whole scope in a question that is asked document by document."""
     if any(call.function == TOP for call in calls):
         raise QueryError(
             "mo:top is of the whole scope: it stands in no predicate or union, not with per=document, and not with what"
-            " only Saxon evaluates, document by document.",
+            " has no columns, and is asked document by document.",
             remedy="Write it around the whole, or before a path: mo:top(3, //frame[…])/frame_bone.",
-        )
-    if calls and not is_later:
-        raise LimitError(
-            "This question about bodies reaches too much at once.",
-            remedy="Ask fewer documents, or put what is asked of a frame into a predicate of //frame.",
-            code="query-too-large",
         )
 
 

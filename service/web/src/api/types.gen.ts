@@ -3524,6 +3524,8 @@ export interface components {
              */
             guesses: "yes" | "no";
             /** @default false */
+            strict: boolean;
+            /** @default false */
             explain: boolean;
             /** @default false */
             raw: boolean;
@@ -7111,6 +7113,7 @@ export interface operations {
                 cursor?: string | null;
                 per?: "document" | null;
                 guesses?: "yes" | "no";
+                strict?: boolean;
                 explain?: boolean;
                 raw?: boolean;
                 with?: string | null;

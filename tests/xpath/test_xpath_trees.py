@@ -1,26 +1,19 @@
-"""What Saxon answers over several documents, and what it must not do: read files, run on, take all memory."""
+"""What has no columns, over several documents: its values, and what it must not do: read files, run on, take memory."""
 
 from __future__ import annotations
 
-import contextlib
-import threading
 from collections.abc import Iterator
 
-import psutil
 import pytest
 
 from mcml.errors import LimitError, QueryError
 from mcml_schemas.querying.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueItem
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
+from mcml_service.xpath.bounded_queries import BoundedQueries
 from mcml_service.xpath.finding import addresses
-from mcml_service.xpath.limits import Limits
 from mcml_service.xpath.queries import Queries
-from mcml_service.xpath.xml import saxon
-from mcml_service.xpath.xml.saxon import Saxon
 from tests.builders import MCML, bvh, store
-
-DOCUMENT = b"<mcml><motion><frame id='1'/><frame id='2'/></motion></mcml>"
 
 
 @pytest.fixture(scope="module")
@@ -33,18 +26,6 @@ def queries(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Queries]:
     yield engine
     engine.close()
     database.close()
-
-
-@pytest.fixture
-def pool() -> Iterator[Saxon]:
-    made = Saxon(processes=1)
-    yield made
-    made.close()
-
-
-def ask(pool: Saxon, text: str, seconds: float = 10, client: str = "") -> list[object]:
-    limits = Limits(seconds, 1000, client)
-    return list(pool.items(text, [DOCUMENT], variables={}, offset=0, limit=100, limits=limits).items)
 
 
 @pytest.mark.parametrize(
@@ -149,108 +130,13 @@ def test_variables_are_bound(queries: Queries) -> None:
     "text",
     ["doc('/etc/passwd')", "collection()", "for $x in 'a' return doc($x)", "fn:doc('a')",
      "1 to count(doc-available('a'))", "unparsed-text('/etc/passwd')", "environment-variable('HOME')",
-     "for $x in (//a) return trace($x, 'b')",
-     "static-base-uri()", "resolve-uri('a')", "base-uri(a)", "error()"],
+     "function-lookup(xs:QName('fn:doc'), 1)('a')", "doc#1('a')", "'a' => doc()", "error()", "json-doc('a')",
+     "let $f := function-lookup(xs:QName('fn:unparsed-text'), 1) return $f('/etc/passwd')",
+     "parse-xml('<!DOCTYPE a [<!ENTITY e SYSTEM \"file:///etc/passwd\">]><a>&e;</a>')"],
 )  # fmt: skip
 def test_nothing_but_the_document_can_be_read(queries: Queries, text: str) -> None:
     with pytest.raises(QueryError):
         queries.answer(QueryRequest(q=text))
-
-
-@pytest.mark.parametrize("text", ["doc('file:///etc/hostname')", "unparsed-text('file:///etc/hostname')"])
-def test_saxon_itself_reads_no_files(pool: Saxon, text: str) -> None:
-    with pytest.raises(QueryError, match="Saxon refuses"):
-        ask(pool, text)
-
-
-@pytest.mark.timeout(60)
-def test_expressions_that_take_too_long_are_ended(pool: Saxon) -> None:
-    with pytest.raises(LimitError) as caught:
-        ask(pool, "sum(for $i in 1 to 100000000, $j in 1 to 1000 return $i mod $j)", seconds=2)
-    assert caught.value.details["code"] == "query-timeout"
-    assert ask(pool, "count(//frame)") == [2.0]
-
-
-def test_expressions_that_take_too_much_memory_are_ended() -> None:
-    pool = Saxon(memory_bytes=400 << 20, processes=1, seconds=60)
-    try:
-        with pytest.raises(LimitError) as caught:
-            ask(pool, "count(reverse(for $i in 1 to 60000000 return string($i)))", seconds=60)
-        assert caught.value.details["code"] == "query-memory"
-        assert ask(pool, "count(//frame)") == [2.0]
-    finally:
-        pool.close()
-
-
-def test_memory_that_saxon_takes_by_itself_is_seen_from_outside() -> None:
-    """One array of 8 GB that no limit of the system refuses: it is seen while the system fills it with zeros."""
-    pool = Saxon(memory_bytes=400 << 20, processes=1)
-    most = 0
-    done = threading.Event()
-
-    def look() -> None:
-        nonlocal most
-        with contextlib.suppress(psutil.NoSuchProcess):
-            while not done.wait(0.05):
-                most = max(most, child.memory_info().rss)
-
-    before = set(psutil.Process().children())
-    ask(pool, "1")
-    (child,) = set(psutil.Process().children()) - before
-    looking = threading.Thread(target=look)
-    looking.start()
-    try:
-        with pytest.raises(LimitError) as caught:
-            ask(pool, "1 to 1000000000", seconds=60)
-    finally:
-        done.set()
-        looking.join()
-        pool.close()
-    assert caught.value.details["code"] == "query-memory"
-    # How much more than it may is a matter of how soon a busy machine lets the watch look again.
-    assert most < 4 << 30
-
-
-EXPLODES = f"matches('{'a' * 60}!', '^(a+)+$')"
-
-
-def test_long_questions_leave_a_place_for_others() -> None:
-    """Those who ask much hold all places but one, others get that one at once, and who waits is served in turn."""
-    pool = Saxon(processes=3, seconds=60)
-    limits = [Limits(60, 1000, "busy") for _ in range(4)]
-    ended: list[str] = []
-
-    def explode(one: Limits) -> None:
-        with contextlib.suppress(LimitError, QueryError):
-            pool.items(EXPLODES, [DOCUMENT], variables={}, offset=0, limit=1, limits=one)
-        ended.append("long")
-
-    threads = [threading.Thread(target=explode, args=(one,)) for one in limits]
-    try:
-        for thread in threads:
-            thread.start()
-        for _ in range(3):
-            assert ask(pool, "count(//frame)", seconds=50, client="quick") == [2.0]
-        assert not ended
-    finally:
-        for one in limits:
-            one.cancel()
-        for thread in threads:
-            thread.join()
-        pool.close()
-
-
-def test_regular_expressions_that_explode_are_ended(pool: Saxon) -> None:
-    with pytest.raises((LimitError, QueryError)):
-        ask(pool, EXPLODES, seconds=2)
-
-
-def test_without_saxon_the_error_says_what_to_install(queries: Queries, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(saxon, "installed", lambda: False)
-    with pytest.raises(QueryError, match="Saxon is not installed") as caught:
-        queries.answer(QueryRequest(q="//frame[. is .]"))
-    assert "xpath2" in str(caught.value.remedy)
-    assert queries.answer(QueryRequest(q="max(//@Rx)")).value is not None
 
 
 def test_nodes_of_several_documents_stream(queries: Queries) -> None:
@@ -263,12 +149,72 @@ def test_nodes_of_several_documents_stream(queries: Queries) -> None:
         addresses(queries, QueryRequest(q="//frame/xs:double(@id)"))
 
 
-def test_what_would_take_too_long_is_refused_before_it_begins(
-    queries: Queries, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("mcml_service.xpath.xml.sequences.SAXON_SECONDS", 60)
-    monkeypatch.setattr(queries.saxon, "items", None)
-    with pytest.raises(LimitError, match="about 120 s for 2") as caught:
-        queries.answer(QueryRequest(q="count(//frame[. is .])"))
-    assert caught.value.details["code"] == "query-needs-saxon"
-    assert "as=ndjson" in str(caught.value.remedy)
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("map{'a': 1, 'b': (1, 2)}?b", [1, 2]),
+        ("[1, [2, 3]]?2?1", 2),
+        ("array:size([1, 2, 3])", 3),
+        ("fold-left(1 to 5, 0, function($sum, $next) { $sum + $next })", 15),
+        ("sort(('b', 'a'))", ["a", "b"]),
+        ("format-number(1234.5, '#,##0.00')", "1,234.50"),
+        ("xs:date('2026-02-28') + xs:dayTimeDuration('P1D')", "2026-03-01"),
+        ("parse-json('[1, 2]')?*", [1, 2]),
+        ("9007199254740993 + 2", 9007199254740995),
+        ("let $twice := function($n) { 2 * $n } return (1 to 3) ! $twice(.)", [2, 4, 6]),
+        ("count(1 to 2000000000)", 2000000000),
+        ("(: a comment :) 1", 1),
+        ("xs:double('INF')", "Infinity"),
+        ("'3' + 1", 4),
+        ("'a' = 1", False),
+        ("map{'one': [1, 'x']}", '{"one":[1,"x"]}'),
+    ],
+)
+def test_what_asks_no_document_has_one_value(queries: Queries, text: str, values: object) -> None:
+    """Of a library of any size, and of none."""
+    for project in (None, "nothing here"):
+        with queries.database.write() as tx:
+            tx.projects.get_or_add("nothing here")
+        answer = queries.answer(QueryRequest(q=text, project=project))
+        found = answer.value if answer.items is None else [item.value for item in answer.items]  # type: ignore[union-attr]
+        assert found == values
+
+
+@pytest.mark.parametrize(
+    ("text", "compatible", "strict"),
+    [("'a' = 1", False, "XPTY0004"), ("'3' + 1", 4, "XPTY0004"), ("1 + (2, 3)", 3, "XPTY0004"), ("1 = 1", True, True)],
+)
+def test_a_request_may_be_strict(queries: Queries, text: str, compatible: object, strict: object) -> None:
+    assert queries.answer(QueryRequest(q=text)).value == compatible
+    if isinstance(strict, str):
+        with pytest.raises(QueryError) as caught:
+            queries.answer(QueryRequest(q=text, strict=True))
+        assert caught.value.details["xpath_error"] == strict
+    else:
+        assert queries.answer(QueryRequest(q=text, strict=True)).value == strict
+    assert queries.answer(QueryRequest(q="count(//frame[@id castable as xs:integer])", strict=True)).value == 7
+
+
+def test_nodes_and_maps_of_documents(queries: Queries) -> None:
+    answer = queries.answer(QueryRequest(q="//frame ! map{'id': string(@id)} ! ?id"))
+    assert [item.value for item in answer.items or [] if isinstance(item, ValueItem)] == [
+        "1",
+        "2",
+        "5",
+        "1",
+        "2",
+        "3",
+        "4",
+    ]
+    answer = queries.answer(QueryRequest(q="for $f in //frame, $g in $f/following-sibling::frame return $g/@id"))
+    assert len(answer.items or []) == 9
+
+
+@pytest.mark.parametrize("text", ["//frame[matches(string-join((1 to 60) ! 'a') || '!', '^(a+)+$') and . is .]",
+                                  "sum(for $i in 1 to 100000, $j in 1 to 100000 return $i mod $j)"])  # fmt: skip
+def test_what_takes_too_long_is_ended(queries: Queries, text: str) -> None:
+    bounded = BoundedQueries(queries.database, Settings(query_seconds=1))
+    with pytest.raises(LimitError) as caught:
+        bounded.answer(QueryRequest(q=text))
+    assert caught.value.details["code"] == "query-timeout"
+    bounded.close()

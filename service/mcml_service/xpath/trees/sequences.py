@@ -1,4 +1,4 @@
-"""Answers that are sequences: an expression of XPath 2.0 over a scope, document by document, by Saxon."""
+"""Answers of what has no columns: an expression over a scope, document by document."""
 
 from __future__ import annotations
 
@@ -7,29 +7,26 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 
-from mcml.errors import LimitError, QueryError
+from mcml.errors import QueryError
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.language.functions import AGGREGATES
 from mcml_service.xpath.language.labels import without_index
 from mcml_service.xpath.language.parse import Query
 from mcml_service.xpath.language.scopes import spans_documents
-from mcml_service.xpath.language.tree import Call, Expression, Filter, Literal, Path, Written, walk
+from mcml_service.xpath.language.tree import Atomic, Call, Expression, Literal, Written
 from mcml_service.xpath.language.types import type_of
 from mcml_service.xpath.language.unparse import unparse
 from mcml_service.xpath.library.caches import Caches
 from mcml_service.xpath.library.groups import Group
-from mcml_service.xpath.library.motion_notes import motion_calls
 from mcml_service.xpath.limits import Limits
 from mcml_service.xpath.nodes.node import Node, Run
-from mcml_service.xpath.xml.body_values import BodyValues, Values
-from mcml_service.xpath.xml.evaluate import Node as Found
-from mcml_service.xpath.xml.projected import Xml, runs_of_nodes
-from mcml_service.xpath.xml.saxon import Items, Saxon
+from mcml_service.xpath.trees.body_values import BodyValues, Values
+from mcml_service.xpath.trees.evaluate import NOTHING, Found, Items, Tree
+from mcml_service.xpath.trees.projected import Xml, runs_of_nodes
 
-Atomic = float | str | bool
-SAXON_SECONDS = 0.003
-"""That Saxon takes for a small document, at least."""
+MOST = 1_000_000
+"""Values of an expression that asks no document."""
 
 
 @dataclass(frozen=True)
@@ -45,26 +42,18 @@ class Answer:
 class Sequences:
     """The answer of an expression over a scope."""
 
-    def __init__(
-        self, saxon: Saxon, tx: Transaction, caches: Caches, query: Query, groups: Sequence[Group], limits: Limits
-    ) -> None:
-        self.saxon = saxon
+    def __init__(self, tx: Transaction, caches: Caches, query: Query, groups: Sequence[Group], limits: Limits) -> None:
         self.limits = limits
+        self.compatible = query.compatible
         self.documents = list(chain.from_iterable(groups))
         inner, self.nth = without_index(query.tree)
         query = replace(query, tree=inner)
         self.tree = query.tree
-        if _is_constant(query.tree):
-            del self.documents[1:]
         self.xml = Xml(tx, limits, query.tree)
         self.text = query.text
         self.variables = dict(self.tree.variables) if isinstance(self.tree, Written) else {}
         self.bodies = BodyValues(tx, caches, groups, limits)
-
-    @property
-    def is_aggregate(self) -> bool:
-        """Whether the outermost function makes one value of all documents."""
-        return bool(self._call()[0])
+        self._last: tuple[Listed, Tree] | None = None
 
     def aggregate(self) -> tuple[str, Atomic | list[Atomic] | None] | None:
         """(function, value) where the outermost function makes one value of all documents; None where it is another.
@@ -149,23 +138,25 @@ class Sequences:
     def _evaluate(self, stored: Listed, text: str, offset: int, limit: int) -> Items:
         self.limits.check()
 
+        tree = self._tree(stored)
+
         def ask(text: str, variables: Values) -> Items:
-            document, limits = self.xml.of(stored), self.limits
-            return self.saxon.items(text, document, variables=variables, offset=offset, limit=limit, limits=limits)
+            return tree.items(text, variables=variables, offset=offset, limit=limit, compatible=self.compatible)
 
         return self.bodies.answer(ask, text, self.variables, stored)
 
+    def _tree(self, stored: Listed) -> Tree:
+        """Of a document; the last one is kept, for who asks it twice."""
+        if self._last is None or self._last[0] is not stored:
+            self._last = stored, Tree(self.xml.of(stored))
+        return self._last[1]
 
-def require_time(documents: int, limits: Limits) -> None:
-    """LimitError, before anything begins, for what takes Saxon longer than the query may."""
-    seconds = documents * SAXON_SECONDS
-    if seconds > limits.seconds_left:
-        raise LimitError(
-            f"Only Saxon evaluates this, document by document: about {seconds:.0f} s for {documents:,} of them.",
-            remedy="Ask fewer documents, or write it without casts, comparisons of nodes and functions of Saxon "
-            "(docs/xpath.md); nodes alone, with as=ndjson, xml or csv, stream within MCML_SAXON_SECONDS.",
-            code="query-needs-saxon",
-        )
+
+def value_of_nothing(query: Query) -> Items:
+    """The value of an expression that asks no document."""
+    assert query.constant is not None
+    text, variables = query.constant.text, dict(query.constant.variables)
+    return Tree([NOTHING]).items(text, variables=variables, offset=0, limit=MOST, compatible=query.compatible)
 
 
 def require_alone(tree: Expression, documents: int) -> None:
@@ -190,10 +181,3 @@ def _extreme(function: str, values: Sequence[Atomic]) -> Atomic | None:
         return math.nan
     chosen: Atomic = min(values) if function == "min" else max(values)
     return chosen
-
-
-def _is_constant(tree: Expression) -> bool:
-    """Whether no document can change the value: then one is asked."""
-    if isinstance(tree, Written):
-        return tree.constant
-    return not any(isinstance(part, Path | Filter | Written) for part in walk(tree)) and not motion_calls(tree)

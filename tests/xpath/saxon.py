@@ -1,37 +1,19 @@
-"""A process of its own that evaluates XPath 2.0 and later with Saxon: it can be killed, and its memory is bounded.
-
-Its argument and messages are those of `worker.py`. A request is a JSON object {seconds, expression, variables, limit,
-offset}, then the document in pieces, then an empty message. The answer: {"total": n, "items": […]} for items offset …
-offset + limit - 1 of the sequence: ["node", kind, address, value] or ["number" | "string" | "boolean", value], NaN and
-infinities as texts.
-"""
+"""What Saxon answers: the oracle of XPath 2.0 and later."""
 
 from __future__ import annotations
 
 import re
-import resource
-import sys
-from functools import partial
 from typing import Any
 
 from lxml import etree
-from saxonche import PySaxonApiError, PySaxonProcessor
 
 from mcml.language.addresses import address_attribute, address_namespace, address_text
-from mcml_service.processes.bounds import bound_memory
-from mcml_service.xpath.xml.worker import Addresses, answer_requests, describe
+from mcml_service.xpath.trees.evaluate import Addresses
+from tests.xpath.libxml2 import describe
 
 _SPECIAL = {"INF": "Infinity", "+INF": "Infinity", "-INF": "-Infinity", "NaN": "NaN"}
 _NUMBERS = ("integer", "decimal", "double", "float")
 _STEP = re.compile(r"/(?:Q\{\}([^\[/]+)\[(\d+)\]|@(.+)|(text\(\))\[\d+\]|(namespace::.+))")
-
-
-def main() -> None:
-    # Saxon reserves addresses by the gigabyte and uses few of them, so what counts is what it writes to.
-    bound_memory(resource.RLIMIT_DATA, int(sys.argv[1]))
-    saxon = PySaxonProcessor(license=False)
-    saxon.set_configuration_property("http://saxon.sf.net/feature/allowedProtocols", "")
-    answer_requests(partial(evaluate, saxon), PySaxonApiError)
 
 
 def evaluate(

@@ -1,4 +1,4 @@
-"""Functions of bodies in motion for Saxon, which knows none of them and sees XML, in which no bodies are.
+"""Functions of bodies in motion for elementpath, which knows none of them and sees XML, in which no bodies are.
 
 A call becomes a look into a table with a number for every frame, which columns work out as for any other question. The
 tables are variables of the request, so nothing is added to the document that an expression could see.
@@ -36,7 +36,7 @@ from mcml_service.xpath.language.motion_functions import (
     WINDOW,
 )
 from mcml_service.xpath.language.reach import HeadPart
-from mcml_service.xpath.language.tree import Call, Literal, Written, walk
+from mcml_service.xpath.language.tree import Atomic, Call, Literal, Written, walk
 from mcml_service.xpath.language.types import is_of_variables, type_of
 from mcml_service.xpath.language.unparse import unparse
 from mcml_service.xpath.library.bodies import Bodies
@@ -45,9 +45,9 @@ from mcml_service.xpath.library.forest import Forest
 from mcml_service.xpath.library.groups import Group
 from mcml_service.xpath.limits import Limits
 from mcml_service.xpath.nodes.pairs import TooWideError
-from mcml_service.xpath.xml.saxon import Items
+from mcml_service.xpath.trees.evaluate import Items
 
-Values: TypeAlias = Mapping[str, str | float | bool]
+Values: TypeAlias = Mapping[str, Atomic]
 Numbers: TypeAlias = NDArray[Any]
 Met: TypeAlias = dict[Call, dict[tuple[str, ...], None]]
 """What the arguments of a call that are not the same everywhere named."""
@@ -121,7 +121,7 @@ class BodyValues:
         return Columns(forest.part([stored]), self._limits.check, is_later=True)
 
     def answer(self, ask: Callable[[str, Values], Items], text: str, variables: Values, stored: Listed) -> Items:
-        """What Saxon answers to an expression about a document. ask: asks it, with variables.
+        """What elementpath answers to an expression about a document. ask: asks it, with variables.
 
         Which joint an argument names, `mo:height(.)`, is known while it is evaluated: then it is asked again with the
         numbers that it lacked. Raises QueryError for what only columns can answer, LimitError for too many numbers.
@@ -139,7 +139,7 @@ class BodyValues:
 
 
 class _Asked:
-    """An expression for Saxon, about one document. text, variables: what it is asked."""
+    """An expression for elementpath, about one document. text, variables: what it is asked."""
 
     def __init__(self, columns: Columns, text: str, variables: Values, most: int, met: Met) -> None:
         self._motions = columns.motions
@@ -160,7 +160,7 @@ class _Asked:
         self.variables = {**variables, **self._numbers}
 
     def learns(self, refused: str) -> bool:
-        """Whether what Saxon refused the expression for is mended when it is asked again."""
+        """Whether what the expression was refused for is mended when it is asked again."""
         missed = re.search(rf"{_MISSED} (\d+):([^;]*);", refused)
         if missed is None:
             return False
@@ -257,7 +257,7 @@ class _Asked:
             self._left -= len(self._context)
             if self._left < 0:
                 raise LimitError(
-                    "The question asks for more numbers of a document than Saxon may be given.",
+                    "The question asks for more numbers of a document than may be given.",
                     remedy="Name fewer joints, ask smaller documents, or raise MCML_QUERY_ELEMENTS.",
                     code="query-too-large",
                 )
@@ -286,7 +286,6 @@ def _written(numbers: Iterable[float]) -> str:
 
 def _of_rates() -> QueryError:
     return QueryError(
-        "mo:rate looks at the frames around one, in which variables of loops, and what only Saxon evaluates, are not "
-        "known.",
+        "mo:rate looks at the frames around one, in which variables of loops, and what has no columns, are not known.",
         remedy="Ask in mo:rate for what a frame alone tells, such as mo:rate(mo:height('Root')).",
     )

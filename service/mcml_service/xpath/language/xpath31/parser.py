@@ -1,0 +1,117 @@
+"""The parser of XPath 3.1, elementpath's, without functions that see more than their arguments and the document."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from decimal import Decimal
+from itertools import product
+from typing import Any
+
+from elementpath.collations import UNICODE_CODEPOINT_COLLATION
+from elementpath.datatypes import AnyURI, UntypedAtomic
+from elementpath.exceptions import ElementPathError
+from elementpath.tdop import Parser
+from elementpath.xpath31 import XPath31Parser
+
+from mcml.errors import McmlError, Place, QueryError
+from mcml_service.xpath.language.xpath31 import collations  # noqa: F401 - they take the place of elementpath's
+from mcml_service.xpath.language.xpath31.corrections import correct
+
+_FUNCTIONS = "http://www.w3.org/2005/xpath-functions"
+NAMESPACES = {
+    "fn": _FUNCTIONS,
+    "math": f"{_FUNCTIONS}/math",
+    "map": f"{_FUNCTIONS}/map",
+    "array": f"{_FUNCTIONS}/array",
+    "xs": "http://www.w3.org/2001/XMLSchema",
+    "err": "http://www.w3.org/2005/xqt-errors",
+}
+"""Prefixes that an expression may use."""
+
+OUTSIDE = frozenset(
+    {
+        "doc", "doc-available", "collection", "uri-collection", "unparsed-text", "unparsed-text-lines",
+        "unparsed-text-available", "json-doc", "environment-variable", "available-environment-variables", "transform",
+        "load-xquery-module",
+    }
+)  # fmt: skip
+"""Functions that read files, the network, or the environment."""
+
+_MESSAGE = re.compile(r"(?:.*? at line (\d+), column (\d+): )?(?:\[err:(\w+)\] )?(.*)", re.DOTALL)
+
+
+class XPath31(XPath31Parser):
+    """XPath 3.1 as the repository offers it."""
+
+    symbol_table = {  # noqa: RUF012 - of its class, as elementpath has it
+        name: kind for name, kind in XPath31Parser.symbol_table.items() if name not in OUTSIDE
+    }
+
+
+class _Compared:
+    """A general comparison. In the mode compatible with 1.0 (XPath 3.1 §3.7.2) each item is a number where one of both
+    is, or less or greater is asked; but dates, durations and the like are compared as what they are."""
+
+    def iter_comparison_data(self, context: Any) -> Iterator[Any]:
+        token: Any = self
+        if not token.parser.compatibility_mode:
+            yield from super().iter_comparison_data(context)  # type: ignore[misc]  # of the token that this is mixed into
+            return
+        sides = [list(token[place].atomization(context)) for place in (0, 1)]
+        if any(len(side) == 1 and isinstance(side[0], bool) for side in sides):
+            yield tuple(token.boolean_value(side) for side in sides)
+            return
+        is_ordered = token.symbol not in ("=", "!=")
+        for left, right in product(*sides):
+            if isinstance(left, int) and isinstance(right, int):
+                yield left, right
+            elif isinstance(left, _TEXTS) and isinstance(right, _TEXTS) and not is_ordered:
+                yield str(left), str(right)
+            elif isinstance(left, (*_TEXTS, *_NUMBERS)) and isinstance(right, (*_TEXTS, *_NUMBERS)):
+                yield token.number_value(left), token.number_value(right)
+            else:
+                yield left, right
+
+
+correct(XPath31.symbol_table)
+_TEXTS = (str, UntypedAtomic, AnyURI)
+_NUMBERS = (int, float, Decimal)
+for _symbol in ("=", "!=", "<", "<=", ">", ">="):
+    _kind = XPath31.symbol_table[_symbol]
+    XPath31.symbol_table[_symbol] = type(_kind.__name__, (_Compared, _kind), {})
+XPath31.build()
+
+
+def _made(parser: type[XPath31], compatible: bool) -> XPath31:
+    return parser(
+        namespaces=dict(NAMESPACES), compatibility_mode=compatible, default_collation=UNICODE_CODEPOINT_COLLATION
+    )
+
+
+def read_tokens(text: str, *, compatible: bool, parser: type[XPath31] = XPath31) -> Any:
+    """The tokens of an expression. compatible: in the mode compatible with XPath 1.0.
+
+    elementpath's ordinary entry evaluates constants while parsing, which a hostile text makes last for minutes;
+    `tdop.Parser.parse` only parses. Raises QueryError.
+    """
+    try:
+        return Parser.parse(_made(parser, compatible), text)
+    except ElementPathError as error:
+        raise query_error(error, text) from None
+    except (MemoryError, RecursionError, McmlError):
+        raise
+    except Exception as error:
+        # What the parser did not foresee in a text is no fault of the server.
+        raise QueryError("this is no XPath 3.1", at=Place(column=1), xpath_error="XPST0003") from error
+
+
+def query_error(error: Exception, text: str = "") -> QueryError:
+    """What elementpath says of an expression, with the W3C's code. text: the expression, for the column."""
+    line, column, code, what = _MESSAGE.fullmatch(str(error)).groups()  # type: ignore[union-attr]  # it always matches
+    place = None
+    if text:
+        before = text.split("\n")[: int(line or 1) - 1]
+        place = Place(column=sum(len(one) + 1 for one in before) + int(column or 1))
+    details = {} if code is None else {"xpath_error": code}
+    return QueryError(" ".join(what.split()).rstrip("."), at=place, **details)

@@ -1,0 +1,1 @@
+"""Documents as trees of nodes, on which elementpath evaluates what columns have no answer to."""

@@ -1,0 +1,65 @@
+"""Documents as XML, without what an expression cannot touch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from mcml.errors import LimitError
+from mcml.language.addresses import find_frame
+from mcml.language.writer import Layout, write_document
+from mcml.motion.clip import FrameBlock
+from mcml_service.storage.documents.columns import Listed
+from mcml_service.storage.transaction import Transaction
+from mcml_service.xpath.answer.render import bone_names, labelled_blocks
+from mcml_service.xpath.language.reach import Projection, projection
+from mcml_service.xpath.language.tree import Expression
+from mcml_service.xpath.limits import Limits
+from mcml_service.xpath.nodes.node import Node, Run, in_no_frame, join_runs
+from mcml_service.xpath.trees.evaluate import Found
+
+
+class Xml:
+    """Documents as XML, without what an expression cannot touch."""
+
+    def __init__(self, tx: Transaction, limits: Limits, tree: Expression) -> None:
+        self.tx = tx
+        self.limits = limits
+        self.projection = projection(tree)
+
+    def of(self, stored: Listed) -> Iterator[bytes]:
+        """The XML in pieces. LimitError for what is too large."""
+        self._check_size(stored)
+        document = self.tx.heads.document(stored)
+        blocks: Iterator[FrameBlock] = iter(())
+        if self.projection is not Projection.HEAD:
+            bones: list[int] | None = [] if self.projection is Projection.FRAMES else None
+            blocks = labelled_blocks(self.tx, stored, 1, stored.frames, bones)
+        names = bone_names(self.tx, stored)
+        return write_document(document, stored.frames, stored.frame_time, blocks, names, layout=Layout.COMPACT)
+
+    def _check_size(self, stored: Listed) -> None:
+        if self.projection is Projection.HEAD:
+            return
+        bones = len(self.tx.heads.bone_names(stored.key)) if self.projection is Projection.WHOLE else 1
+        elements = stored.frames * (1 + bones)
+        limit = self.limits.max_elements
+        if elements > limit:
+            raise LimitError(
+                f"The expression can touch about {elements:,} elements of {stored.name!r}, the limit is {limit:,}.",
+                remedy="Ask for a motion name or a frame first, ask smaller documents, or raise MCML_QUERY_ELEMENTS.",
+                code="query-too-large",
+            )
+
+
+def runs_of_nodes(found: Iterable[tuple[Listed, Sequence[Node | Found]]]) -> Iterator[Run]:
+    """Maximal ranges of frames that nodes of documents are or lie in. QueryError for a node outside the frames."""
+    return join_runs(_frames_of_nodes(found))
+
+
+def _frames_of_nodes(found: Iterable[tuple[Listed, Sequence[Node | Found]]]) -> Iterator[Run]:
+    for stored, nodes in found:
+        for node in nodes:
+            position = find_frame(node.address)
+            if position is None:
+                raise in_no_frame(node.address)
+            yield Run(stored, position, position)
