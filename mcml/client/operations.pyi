@@ -6,27 +6,86 @@ from mcml.answers import Content
 from mcml.client.client import Client, FileProgress
 from mcml.formats.format import SourceFile
 from mcml_schemas.bodies import Calibration, CalibrationChange
-from mcml_schemas.catalogues import FormatList, JointNameList, MotionNameList, ProjectChange, ProjectImported, ProjectList, ProjectView, RestPose, SkeletonPage
+from mcml_schemas.catalogues import (
+    FormatList,
+    JointNameList,
+    MotionNameList,
+    ProjectChange,
+    ProjectImported,
+    ProjectList,
+    ProjectView,
+    RestPose,
+    SkeletonPage,
+)
 from mcml_schemas.changes import ChangeSet, ChangesMade
 from mcml_schemas.compose import Composed, ComposeRequest, SplitParts, SplitRequest
-from mcml_schemas.documents import ChangedDocuments, DocumentChange, DocumentDetail, DocumentPage, FramePage, InspectResult, LabelPage, LabelRequest, RevisionPage, UploadResult
+from mcml_schemas.documents import (
+    ChangedDocuments,
+    DocumentChange,
+    DocumentDetail,
+    DocumentPage,
+    FramePage,
+    InspectResult,
+    LabelPage,
+    LabelRequest,
+    RevisionPage,
+    UploadResult,
+)
 from mcml_schemas.elements import ChildPage, ElementChange, ElementEdited, ElementEdits, TextFound
 from mcml_schemas.exports import ExportRequest
 from mcml_schemas.frames import FrameEdits, FramesEdited
-from mcml_schemas.jobs import AnalysisInfo, AnalysisList, ArrayValues, Job, JobPage, MusicBeats, PartSummary, Result, ResultPage, ResultUsed, Selection
+from mcml_schemas.jobs import (
+    AnalysisInfo,
+    AnalysisList,
+    ArrayValues,
+    Job,
+    JobPage,
+    MusicBeats,
+    PartSummary,
+    Result,
+    ResultPage,
+    ResultUsed,
+    Selection,
+)
 from mcml_schemas.labels import LabelChange, LabelQuery, SuggestedLabels
 from mcml_schemas.media import MediaChange, MediaInfo
 from mcml_schemas.names import AliasTable, AppliedNames, SavedAliases
 from mcml_schemas.querying.facets import FacetList
 from mcml_schemas.querying.queries import Completions, QueryAnswer, QueryRequest
 from mcml_schemas.querying.running import RunningQueries
-from mcml_schemas.querying.saved import Collection, CollectionPage, CollectionToSave, Colours, ColoursToSave, QueryToSave, SavedQuery, SavedQueryPage, Vocabulary, VocabularyToSave
+from mcml_schemas.querying.saved import (
+    Collection,
+    CollectionPage,
+    CollectionToSave,
+    Colours,
+    ColoursToSave,
+    QueryToSave,
+    SavedQuery,
+    SavedQueryPage,
+    Vocabulary,
+    VocabularyToSave,
+)
 from mcml_schemas.querying.search import SearchAnswer, SearchRequest
 from mcml_schemas.retarget import Mapping, MappingPage, Retargeted, RetargetMany, RetargetRequest, SavedMapping
 from mcml_schemas.revisions import Difference
 from mcml_schemas.selections import CopiedDocuments, ManyChanges, ManyCopies, ManyDocuments
 from mcml_schemas.skeletons import SkeletonView
-from mcml_schemas.team.accounts import AccountChange, AccountList, AccountView, InvitationList, InvitationMade, InvitationRequest, Me, MemberChange, MemberList, OwnerRequest, PasswordChange, TokenList, TokenMade, TokenRequest
+from mcml_schemas.team.accounts import (
+    AccountChange,
+    AccountList,
+    AccountView,
+    InvitationList,
+    InvitationMade,
+    InvitationRequest,
+    Me,
+    MemberChange,
+    MemberList,
+    OwnerRequest,
+    PasswordChange,
+    TokenList,
+    TokenMade,
+    TokenRequest,
+)
 from mcml_schemas.team.activity import ActivityPage
 from mcml_schemas.team.comments import CommentChange, CommentPage, CommentRequest, CommentView
 from mcml_schemas.team.presence import PresenceRequest, PresentList
@@ -53,7 +112,30 @@ class Operations:
         deleted: bool | None = ...,
         limit: int | None = ...,
         cursor: str | None = ...,
-        sort: Literal["name", "-name", "newest", "created", "-created", "modified", "-modified", "duration", "-duration", "frames", "-frames", "rate", "-rate", "format", "-format", "project", "-project", "skeleton", "-skeleton", "revision", "-revision"] | None = ...,
+        sort: Literal[
+            "name",
+            "-name",
+            "newest",
+            "created",
+            "-created",
+            "modified",
+            "-modified",
+            "duration",
+            "-duration",
+            "frames",
+            "-frames",
+            "rate",
+            "-rate",
+            "format",
+            "-format",
+            "project",
+            "-project",
+            "skeleton",
+            "-skeleton",
+            "revision",
+            "-revision",
+        ]
+        | None = ...,
         offset: int | None = ...,
         with_: str | None = ...,
         progress: FileProgress | None = None,
@@ -1058,7 +1140,8 @@ class Operations:
         project: str | None = ...,
         document: str | None = ...,
         author: str | None = ...,
-        kind: Literal["document", "comment", "project", "job", "member", "share", "webhook", "account", "token"] | None = ...,
+        kind: Literal["document", "comment", "project", "job", "member", "share", "webhook", "account", "token"]
+        | None = ...,
         since: str | None = ...,
         progress: FileProgress | None = None,
     ) -> ActivityPage:
