@@ -10,7 +10,8 @@ from __future__ import annotations
 from mcml.errors import Place, QueryError
 from mcml_service.xpath.language.arity import check_arity
 from mcml_service.xpath.language.functions import SAFE_FUNCTIONS
-from mcml_service.xpath.language.tokens import Token, tokens
+from mcml_service.xpath.language.loops import Loops
+from mcml_service.xpath.language.tokens import Token
 from mcml_service.xpath.language.tree import (
     AXES,
     KIND_TESTS,
@@ -20,14 +21,11 @@ from mcml_service.xpath.language.tree import (
     Each,
     Expression,
     Filter,
-    For,
     Function,
     If,
-    Let,
     Literal,
     Operation,
     Path,
-    Quantified,
     Sequence,
     Step,
     Variable,
@@ -44,58 +42,7 @@ def read(text: str) -> Expression:
     return _Reader(text).whole()
 
 
-class _Reader:
-    def __init__(self, text: str) -> None:
-        self._tokens = tokens(text)
-        self._place = 0
-        self._next = self._tokens[0]
-
-    # -- tokens ----------------------------------------------------------------------------------------------------
-
-    def _advance(self) -> Token:
-        token = self._next
-        self._place += 1
-        self._next = self._tokens[min(self._place, len(self._tokens) - 1)]
-        return token
-
-    def _at(self, *symbols: str) -> bool:
-        return self._next.kind == "symbol" and self._next.text in symbols
-
-    def _accept(self, symbol: str) -> bool:
-        if self._at(symbol):
-            self._advance()
-            return True
-        return False
-
-    def _expect(self, symbol: str) -> None:
-        if not self._accept(symbol):
-            raise self._unexpected(f"{symbol!r} is missing")
-
-    def _follows(self, symbol: str, ahead: int = 1) -> bool:
-        """Whether this symbol follows the next token."""
-        after = self._tokens[min(self._place + ahead, len(self._tokens) - 1)]
-        return after.kind == "symbol" and after.text == symbol
-
-    def _at_word(self, *words: str) -> bool:
-        return self._next.kind == "name" and self._next.text in words
-
-    def _word(self, word: str) -> None:
-        if not self._at_word(word):
-            raise self._unexpected(f"{word!r} is missing")
-        self._advance()
-
-    def _end(self) -> int:
-        return self._tokens[self._place - 1].end
-
-    def _unexpected(self, wanted: str) -> QueryError:
-        token = self._next
-        if token.kind == "end":
-            last = self._tokens[self._place - 1] if self._place else token
-            return QueryError(f"the expression ends early: {wanted}", at=Place(column=last.start + 1))
-        if token.text == ":":
-            return QueryError("a prefix cannot be used here", at=Place(column=token.start + 1))
-        return QueryError(f"unexpected {token.text!r}: {wanted}", at=Place(column=token.start + 1))
-
+class _Reader(Loops):
     # -- sequences, loops and branches -----------------------------------------------------------------------------
 
     def whole(self) -> Expression:
@@ -121,27 +68,6 @@ class _Reader:
             return self._branch(self._advance())
         return self._operations()
 
-    def _binding(self, word: Token) -> Expression:
-        """`for $a in …, $b in … return …`, `let $a := … return …`, `some $a in … satisfies …`."""
-        bound: list[tuple[str, Expression]] = []
-        while not bound or self._accept(","):
-            self._expect("$")
-            name = self._variable_name()
-            if word.text == "let":
-                self._expect(":=")
-            else:
-                self._word("in")
-            bound.append((name, self._expression()))
-        self._word("satisfies" if word.text in ("some", "every") else "return")
-        body = self._expression()
-        span = (word.start, self._end())
-        for name, source in reversed(bound):
-            if word.text in ("for", "let"):
-                body = (For if word.text == "for" else Let)(name, source, body, span)
-            else:
-                body = Quantified(word.text, name, source, body, span)
-        return body
-
     def _branch(self, word: Token) -> Expression:
         self._expect("(")
         test = self._sequence()
@@ -150,11 +76,6 @@ class _Reader:
         then = self._expression()
         self._word("else")
         return If(test, then, self._expression(), (word.start, self._end()))
-
-    def _variable_name(self) -> str:
-        if self._next.kind != "name":
-            raise self._unexpected("the name of a variable is missing")
-        return self._advance().text
 
     # -- operators -------------------------------------------------------------------------------------------------
 

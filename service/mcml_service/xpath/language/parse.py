@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from difflib import get_close_matches
 
@@ -114,12 +115,12 @@ def _constant(text: str, tree: Expression, variables: Mapping[str, Atomic], *, s
         return tree if tree.constant else None
     if asks_each(tree) or asks_scope(tree):
         return None
-    try:
-        written = read_written(text, variables, compatible=not strict)
-    except (QueryError, RecursionError):
-        # What was XPath 1.0 and is none any more (`1 = 1 = 1`, `1div 2`); or a sum of thousands.
-        return None
-    return written if written.constant else None
+    # What was XPath 1.0 and is none any more (`1 = 1 = 1`, `1div 2`), and FLWOR, is XPath 3.1 as it is written out.
+    for spelling in (text, unparse(tree)):
+        with suppress(QueryError, RecursionError):
+            written = read_written(spelling, variables, compatible=not strict)
+            return written if written.constant else None
+    return None
 
 
 def _read_written(text: str, error: QueryError, variables: Mapping[str, Atomic]) -> Expression:
