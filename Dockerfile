@@ -12,7 +12,7 @@ RUN pip install --no-cache-dir --upgrade "pip>=25.3" \
 FROM python:3.12-slim
 RUN useradd --create-home --uid 10001 mcml
 COPY --from=build /wheels /wheels
-RUN pip install --no-cache-dir --no-index --find-links /wheels "mcml-repository[server,plots,openid]" && rm -rf /wheels
+RUN pip install --no-cache-dir --no-index --find-links /wheels "mcml-repository[server,cluster,plots,openid]" && rm -rf /wheels
 USER mcml
 # Made by their owner, or Docker would make the volumes' folders as root.
 RUN mkdir /home/mcml/data /home/mcml/cache /home/mcml/backups

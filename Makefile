@@ -73,7 +73,7 @@ docs: $(STAMP) ## Make again what comes from catalogues: tables in docs/, types 
 lock: $(STAMP) ## Lock the versions that make install and Docker take (UPGRADE=1: the newest)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group lock
 	$(LOCK) --all-extras --group dev --output-file requirements-dev.lock
-	$(LOCK) --extra server --extra plots --extra openid --constraint requirements-dev.lock --output-file requirements.lock
+	$(LOCK) --extra server --extra cluster --extra plots --extra openid --constraint requirements-dev.lock --output-file requirements.lock
 
 migration: $(STAMP) ## Make a migration from the difference of tables.py and a fresh store: make migration NAME=what_changed
 	@$(BIN)/python -m tests.drills.migration "$(NAME)"

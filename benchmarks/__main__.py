@@ -11,7 +11,7 @@ from pathlib import Path
 
 BENCHMARKS = {
     "beside": "a library of thousands of clips, beside BaseX",
-    "cluster": "a graph of 2,000 bars by one and by two workers of Dask",
+    "cluster": "a graph of 2,000 bars by one and by two workers, of this host and of Dask",
     "bodies": "bodies of a library: deriving, room, questions beside channels, what is most alike",
     "dance": "beats of an hour, a graph of 500 bars, three minutes of dance",
     "edits": "one value, difference, undo, label, cut in a document of 100,000 frames",

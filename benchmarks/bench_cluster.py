@@ -1,7 +1,8 @@
-"""A graph of 2,000 bars by one and by two workers of a Dask cluster over TLS, which read their clips from the store.
+"""A graph of 2,000 bars by one and by two workers, which read their clips from the store: of this host, and of a Dask
+cluster over TLS.
 
-Processor seconds of each worker's process; wall time beside them, which says little where workers share the processors
-with each other, the scheduler and this program.
+Of Dask, processor seconds of each worker's process; wall time beside them, which says little where workers share the
+processors with each other, the scheduler and this program.
 """
 
 from __future__ import annotations
@@ -9,19 +10,19 @@ from __future__ import annotations
 import os
 import tempfile
 import time
-from collections.abc import Mapping
-from functools import partial
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
+from distributed import Client, LocalCluster, Security
 
 from benchmarks.timing import report
 from mcml_service.actions.importing.load_demo import add_clips
-from mcml_service.analysis.interface import Part, Parts
+from mcml_service.analysis.interface import Parts
 from mcml_service.demo.dance_clips import dance_clip
-from mcml_service.jobs.cluster import Cluster
-from mcml_service.jobs.worker import Refused, on_dask
+from mcml_service.jobs.dask_workers import DaskCrew, DaskExecutor
+from mcml_service.jobs.host_workers import HostWorkers
+from mcml_service.jobs.worker import Outcome, Refused, Task, work_on
 from mcml_service.settings import Settings
 from mcml_service.storage.core.tables import document
 from mcml_service.storage.database import Database
@@ -40,39 +41,59 @@ def run() -> dict[str, Any]:
         with database.read() as tx:
             inputs = [{"document": row.uuid, "revision": 1} for row in tx.connection.execute(document.select())]
         with database.write() as tx:
-            job = tx.jobs.add(tx.projects.get_or_add("dance"), "motion-graph", "graph", "demo", inputs, {})
-        results = {count: _measured(database, job, inputs, count, figures) for count in (1, 2)}
+            key = tx.projects.get_or_add("dance")
+            job = tx.jobs.add(key, "motion-graph", "graph", "demo", inputs, {}, runner="benchmark")
+        task = Task((database.url, None), job, "benchmark", "motion-graph", inputs, {})
+        results = [made(task, count, figures) for made in (_by_host, _by_dask) for count in (1, 2)]
         database.close()
-    alone, both = (results[count]["graph"].arrays for count in (1, 2))
-    figures["same"] = all(np.array_equal(alone[name], both[name]) for name in alone)
-    report(f"{len(alone['pairs']):,} edges, the same by both", float(figures["same"]), "1")
+    alone, *others = (result["graph"].arrays for result in results)
+    figures["same"] = all(np.array_equal(alone[name], other[name]) for name in alone for other in others)
+    report(f"{len(alone['pairs']):,} edges, the same by all", float(figures["same"]), "1")
     figures["share"] = report("busier of two / one alone", figures["busiest"][2] / figures["busiest"][1], "<= 0.6")
     return figures
 
 
-def _measured(
-    database: Database, job: str, inputs: list[dict[str, Any]], workers: int, figures: dict[str, Any]
-) -> Parts:
+def _by_host(task: Task, workers: int, figures: dict[str, Any]) -> Parts:
+    with HostWorkers(workers, 4 << 30) as pool:
+        found = []
+        for _ in range(ROUNDS + 1):
+            start = time.perf_counter()
+            parts = _parts(pool.submit(work_on, task, pool.crew).result())
+            found.append(time.perf_counter() - start)
+    figures[f"wall of {workers} here"] = report(f"{workers} at work here: wall, s", min(found[1:]))
+    return parts
+
+
+def _by_dask(task: Task, workers: int, figures: dict[str, Any]) -> Parts:
     """The last of several rounds, of which the one with the least work of the busiest counts."""
-    cluster = Cluster(database, Settings(job_workers=workers))
-    client = cluster.client()
-    task = partial(on_dask, (database.url, None), job, "motion-graph", inputs, {})
+    security = Security.temporary()
     found: list[tuple[float, list[float], float]] = []
-    for number in range(ROUNDS + 1):
-        before, start = client.run(_used), time.perf_counter()
-        outcome = client.submit(task, key=f"graph {workers} {number}", pure=False).result()
-        wall, after = time.perf_counter() - start, client.run(_used)
-        if isinstance(outcome, Refused):
-            raise SystemExit(str(outcome.problem))
-        if number:
-            own = sorted(after[name] - before[name] for name in after)
-            found.append((own[-1], own, wall))
-    cluster.close()
+    with (
+        LocalCluster(
+            n_workers=workers, threads_per_worker=1, host="127.0.0.1", protocol="tls", security=security,
+            dashboard_address=":0", silence_logs=50,
+        ) as cluster,
+        Client(cluster, set_as_default=False, security=security) as client,
+    ):  # fmt: skip
+        executor = DaskExecutor(client)
+        for number in range(ROUNDS + 1):
+            before, start = client.run(_used), time.perf_counter()
+            parts = _parts(executor.submit(work_on, task, DaskCrew()).result())
+            wall, after = time.perf_counter() - start, client.run(_used)
+            if number:
+                own = sorted(after[name] - before[name] for name in after)
+                found.append((own[-1], own, wall))
     busiest, own, wall = min(found)
     figures.setdefault("busiest", {})[workers] = busiest
     words = " and ".join(f"{seconds:.1f}" for seconds in own)
-    figures[f"wall of {workers}"] = report(f"{workers} at work ({words} s of processor time): wall, s", wall)
-    return cast(Mapping[str, Part], outcome)
+    figures[f"wall of {workers}"] = report(f"{workers} of Dask ({words} s of processor time): wall, s", wall)
+    return parts
+
+
+def _parts(outcome: Outcome) -> Parts:
+    if isinstance(outcome, Refused):
+        raise SystemExit(str(outcome.problem))
+    return outcome
 
 
 def _used() -> float:

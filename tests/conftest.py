@@ -225,23 +225,21 @@ def client(database: Database) -> Iterator[TestClient]:
 
 
 @pytest.fixture(scope="session")
-def cluster(sqlite_template: Path) -> Iterator[Any]:
-    """Of one worker, which starts with the first job: it takes longer to start than the jobs of tests take."""
-    from mcml_service.jobs.cluster import Cluster
+def workers() -> Iterator[Any]:
+    """One worker, which starts with the first job: it takes longer to start than the jobs of tests take."""
+    from mcml_service.jobs.host_workers import HostWorkers
 
-    database = Database(f"sqlite:///{sqlite_template}")
-    cluster = Cluster(database, Settings(job_workers=1))
-    yield cluster
-    cluster.close()
-    database.close()
+    workers = HostWorkers(1, Settings().job_memory_mib << 20)
+    yield workers
+    workers.shutdown()
 
 
 @pytest.fixture
-def lent_cluster(cluster: Any) -> Iterator[None]:
-    """Let servers that start from now on have their jobs run by the cluster of all tests, which outlives them."""
-    lent = SimpleNamespace(client=cluster.client, kill=cluster.kill, close=lambda: None)
+def lent_workers(workers: Any) -> Iterator[None]:
+    """Let servers that start from now on have their jobs run by the workers of all tests, which outlive them."""
+    lent = SimpleNamespace(submit=workers.submit, kill=workers.kill, crew=workers.crew, shutdown=lambda: None)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("mcml_service.jobs.runner.Cluster", lambda _database, _settings: lent)
+        patch.setattr("mcml_service.jobs.runner.make_workers", lambda _database, _settings: lent)
         yield
 
 

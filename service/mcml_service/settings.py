@@ -150,7 +150,7 @@ class Settings(BaseSettings):
     job_memory_mib: int = Field(4096, ge=256, description="Most memory one job may take")
     job_clips: int = Field(2000, ge=1, description="Most clips one analysis may read")
     dask_scheduler: str | None = Field(
-        None, description="Address of a team's Dask scheduler to run jobs on; needs PostgreSQL"
+        None, description="Address of a team's Dask scheduler to run jobs on; needs PostgreSQL and the extra cluster"
     )
     dask_tls_ca: str | None = Field(None, description="Certificate that signed those of a tls:// scheduler's cluster")
     dask_tls_cert: str | None = Field(None, description="Certificate of this server in that cluster")

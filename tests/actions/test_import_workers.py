@@ -50,7 +50,7 @@ MIXED = {name: CLIPS[name] for name in list(CLIPS)[:6]} | {
 
 @pytest.fixture(autouse=True)
 def nobody_is_left() -> Iterator[None]:
-    # The cluster of all tests has a process of its own, where a test needed it before.
+    # The worker of all tests, where a test needed it before.
     before = set(multiprocessing.active_children())
     yield
     assert set(multiprocessing.active_children()) <= before

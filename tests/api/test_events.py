@@ -64,7 +64,8 @@ def test_jobs_that_are_further(client: TestClient, database: Database) -> None:
     assert [(one["event"], one.get("state")) for one in found[1:]] == [("job", "running")]
     with database.write() as tx:
         tx.jobs.cancel(job)
-        assert tx.jobs.tell(job, "me", "half", 0.5) is False
+        tx.jobs.tell(job, "me", "half", 0.5)
+        assert not tx.jobs.is_wanted(job, "me")
     assert [one.get("stage") for one in events(client, found[-1]["id"])[1:]] == ["cancelling"]
     assert events(client, found[-1]["id"], kind="document")[1:] == []
 

@@ -17,7 +17,7 @@ from tests.builders import one_kind
 from tests.jobs.test_jobs import wait
 
 API = "/api/v1"
-pytestmark = [one_kind, pytest.mark.usefixtures("lent_cluster")]
+pytestmark = [one_kind, pytest.mark.usefixtures("lent_workers")]
 
 
 def clicks(bpm: float, seconds: float = 40.0, rate: int = 22050) -> bytes:

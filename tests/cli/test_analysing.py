@@ -57,7 +57,7 @@ def mcml(library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys:
 
 
 @pytest.fixture
-def server(mcml: Run, lent_cluster: None, tmp_path: Path) -> Iterator[str]:
+def server(mcml: Run, lent_workers: None, tmp_path: Path) -> Iterator[str]:
     database = Database(f"sqlite:///{tmp_path / 'store.db'}")
     with listening(create_app(Settings(host="127.0.0.1"), database)) as port:
         yield f"http://127.0.0.1:{port}"

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from types import SimpleNamespace
+from concurrent.futures import BrokenExecutor, Future
 from typing import Any
 
 import pytest
-from distributed import KilledWorker
-from distributed.client import FutureCancelledError
 from sqlalchemy import update
 
 from mcml_service.jobs.runner import Runner
-from mcml_service.jobs.worker import Refused
+from mcml_service.jobs.worker import Refused, Task
+from mcml_service.jobs.workers import InterruptionError
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.storage.work.jobs import StoredJob
@@ -25,52 +24,45 @@ Ending = Callable[[], Any]
 
 
 def killed() -> Any:
-    raise KilledWorker("a task", SimpleNamespace(address="tls://127.0.0.1:1"), 1)
+    raise BrokenExecutor("a process died")
 
 
 def lost() -> Any:
-    raise FutureCancelledError("a task", "scheduler-connection-lost")
+    raise InterruptionError("The scheduler of the workers ended.", remedy="Start the job again.")
 
 
 def unstarted() -> Any:
-    raise RuntimeError("Nanny failed to start worker process")
+    raise OSError("Resource temporarily unavailable")
 
 
 def answered() -> Any:
     return Refused(SAID)
 
 
-class Future:
-    def __init__(self, ending: Ending) -> None:
-        self.result = ending
-
-    def add_done_callback(self, done: Callable[[Any], None]) -> None:
-        done(self)
-
-    def release(self) -> None:
-        """Nobody holds it."""
-
-
 class Workers:
-    """A cluster whose tasks end as listed. begun: whether each says something before it ends."""
+    """Workers whose jobs end as listed. begun: each tells of itself before it ends."""
 
-    def __init__(self, *endings: Ending, begun: bool = False) -> None:
+    crew = None
+
+    def __init__(self, database: Database, *endings: Ending, begun: bool = False) -> None:
         self.endings, self.begun = list(endings), begun
-        self.events: list[Any] = []
-        self.keys: list[str] = []
+        self._database = database
 
-    def client(self) -> Any:
-        if self.endings[0] is unstarted:
-            self.endings.pop(0)()
-        return SimpleNamespace(submit=self.submit, get_events=lambda _: tuple(self.events))
-
-    def submit(self, *_: Any, key: str, **__: Any) -> Future:
-        self.keys.append(key)
+    def submit(self, _work: Any, task: Task, _crew: None) -> Future[Any]:
+        ending = self.endings.pop(0)
+        if ending is unstarted:
+            ending()
         if self.begun:
-            self.events.append((0, {"stage": "loading", "share": 0.1}))
-        return Future(self.endings.pop(0))
+            with self._database.write() as tx:
+                tx.jobs.tell(task.uuid, task.runner, "loading", 0.1)
+        future: Future[Any] = Future()
+        try:
+            future.set_result(ending())
+        except Exception as error:
+            future.set_exception(error)
+        return future
 
-    def close(self) -> None:
+    def shutdown(self) -> None:
         """Nothing runs."""
 
 
@@ -93,7 +85,7 @@ def ended(database: Database, uuid: str, workers: Workers, monkeypatch: pytest.M
     monkeypatch.setattr(Runner, "_drive", driven)
     monkeypatch.setattr("mcml_service.jobs.runner.LOOK_SECONDS", 0.001)
     runner = Runner(database, Settings(job_workers=1))
-    monkeypatch.setattr(runner, "_cluster", workers)
+    monkeypatch.setattr(runner, "_workers", workers)
     runner.start()
     assert done.wait(30)
     runner.stop()
@@ -105,16 +97,15 @@ def ended(database: Database, uuid: str, workers: Workers, monkeypatch: pytest.M
 def test_a_process_that_ends_while_it_starts_fails_no_job(
     database: Database, monkeypatch: pytest.MonkeyPatch, ending: Ending
 ) -> None:
-    workers = Workers(ending, ending, answered)
+    workers = Workers(database, ending, ending, answered)
     found = ended(database, added(database), workers, monkeypatch)
     assert found.problem == SAID
-    assert len(set(workers.keys)) == len(workers.keys)
 
 
 @one_kind
 @pytest.mark.parametrize("ending", [killed, lost, unstarted])
 def test_it_is_given_up_after_three_times(database: Database, monkeypatch: pytest.MonkeyPatch, ending: Ending) -> None:
-    workers = Workers(ending, ending, ending, answered)
+    workers = Workers(database, ending, ending, ending, answered)
     found = ended(database, added(database), workers, monkeypatch)
     assert found.problem is not None
     assert "3 times in vain" in found.problem["detail"]
@@ -123,12 +114,19 @@ def test_it_is_given_up_after_three_times(database: Database, monkeypatch: pytes
 
 
 @one_kind
-def test_a_job_that_kills_its_worker_is_given_up_at_once(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
-    workers = Workers(killed, answered, begun=True)
+def test_a_job_that_kills_two_workers_is_given_up(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    workers = Workers(database, killed, killed, answered, begun=True)
     found = ended(database, added(database), workers, monkeypatch)
     assert found.problem is not None
+    assert "died twice" in found.problem["detail"]
     assert "MCML_JOB_MEMORY_MIB" in found.problem["remedy"]
     assert workers.endings == [answered]
+
+
+@one_kind
+def test_a_job_that_kills_one_worker_is_tried_once_more(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = ended(database, added(database), Workers(database, killed, answered, begun=True), monkeypatch)
+    assert (found.problem, found.attempt) == (SAID, 1)
 
 
 def test_deaths_of_servers_do_not_count(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -138,5 +136,5 @@ def test_deaths_of_servers_do_not_count(database: Database, monkeypatch: pytest.
             assert [one.uuid for one in tx.jobs.claim(f"server {number}", 1)] == [uuid]
             # It was killed, and its lease ends.
             tx.connection.execute(update(jobs).values(lease=0.0))
-    found = ended(database, uuid, Workers(killed, lost, answered), monkeypatch)
+    found = ended(database, uuid, Workers(database, killed, lost, answered), monkeypatch)
     assert found.problem == SAID

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import io
 import json
-import os
-import signal
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
-import cloudpickle
 import httpx
 import numpy as np
 import pytest
@@ -19,13 +17,13 @@ from fastapi.testclient import TestClient
 
 import mcml_service.jobs.runner
 from mcml_service.actions.importing.load_demo import REACHES, add_clips
-from mcml_service.analysis.interface import Part
 from mcml_service.demo.reach_clips import reach_clips
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.storage.lists.filtering import DocumentFilter
 from mcml_service.storage.work.jobs import ENDED
 from tests.builders import one_kind, served
+from tests.jobs import works
 
 API = "/api/v1"
 Client: TypeAlias = TestClient | httpx.Client
@@ -40,14 +38,14 @@ def fill(database: Database) -> None:
 
 @pytest.fixture
 def own_server(database: Database) -> Iterator[TestClient]:
-    """With a cluster of its own, whose workers may die."""
+    """With workers of its own, which may die."""
     fill(database)
     with served(database, SETTINGS) as client:
         yield client
 
 
 @pytest.fixture
-def server(lent_cluster: None, own_server: TestClient) -> TestClient:
+def server(lent_workers: None, own_server: TestClient) -> TestClient:
     return own_server
 
 
@@ -70,13 +68,8 @@ def wait(server: Client, job: dict[str, Any], until: Callable[[dict[str, Any]], 
 
 
 def instead(monkeypatch: pytest.MonkeyPatch, work: Callable[..., Any]) -> None:
-    """Let workers do this. They cannot import tests, so it is sent to them as it is."""
-
-    def sent(*arguments: Any) -> Any:
-        return work(*arguments)
-
-    cloudpickle.register_pickle_by_value(__import__("sys").modules[__name__])
-    monkeypatch.setattr(mcml_service.jobs.runner, "on_dask", sent)
+    """Let workers do this, of the module `works`."""
+    monkeypatch.setattr(mcml_service.jobs.runner, "work_on", work)
 
 
 def test_a_model_is_fitted_used_and_deleted(server: TestClient, database: Database) -> None:
@@ -183,32 +176,8 @@ def test_selections_by_property_and_xpath(server: TestClient) -> None:
     assert len(server.post(f"{API}/analyses/beats", json=some).json()["inputs"]) == 2
 
 
-def endless(urls: tuple[str, str | None], uuid: str, *_: Any) -> None:
-    """Work that tells of itself for ever, and looks whether it shall end."""
-    from distributed import get_worker
-
-    from mcml_service.jobs.worker import CancelledError
-    from mcml_service.storage.database import Database
-
-    store = Database(urls[0])
-    while True:
-        get_worker().log_event(uuid, {"stage": "for ever", "share": 0.5})
-        with store.read() as tx:
-            if tx.jobs.get(uuid).cancel:
-                raise CancelledError
-        time.sleep(0.05)
-
-
-def deaf(_urls: Any, uuid: str, *_: Any) -> None:
-    from distributed import get_worker
-
-    get_worker().log_event(uuid, {"stage": "deaf", "share": 0.5})
-    while True:
-        time.sleep(0.05)
-
-
 def test_a_running_job_is_cancelled(server: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
-    instead(monkeypatch, endless)
+    instead(monkeypatch, works.endless)
     job = start(server)
     waiting = start(server)
     assert wait(server, job, lambda found: found["stage"] == "for ever")["share"] == 0.5
@@ -219,10 +188,9 @@ def test_a_running_job_is_cancelled(server: TestClient, monkeypatch: pytest.Monk
 
 
 @one_kind
-@pytest.mark.fuzz
 def test_a_worker_that_does_not_listen_is_killed(own_server: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mcml_service.jobs.runner, "KILL_SECONDS", 0.5)
-    instead(monkeypatch, deaf)
+    instead(monkeypatch, works.deaf)
     job = start(own_server)
     wait(own_server, job, lambda found: found["stage"] == "deaf")
     own_server.delete(f"{API}/jobs/{job['id']}")
@@ -231,22 +199,9 @@ def test_a_worker_that_does_not_listen_is_killed(own_server: TestClient, monkeyp
     assert wait(own_server, start(own_server))["state"] == "done"
 
 
-def dying(times: int, place: str) -> Callable[..., Any]:
-    """Work whose worker is killed so often before it succeeds."""
-
-    def work(*_: Any) -> Any:
-        with open(place, "a") as marks:
-            marks.write("x")
-        if os.path.getsize(place) <= times:
-            os.kill(os.getpid(), signal.SIGKILL)
-        return {"numbers": Part("table", {"value": 1})}
-
-    return work
-
-
 @one_kind
 def test_a_lost_worker_is_replaced(own_server: TestClient, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    instead(monkeypatch, dying(1, str(tmp_path / "marks")))
+    instead(monkeypatch, partial(works.dying, 1, str(tmp_path / "marks")))
     done = wait(own_server, start(own_server))
     assert done["state"] == "done"
     assert own_server.get(f"{API}/results/{done['result']}/numbers").json()["data"] == {"value": 1}
@@ -256,7 +211,7 @@ def test_a_lost_worker_is_replaced(own_server: TestClient, monkeypatch: pytest.M
 def test_a_job_that_kills_its_workers_is_given_up(
     own_server: TestClient, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    instead(monkeypatch, dying(99, str(tmp_path / "marks")))
+    instead(monkeypatch, partial(works.dying, 99, str(tmp_path / "marks")))
     failed = wait(own_server, start(own_server))
     assert failed["state"] == "failed"
     assert "died" in failed["problem"]["detail"]
@@ -265,7 +220,7 @@ def test_a_job_that_kills_its_workers_is_given_up(
     assert wait(own_server, start(own_server))["state"] == "done"
 
 
-@pytest.mark.usefixtures("lent_cluster")
+@pytest.mark.usefixtures("lent_workers")
 def test_a_job_whose_server_was_killed_is_taken_up(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     fill(database)
     with database.read() as tx:
@@ -288,17 +243,17 @@ def test_a_job_whose_server_was_killed_is_taken_up(database: Database, monkeypat
 def test_a_server_that_stops_leaves_its_jobs(
     database: Database, kind: str, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
 ) -> None:
-    """It kills the worker, of a cluster of its own or of one that goes on, as a team's does."""
+    """It kills the worker, be it its own or one of a team, which goes on."""
     if kind == "postgresql":
-        request.getfixturevalue("lent_cluster")
+        request.getfixturevalue("lent_workers")
     fill(database)
-    instead(monkeypatch, endless)
+    instead(monkeypatch, works.endless)
     with served(database, SETTINGS) as server:
         job = start(server)
         wait(server, job, lambda found: found["stage"] == "for ever")
     monkeypatch.undo()
     with database.read() as tx:
         assert (tx.jobs.get(job["id"]).state, tx.jobs.get(job["id"]).attempt) == ("waiting", 0)
-    request.getfixturevalue("lent_cluster")
+    request.getfixturevalue("lent_workers")
     with served(database, SETTINGS) as server:
         assert wait(server, job)["state"] == "done"

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from concurrent.futures import Future
 from contextlib import AbstractContextManager
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -52,48 +51,49 @@ def test_jobs_go_on_when_the_store_is_back(
     assert taken == [uuid]
 
 
-class Work:
-    """A worker's task, and the cluster that has it done: it ends when the store was told of it so many times."""
+class Workers:
+    """They end the one job when its lease was renewed so many times."""
+
+    crew = None
 
     def __init__(self) -> None:
-        self.tells = 0
-        self._done: Callable[[Any], None] | None = None
+        self._future: Future[Refused] = Future()
+        self._renewed = 0
 
-    def add_done_callback(self, done: Callable[[Any], None]) -> None:
-        self._done = done
+    def submit(self, *_: Any) -> Future[Refused]:
+        return self._future
 
-    def told(self) -> None:
-        self.tells += 1
-        if self.tells == 4 and self._done is not None:
-            self._done(self)
+    def renewed(self) -> None:
+        self._renewed += 1
+        if self._renewed == 4:
+            self._future.set_result(Refused({"detail": "what the analysis itself said"}))
 
-    def client(self) -> Any:
-        return SimpleNamespace(submit=lambda *_, **__: self, get_events=lambda _: [])
-
-    def result(self) -> Refused:
-        return Refused({"detail": "what the analysis itself said"})
-
-    def release(self) -> None:
-        """Nobody holds it."""
+    def shutdown(self) -> None:
+        """Nothing runs."""
 
 
 def test_a_job_outlives_an_outage(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     """Twice while a worker does it, and once when it is begun, after which it is begun anew."""
     monkeypatch.setattr("mcml_service.storage.work.jobs.LEASE_SECONDS", 0.2)
-    for name, value in (("LOOK_SECONDS", 0.001), ("NEWS_SECONDS", 0.001), ("LEASE_SECONDS", 0.004)):
+    for name, value in (("LOOK_SECONDS", 0.001), ("STOP_SECONDS", 0.001), ("LEASE_SECONDS", 0.004)):
         monkeypatch.setattr(f"mcml_service.jobs.runner.{name}", value)
     with database.write() as tx:
         uuid = tx.jobs.add(tx.projects.get_or_add("lab"), "reach", "a model", "kim", [], {})
-    work, calls, ended = Work(), [0], threading.Event()
-    tell, end = Runner._tell, Runner._end
+    workers, begins, renewals, ended = Workers(), [0], [0], threading.Event()
+    begin, renew, end = Runner._begin, Runner._renew, Runner._end
 
-    def seldom(runner: Runner, *words: Any) -> bool:
-        calls[0] += 1
-        if calls[0] > 2:
-            work.told()
-        if calls[0] in (1, 3, 4):
+    def seldom_begin(runner: Runner, job: StoredJob) -> None:
+        begins[0] += 1
+        if begins[0] == 1:
             raise UnavailableError("The store cannot be reached now.")
-        return tell(runner, *words)
+        begin(runner, job)
+
+    def seldom_renew(runner: Runner, job: StoredJob) -> bool:
+        workers.renewed()
+        renewals[0] += 1
+        if renewals[0] < 3:
+            raise UnavailableError("The store cannot be reached now.")
+        return renew(runner, job)
 
     def ending(runner: Runner, *words: Any) -> None:
         end(runner, *words)
@@ -103,11 +103,12 @@ def test_a_job_outlives_an_outage(database: Database, monkeypatch: pytest.Monkey
         keep_outcome(*words)
         ended.set()
 
-    monkeypatch.setattr(Runner, "_tell", seldom)
+    monkeypatch.setattr(Runner, "_begin", seldom_begin)
+    monkeypatch.setattr(Runner, "_renew", seldom_renew)
     monkeypatch.setattr(Runner, "_end", ending)
     monkeypatch.setattr("mcml_service.jobs.runner.keep_outcome", kept)
     runner = Runner(database, Settings(job_workers=1))
-    monkeypatch.setattr(runner, "_cluster", SimpleNamespace(client=work.client, close=lambda: None))
+    monkeypatch.setattr(runner, "_workers", workers)
     runner.start()
     assert ended.wait(20)
     runner.stop()

@@ -19,7 +19,7 @@ from tests.jobs.test_jobs import wait
 
 API = "/api/v1"
 
-pytestmark = pytest.mark.usefixtures("lent_cluster")
+pytestmark = pytest.mark.usefixtures("lent_workers")
 
 
 @pytest.fixture

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime, timedelta
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +20,13 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
 from mcml.errors import StoreError
-from mcml_service.jobs.cluster import Cluster
+from mcml_service.jobs.dask_workers import DaskWorkers
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from tests import postgres
 from tests.builders import served
-from tests.jobs.test_jobs import API, dying, fill, instead, start, wait
+from tests.jobs import works
+from tests.jobs.test_jobs import API, fill, instead, start, wait
 
 FILES = ("ca.pem", "cert.pem", "key.pem")
 
@@ -61,7 +63,7 @@ def running(folder: Path, *words: str) -> Iterator[None]:
     """A program of Dask, with the certificates of the folder."""
     names = ("--tls-ca-file", "--tls-cert", "--tls-key")
     files = [word for name, file in zip(names, FILES, strict=True) for word in (name, str(folder / file))]
-    given = {**os.environ, "PYTHONPATH": os.getcwd(), "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}
+    given = {**os.environ, "PYTHONPATH": os.getcwd(), "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
     with (folder / "log").open("ab") as log:
         program = subprocess.Popen(
             [sys.executable, "-m", "dask", *words, *files, "--no-dashboard"],
@@ -97,7 +99,7 @@ def test_a_team_does_jobs_over_tls_and_loses_none_with_a_worker(
         done = wait(server, start(server))
         assert done["state"] == "done", done
         with monkeypatch.context() as patch:
-            instead(patch, dying(1, str(tmp_path / "marks")))
+            instead(patch, partial(works.dying, 1, str(tmp_path / "marks")))
             done = wait(server, start(server))
             assert done["state"] == "done", done
         assert server.get(f"{API}/results/{done['result']}/numbers").json()["data"] == {"value": 1}
@@ -110,7 +112,7 @@ def test_a_team_does_jobs_over_tls_and_loses_none_with_a_worker(
     ca, cert, key = (str(others / file) for file in FILES)
     foreign = Settings(dask_scheduler=team.dask_scheduler, dask_tls_ca=ca, dask_tls_cert=cert, dask_tls_key=key)
     with dask.config.set({"distributed.comm.timeouts.connect": "2s"}), pytest.raises(OSError, match="certificate"):
-        Cluster(database, foreign).client()
+        DaskWorkers(database, foreign).submit(len, "")
 
 
 @pytest.mark.parametrize("kind", ["postgresql"], indirect=True)
@@ -118,7 +120,7 @@ def test_what_is_missing_for_tls_is_said_at_once(database: Database, tmp_path: P
     for file in (None, str(tmp_path / "none.pem")):
         settings = Settings(dask_scheduler="tls://dask:8786", dask_tls_ca=file)
         with pytest.raises(StoreError, match="certificates"):
-            Cluster(database, settings)
+            DaskWorkers(database, settings)
 
 
 def test_no_more_jobs_of_a_project_run_than_may(database: Database) -> None:

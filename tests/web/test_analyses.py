@@ -17,7 +17,7 @@ from mcml_service.demo.dance_clips import dance_clip
 from mcml_service.settings import Settings
 from tests.web.conftest import Served, serve, walk
 
-pytestmark = pytest.mark.usefixtures("lent_cluster")
+pytestmark = pytest.mark.usefixtures("lent_workers")
 
 
 class Strides(BaseModel):

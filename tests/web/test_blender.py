@@ -29,7 +29,7 @@ from tests.analysis.reach.hdm05 import TARGETS
 from tests.analysis.reach.reach_motions import motion_of
 from tests.web.conftest import Served
 
-pytestmark = pytest.mark.usefixtures("lent_cluster")
+pytestmark = pytest.mark.usefixtures("lent_workers")
 
 FEW = (3, 3, 3, 3)
 FITTED = 60_000  # ms; the first job waits for its worker

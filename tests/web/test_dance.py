@@ -18,7 +18,7 @@ from mcml_service.settings import Settings
 from tests.web.conftest import Served
 from tests.web.test_pages import PICTURES, serious_faults
 
-pytestmark = pytest.mark.usefixtures("lent_cluster")
+pytestmark = pytest.mark.usefixtures("lent_workers")
 
 SAMPLED = """seconds => new Promise(done => {
   const found = [];

@@ -14,7 +14,7 @@ from tests.web.conftest import Served, walk
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect
 
-pytestmark = pytest.mark.usefixtures("lent_cluster")
+pytestmark = pytest.mark.usefixtures("lent_workers")
 
 
 def test_clips_without_beats_are_left_out_by_name(open_studio: Served, visit_of: Any) -> None:

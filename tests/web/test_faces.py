@@ -176,7 +176,7 @@ def test_a_mesh_of_ones_own_follows_the_markers(
     expect(page.get_by_text("This file holds no mesh")).to_be_visible()
 
 
-@pytest.mark.usefixtures("lent_cluster")
+@pytest.mark.usefixtures("lent_workers")
 def test_a_map_is_built_from_takes(open_studio: Served, visit_of: Any) -> None:
     takes = [take.clip for take in face_takes(2, expressions=EXPRESSIONS[:2], every_marker=5, fps=20)]
     add_clips(open_studio.database, Settings(), "takes", takes, (), "")

@@ -1,14 +1,18 @@
-"""A job on several workers of Dask: one has it and gives pieces to the others, and they read clips from the store."""
+"""A job on several processes: one has it and gives pieces to the others, which read clips from the store themselves."""
 
 from __future__ import annotations
 
+import time
+from collections import deque
 from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
 from functools import cached_property, lru_cache
 from typing import Any, overload
 
 from mcml_service.actions.composing.load_motions import Input, load_motions
 from mcml_service.analysis.interface import Motion
 from mcml_service.analysis.pieces import ApartMotions, each, spread_here
+from mcml_service.jobs.workers import Crew
 from mcml_service.storage.core.views import WHOLE
 from mcml_service.storage.database import Database
 
@@ -17,9 +21,6 @@ Urls = tuple[str, str | None]
 
 PIECES = 4
 """Of each worker, in the mean: who has fast ones gets more of them."""
-
-FIRST = 10
-"""Priority of pieces: they go before jobs that nobody has begun."""
 
 
 @lru_cache(maxsize=4)
@@ -31,8 +32,8 @@ def database_of(url: str, read_url: str | None) -> Database:
 class StoredMotions(ApartMotions):
     """See `ApartMotions`. inputs, skeleton: as `load_motions` takes them."""
 
-    def __init__(self, urls: Urls, inputs: Sequence[Input], skeleton: Input | None) -> None:
-        self._urls, self._skeleton = urls, skeleton
+    def __init__(self, urls: Urls, crew: Crew, inputs: Sequence[Input], skeleton: Input | None) -> None:
+        self._urls, self._crew, self._skeleton = urls, crew, skeleton
         self._inputs = sorted(inputs, key=lambda item: str(item["document"]))
 
     def __len__(self) -> int:
@@ -50,9 +51,10 @@ class StoredMotions(ApartMotions):
         return _loaded(self._inputs, self._urls, self._skeleton)
 
     def each(self, function: Callable[..., Any], shared: Sequence[Any], told: Callable[[float], None]) -> list[Any]:
-        if _workers() < 2:
+        places = self._crew.places()
+        if places < 2:
             return each(self._all, function, shared, told)
-        step = -(-len(self) // (PIECES * _workers()))
+        step = -(-len(self) // (PIECES * places))
         groups = [self._inputs[at : at + step] for at in range(0, len(self), step)]
         found = self.spread(_of_each, groups, (self._urls, self._skeleton, function, tuple(shared)), told)
         return [value for values in found for value in values]
@@ -64,29 +66,46 @@ class StoredMotions(ApartMotions):
         shared: Sequence[Any] = (),
         told: Callable[[float], None] = lambda share: None,
     ) -> list[Any]:
-        from distributed import as_completed, worker_client
-
-        if len(pieces) < 2 or _workers() < 2:
+        if len(pieces) < 2 or self._crew.places() < 2:
             return spread_here(function, pieces, shared, told)
-        # While it waits, this worker has room for pieces too.
-        with worker_client() as client:
-            given = client.scatter(list(shared), hash=False)
-            futures = [client.submit(function, piece, *given, pure=False, priority=FIRST) for piece in pieces]
-            places = {future.key: place for place, future in enumerate(futures)}
-            found: list[Any] = [None] * len(pieces)
-            try:
-                for number, (future, value) in enumerate(as_completed(futures, with_results=True), 1):
-                    found[places[future.key]] = value
-                    told(number / len(pieces))
-            finally:
-                client.cancel(futures)
+        found: list[Any] = []
+        end = time.monotonic() + self._crew.alone_seconds
+        while len(found) < len(pieces) and time.monotonic() < end:
+            found.append(function(pieces[len(found)], *shared))
+            told(len(found) / len(pieces))
+        if len(found) < len(pieces):
+            found += self._spread(function, pieces, shared, told, len(found))
         return found
 
-
-def _workers() -> int:
-    from distributed import get_client
-
-    return sum(get_client().nthreads().values())
+    def _spread(
+        self,
+        function: Callable[..., Any],
+        pieces: Sequence[Any],
+        shared: Sequence[Any],
+        told: Callable[[float], None],
+        first: int,
+    ) -> list[Any]:
+        """Do the pieces from the first one on. One whose process dies is done once more."""
+        found: dict[int, Any] = {}
+        rest, again = deque(range(first, len(pieces))), set[int]()
+        waiting: dict[Future[Any], int] = {}
+        with self._crew.helpers(shared) as (executor, given):
+            while rest or waiting:
+                while rest and len(waiting) < self._crew.places():
+                    place = rest.popleft()
+                    waiting[executor.submit(function, pieces[place], *given)] = place
+                for future in wait(waiting, return_when=FIRST_COMPLETED).done:
+                    place = waiting.pop(future)
+                    try:
+                        found[place] = future.result()
+                    except BrokenExecutor:
+                        if place in again:
+                            raise
+                        again.add(place)
+                        rest.appendleft(place)
+                    else:
+                        told((first + len(found)) / len(pieces))
+        return [found[place] for place in range(first, len(pieces))]
 
 
 def _loaded(inputs: Sequence[Input], urls: Urls, skeleton: Input | None) -> list[Motion]:

@@ -10,7 +10,7 @@ import logging
 import threading
 import time
 from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor, wait
 from contextlib import suppress
 from typing import Any
 
@@ -18,8 +18,9 @@ from mcml.errors import ConflictError, McmlError, UnavailableError
 from mcml_schemas.problem import Problem
 from mcml_service.actions.analysing.save_results import save_results
 from mcml_service.analysis.interface import Progress
-from mcml_service.jobs.cluster import Cluster
-from mcml_service.jobs.worker import CancelledError, Outcome, Refused, on_dask, perform
+from mcml_service.jobs.telling import CancelledError, Teller
+from mcml_service.jobs.worker import Outcome, Refused, Task, perform, work_on
+from mcml_service.jobs.workers import InterruptionError, make_workers
 from mcml_service.settings import Settings
 from mcml_service.storage.core.identifiers import new_uuid
 from mcml_service.storage.database import Database
@@ -31,15 +32,14 @@ log = logging.getLogger("mcml.jobs")
 LOOK_SECONDS = 1.0
 """How often a runner looks for jobs that nobody told it of."""
 
-NEWS_SECONDS = 0.3
-"""How often the owner of a job asks its worker how far it is."""
+STOP_SECONDS = 0.3
+"""How often the owner of a job looks whether the server stops."""
+
+STARTING = "starting a worker"
+"""The stage of a job until its worker tells another one."""
 
 KILL_SECONDS = 10.0
 """How long a cancelled job may go on before its worker is killed."""
-
-
-class InterruptionError(McmlError):
-    """What ran a job ended before the job had begun, through no fault of the job."""
 
 
 class Runner:
@@ -48,7 +48,7 @@ class Runner:
     def __init__(self, database: Database, settings: Settings) -> None:
         self._database = database.for_call(database.view, SERVER)
         self._settings = settings
-        self._cluster = Cluster(database, settings)
+        self._workers = make_workers(database, settings)
         self._name = new_uuid()
         self._deaths: Counter[str] = Counter()
         self._wake = threading.Event()
@@ -72,7 +72,7 @@ class Runner:
         self._drivers.shutdown(wait=True)
         with suppress(McmlError), self._database.write("jobs") as tx:
             tx.jobs.release(self._name)
-        self._cluster.close()
+        self._workers.shutdown()
 
     def _look(self) -> None:
         while not self._stopping.is_set():
@@ -128,72 +128,76 @@ class Runner:
             self._wake.set()
 
     def _run(self, job: StoredJob) -> None:
-        self._tell(job, "starting a worker", 0.0)
-        client = self._client()
-        # Another server that was cut off may still have the job done under a name that is no longer ours.
-        key, known = f"{job.uuid}-{job.attempt}-{new_uuid()}", len(client.get_events(job.uuid))
+        """Have the job done; once more if it kills its worker, then no more."""
+        for is_last in (False, True):
+            self._begin(job)
+            future = self._submit(job)
+            try:
+                if not self._watch(job, future):
+                    if not self._stopping.is_set():
+                        self._end(job, "cancelled")
+                    return
+                keep_outcome(self._database, self._settings, job, self._name, self._outcome(future))
+            except BrokenExecutor as error:
+                self._judge_death(job, error, is_last=is_last)
+            else:
+                return
+            finally:
+                # Also a job that is another runner's by now, or whose store is away.
+                if not future.done():
+                    self._workers.kill(future)
+
+    def _submit(self, job: StoredJob) -> Future[Outcome]:
+        """InterruptionError where no worker can be started, or no scheduler answers."""
         replica = self._database.replica
         urls = self._database.url, None if replica is None else replica.url
-        future = client.submit(on_dask, urls, job.uuid, job.analysis, job.inputs, job.parameters, key=key, pure=False)
-        ended = threading.Event()
-        future.add_done_callback(lambda _: ended.set())
+        task = Task(urls, job.uuid, self._name, job.analysis, job.inputs, job.parameters)
         try:
-            if not self._watch(job, client, future, ended):
-                if not self._stopping.is_set():
-                    self._end(job, "cancelled")
-                return
-            begun = len(client.get_events(job.uuid)) > known
-            keep_outcome(self._database, self._settings, job, self._name, self._outcome(future, begun=begun))
-        finally:
-            future.release()
-
-    def _watch(self, job: StoredJob, client: Any, future: Any, ended: threading.Event) -> bool:
-        """Pass news on until the work has ended; False where it was given up."""
-        last, told, cancelled_at = ("starting a worker", 0.0), time.monotonic(), None
-        while not ended.wait(NEWS_SECONDS):
-            if self._stopping.is_set():
-                self._cluster.kill(future)
-                return False
-            events = client.get_events(job.uuid)
-            news = (events[-1][1]["stage"], events[-1][1]["share"]) if events else last
-            if news == last and time.monotonic() - told < LEASE_SECONDS / 4:
-                continue
-            last, told = news, time.monotonic()
-            with suppress(UnavailableError):
-                if not self._tell(job, *news) and cancelled_at is None:
-                    cancelled_at = time.monotonic()
-            if cancelled_at is not None and time.monotonic() - cancelled_at > KILL_SECONDS:
-                self._cluster.kill(future)
-                return False
-        return True
-
-    def _client(self) -> Any:
-        """InterruptionError where no worker can be started, or no scheduler answers."""
-        try:
-            return self._cluster.client()
+            return self._workers.submit(work_on, task, self._workers.crew)
         except (OSError, RuntimeError) as error:
             raise InterruptionError(
                 f"No worker could be started: {str(error) or type(error).__name__}.",
                 remedy="Look at the server's log and its free memory, then start the job again.",
             ) from error
 
-    def _outcome(self, future: Any, *, begun: bool) -> Outcome | None:
-        """What the worker gave; None where it heard that the job was cancelled. begun: whether the job told of itself.
-        InterruptionError where nobody can give what it found."""
-        from distributed import KilledWorker
-        from distributed.client import FutureCancelledError
+    def _watch(self, job: StoredJob, future: Future[Outcome]) -> bool:
+        """Keep the lease until the work has ended; False where it was given up."""
+        renewed, cancelled_at = time.monotonic(), None
+        while not wait([future], STOP_SECONDS).done:
+            if self._stopping.is_set():
+                return False
+            if time.monotonic() - renewed >= LEASE_SECONDS / 4:
+                renewed = time.monotonic()
+                with suppress(UnavailableError):
+                    if not self._renew(job) and cancelled_at is None:
+                        cancelled_at = time.monotonic()
+            if cancelled_at is not None and time.monotonic() - cancelled_at > KILL_SECONDS:
+                return False
+        return True
 
+    def _outcome(self, future: Future[Outcome]) -> Outcome | None:
+        """What the worker gave; None where it heard that the job was cancelled. BrokenExecutor where it died."""
         try:
-            outcome: Outcome = future.result()
+            return future.result()
         except CancelledError:
             return None
-        except FutureCancelledError as error:
-            raise InterruptionError("The scheduler of the workers ended.", remedy="Start the job again.") from error
-        except KilledWorker as error:
-            what = "The worker died twice on this job; it may have taken too much memory."
-            remedy = f"Choose fewer clips, or raise MCML_JOB_MEMORY_MIB ({self._settings.job_memory_mib})."
-            raise (McmlError if begun else InterruptionError)(what, remedy=remedy) from error
-        return outcome
+        except MemoryError as error:
+            most = self._settings.job_memory_mib
+            raise McmlError(f"The job needs more than {most} MiB of memory.", remedy=self._remedy) from error
+
+    def _judge_death(self, job: StoredJob, error: BrokenExecutor, *, is_last: bool) -> None:
+        """Raise what a job ends with whose worker died. Return if it may be tried once more."""
+        with self._database.read() as tx:
+            has_begun = tx.jobs.get(job.uuid).stage != STARTING
+        if has_begun and not is_last:
+            log.warning("job %s: its worker died, and it is tried once more", job.uuid)
+            return
+        what = "The worker died twice on this job; it may have taken too much memory."
+        raise (McmlError if has_begun else InterruptionError)(what, remedy=self._remedy) from error
+
+    @property
+    def _remedy(self) -> str:
+        return f"Choose fewer clips, or raise MCML_JOB_MEMORY_MIB ({self._settings.job_memory_mib})."
 
     def _begin_again(self, job: StoredJob, error: McmlError) -> None:
         """Let a job wait again, a few times. Deaths of servers do not count: those are no fault of a job either, and
@@ -207,9 +211,15 @@ class Runner:
         del self._deaths[job.uuid]
         self._fail(job, f"The job was begun {MOST_ATTEMPTS} times in vain. {error.what}", error.remedy)
 
-    def _tell(self, job: StoredJob, stage: str, share: float) -> bool:
+    def _begin(self, job: StoredJob) -> None:
         with self._database.write("jobs") as tx:
-            return tx.jobs.tell(job.uuid, self._name, stage, share)
+            tx.jobs.tell(job.uuid, self._name, STARTING, 0.0)
+
+    def _renew(self, job: StoredJob) -> bool:
+        """Keep the job for this runner. Return whether it is still wanted."""
+        with self._database.write("jobs") as tx:
+            tx.jobs.renew(job.uuid, self._name)
+            return tx.jobs.is_wanted(job.uuid, self._name)
 
     def _end(self, job: StoredJob, state: str, problem: dict[str, Any] | None = None) -> None:
         with self._database.write("jobs") as tx:
@@ -234,33 +244,21 @@ def keep_outcome(database: Database, settings: Settings, job: StoredJob, runner:
 
 def run_here(database: Database, settings: Settings, job: StoredJob, runner: str, progress: Progress) -> None:
     """Do a job in this process, as commands on a local store do. progress: shown to the user."""
-    stop, cancelled = threading.Event(), threading.Event()
+    with Teller(database, job.uuid, runner, renews=True) as tell:
 
-    def renew() -> None:
-        while not stop.wait(LEASE_SECONDS / 8):
-            with suppress(McmlError), database.write("jobs") as tx:
-                if not tx.jobs.tell(job.uuid, runner):
-                    cancelled.set()
+        def watched(stage: str, share: float) -> None:
+            tell(stage, share)
+            progress(stage, share)
 
-    def watched(stage: str, share: float) -> None:
-        if cancelled.is_set():
-            raise CancelledError
-        progress(stage, share)
-
-    keeper = threading.Thread(target=renew, daemon=True)
-    keeper.start()
-    try:
-        outcome = perform(database, job.analysis, job.inputs, job.parameters, watched)
-        keep_outcome(database, settings, job, runner, outcome)
-    except (KeyboardInterrupt, CancelledError):
-        keep_outcome(database, settings, job, runner, None)
-    except Exception:
-        with suppress(McmlError):
-            keep_outcome(database, settings, job, runner, Refused(_problem("The analysis failed unexpectedly.")))
-        raise
-    finally:
-        stop.set()
-        keeper.join()
+        try:
+            outcome = perform(database, job.analysis, job.inputs, job.parameters, watched)
+            keep_outcome(database, settings, job, runner, outcome)
+        except (KeyboardInterrupt, CancelledError):
+            keep_outcome(database, settings, job, runner, None)
+        except Exception:
+            with suppress(McmlError):
+                keep_outcome(database, settings, job, runner, Refused(_problem("The analysis failed unexpectedly.")))
+            raise
 
 
 def _problem(what: str, remedy: str | None = None) -> dict[str, Any]:

@@ -1,8 +1,10 @@
-"""What a worker does: reads clips from the store, runs an analysis, gives its parts back. It writes nothing."""
+"""What a worker does: reads clips from the store, runs an analysis, gives its parts back.
+
+It writes nothing but the progress of its job.
+"""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -15,11 +17,10 @@ from mcml_service.actions.checking.describe_problem import problem_of
 from mcml_service.actions.composing.load_motions import Input, load_motions
 from mcml_service.analysis.interface import Motion, Parts, Progress
 from mcml_service.jobs.apart import StoredMotions, Urls, database_of
+from mcml_service.jobs.telling import Teller
+from mcml_service.jobs.workers import Crew
 from mcml_service.storage.core.views import WHOLE
 from mcml_service.storage.database import Database
-
-TELL_SECONDS = 0.2
-"""Least time between two reports of progress."""
 
 LOADING = 0.1
 """Share of the work that reading the clips counts for."""
@@ -35,8 +36,16 @@ class Refused:
 Outcome = Parts | Refused
 
 
-class CancelledError(Exception):
-    """The user no longer wants the job."""
+@dataclass(frozen=True)
+class Task:
+    """What a worker needs to know of a job. urls: of the store, and of its replica. runner: whose job it is."""
+
+    urls: Urls
+    uuid: str
+    runner: str
+    analysis: str
+    inputs: list[dict[str, Any]]
+    parameters: dict[str, Any]
 
 
 def perform(
@@ -78,25 +87,10 @@ def perform(
         return Refused(problem_of(error).model_dump(exclude_none=True))
 
 
-def on_dask(urls: Urls, uuid: str, analysis: str, inputs: list[dict[str, Any]], parameters: dict[str, Any]) -> Outcome:
-    """`perform` in a worker of Dask: news go to the topic `uuid`; whether to go on stands in the row of the job.
-
-    urls: of the store, and of its replica.
-    """
-    from distributed import get_worker
-
-    database, worker = database_of(*urls), get_worker()
-    told = 0.0
-
-    def progress(stage: str, share: float) -> None:
-        nonlocal told
-        if time.monotonic() - told < TELL_SECONDS:
-            return
-        told = time.monotonic()
-        worker.log_event(uuid, {"stage": stage, "share": share})
-        with database.read() as tx:
-            if tx.jobs.get(uuid).cancel:
-                raise CancelledError
-
+def work_on(task: Task, crew: Crew) -> Outcome:
+    """Perform a job in a worker process. crew: who helps. Raises CancelledError once the job shall end."""
+    database = database_of(*task.urls)
     reader = database.for_call(WHOLE, from_replica=True)
-    return perform(reader, analysis, inputs, parameters, progress, partial(StoredMotions, urls))
+    with Teller(database, task.uuid, task.runner) as tell:
+        apart = partial(StoredMotions, task.urls, crew)
+        return perform(reader, task.analysis, task.inputs, task.parameters, tell, apart)

@@ -3,15 +3,27 @@
 from __future__ import annotations
 
 import ctypes
+import multiprocessing
+import os
 import resource
 import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 GRACE_SECONDS = 5.0
 """More than who watches a program gives it: as long as somebody does, it is ended, and told of, by him."""
+
+
+def bound_growth(memory: int) -> None:
+    """Refuse this process more than so many bytes beyond those that it holds now, on Linux only; and leave no copy of
+    its memory on the disk when it crashes."""
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    if sys.platform == "linux":
+        hard = resource.getrlimit(resource.RLIMIT_DATA)[1]
+        resource.setrlimit(resource.RLIMIT_DATA, (_at_most(_held() + memory, hard), hard))
 
 
 def end_after(seconds: float | None) -> None:
@@ -24,6 +36,21 @@ def end_with_parent() -> None:
     """Kill this process when its parent ends. On Linux only."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
+def end_with_starter() -> None:
+    """End this process when the one that started it through `multiprocessing` ends, on every system.
+
+    For processes that threads start: to `end_with_parent` the end of that thread is the end of the parent.
+    """
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+
+
+def _end_with(parent: multiprocessing.process.BaseProcess) -> None:
+    parent.join()
+    os._exit(0)
 
 
 PR_SET_PDEATHSIG = 1
@@ -56,8 +83,7 @@ def bounded(memory: int, late: Callable[[], Exception | None]) -> Iterator[None]
     soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
     before = signal.signal(signal.SIGALRM, look)
     if sys.platform == "linux":
-        most = _held() + memory
-        resource.setrlimit(resource.RLIMIT_DATA, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+        resource.setrlimit(resource.RLIMIT_DATA, (_at_most(_held() + memory, hard), hard))
     signal.setitimer(signal.ITIMER_REAL, LOOK_SECONDS, LOOK_SECONDS)
     try:
         yield
@@ -66,6 +92,10 @@ def bounded(memory: int, late: Callable[[], Exception | None]) -> Iterator[None]
         signal.signal(signal.SIGALRM, before)
         with suppress(ValueError):
             resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
+
+
+def _at_most(limit: int, hard: int) -> int:
+    return limit if hard == resource.RLIM_INFINITY else min(limit, hard)
 
 
 def _held() -> int:

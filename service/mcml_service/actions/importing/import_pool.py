@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import gc
 import multiprocessing
-import os
 import signal
 import sys
 import threading
@@ -27,6 +26,7 @@ from itertools import islice
 from mcml.files.gather_files import Clip
 from mcml.files.import_options import ImportOptions
 from mcml_service.actions.importing.read_apart import ReadApart, SentClip, read_apart
+from mcml_service.processes.bounds import end_with_starter
 from mcml_service.settings import Settings
 
 FEWEST_CLIPS = 8
@@ -208,14 +208,7 @@ def _begin() -> None:
     to do."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
-
-
-def _end_with(parent: multiprocessing.process.BaseProcess) -> None:
-    parent.join()
-    os._exit(0)
+    end_with_starter()
 
 
 def _read_all(sent: list[SentClip], settings: Settings) -> list[ReadApart | None]:

@@ -156,17 +156,23 @@ class Jobs:
             taken.append(_stored(self._tx.connection.execute(_LISTED.where(job.c.id == key)).one()))
         return taken
 
-    def tell(self, uuid: str, runner: str, stage: str | None = None, share: float | None = None) -> bool:
-        """Renew the lease, with news of the progress if there are; False where the job shall end.
+    def renew(self, uuid: str, runner: str) -> None:
+        """Renew the lease. ConflictError where another runner has the job by now."""
+        self._change(uuid, runner, lease=time.time() + LEASE_SECONDS)
 
-        ConflictError where another runner has it by now.
-        """
-        news = {key: value for key, value in {"stage": stage, "share": share}.items() if value is not None}
+    def tell(self, uuid: str, runner: str, stage: str, share: float) -> None:
+        """Say how far the job is. ConflictError where another runner has it by now."""
+        self._change(uuid, runner, stage=stage, share=share)
+
+    def is_wanted(self, uuid: str, runner: str) -> bool:
+        """Whether the job shall go on: it is this runner's, and nobody has cancelled it."""
+        mine = select(job.c.cancel).where(job.c.uuid == uuid, job.c.state == "running", job.c.runner == runner)
+        return self._tx.connection.execute(mine.where(~job.c.cancel)).first() is not None
+
+    def _change(self, uuid: str, runner: str, **values: Any) -> None:
         mine = update(job).where(job.c.uuid == uuid, job.c.state == "running", job.c.runner == runner)
-        if not self._tx.connection.execute(mine.values(lease=time.time() + LEASE_SECONDS, **news)).rowcount:
+        if not self._tx.connection.execute(mine.values(**values)).rowcount:
             raise ConflictError(f"Job {uuid} is no longer this runner's.", remedy="Let the other one go on.")
-        wanted = self._tx.connection.execute(select(job.c.cancel).where(job.c.uuid == uuid)).scalar_one()
-        return not wanted
 
     def end(
         self,
@@ -179,19 +185,16 @@ class Jobs:
     ) -> None:
         """Close a job as done, failed or cancelled. ConflictError where another runner has it by now."""
         done: dict[str, Any] = {"share": 1.0, "stage": "done"} if state == "done" else {}
-        mine = update(job).where(job.c.uuid == uuid, job.c.state == "running", job.c.runner == runner)
-        closed = self._tx.connection.execute(
-            mine.values(
-                state=state,
-                ended=now(),
-                lease=None,
-                result=result_key,
-                problem=None if problem is None else json.dumps(problem),
-                **done,
-            )
+        self._change(
+            uuid,
+            runner,
+            state=state,
+            ended=now(),
+            lease=None,
+            result=result_key,
+            problem=None if problem is None else json.dumps(problem),
+            **done,
         )
-        if not closed.rowcount:
-            raise ConflictError(f"Job {uuid} is no longer this runner's.", remedy="Let the other one go on.")
         whose = select(job.c.project, job.c.name, job.c.owner).where(job.c.uuid == uuid)
         project_key, name, owner = self._tx.connection.execute(whose).one()
         self._activity.note("job", state, project_key=project_key, subject=name, author=owner)

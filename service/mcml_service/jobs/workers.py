@@ -1,0 +1,63 @@
+"""What runs jobs: an executor of the standard library, whose work can be ended midway."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from concurrent.futures import Executor, Future
+from contextlib import AbstractContextManager
+from typing import Any, Protocol
+
+from mcml.errors import McmlError
+from mcml_service.settings import Settings
+from mcml_service.storage.database import Database
+
+
+class InterruptionError(McmlError):
+    """What ran a job ended before the job had begun, through no fault of the job."""
+
+
+class Crew(Protocol):
+    """Processes that help a job with pieces of its work. It is made by the server and used by the job's process.
+
+    alone_seconds: how long the job works alone before it asks for help, because helpers take time to start.
+    """
+
+    @property
+    def alone_seconds(self) -> float: ...
+
+    def places(self) -> int:
+        """Return the number of pieces that this job may have done at once now."""
+        ...
+
+    def helpers(self, shared: Sequence[Any]) -> AbstractContextManager[tuple[Executor, Sequence[Any]]]:
+        """Return an executor, and what its calls get in place of the shared values. Each value is sent only once."""
+        ...
+
+
+class Workers(Executor):
+    """Processes that run jobs. The caller decides how many run at once.
+
+    A future raises BrokenExecutor if the process died, MemoryError if the job needed more memory than it may have,
+    InterruptionError if all processes are gone. `submit` raises OSError or RuntimeError if no process can be started.
+    """
+
+    crew: Crew
+
+    @abstractmethod
+    def kill(self, future: Future[Any]) -> None:
+        """End the process that does this work, whatever it is doing."""
+
+
+def make_workers(database: Database, settings: Settings) -> Workers:
+    """Return the workers that the settings name. No process starts before the first job.
+
+    Raises StoreError if the settings or the installed packages do not fit.
+    """
+    if settings.dask_scheduler:
+        from mcml_service.jobs.dask_workers import DaskWorkers
+
+        return DaskWorkers(database, settings)
+    from mcml_service.jobs.host_workers import HostWorkers
+
+    return HostWorkers(settings.jobs_at_a_time, settings.job_memory_mib << 20)
