@@ -18,9 +18,10 @@ from mcml.errors import ConflictError, McmlError, UnavailableError
 from mcml_schemas.problem import Problem
 from mcml_service.actions.analysing.save_results import save_results
 from mcml_service.analysis.interface import Progress
+from mcml_service.jobs.engines import make_workers
 from mcml_service.jobs.telling import CancelledError, Teller
 from mcml_service.jobs.worker import Outcome, Refused, Task, perform, work_on
-from mcml_service.jobs.workers import InterruptionError, make_workers
+from mcml_service.jobs.workers import InterruptionError
 from mcml_service.settings import Settings
 from mcml_service.storage.core.identifiers import new_uuid
 from mcml_service.storage.database import Database

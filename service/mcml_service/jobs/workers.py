@@ -9,8 +9,6 @@ from contextlib import AbstractContextManager
 from typing import Any, Protocol
 
 from mcml.errors import McmlError
-from mcml_service.settings import Settings
-from mcml_service.storage.database import Database
 
 
 class InterruptionError(McmlError):
@@ -47,17 +45,3 @@ class Workers(Executor):
     @abstractmethod
     def kill(self, future: Future[Any]) -> None:
         """End the process that does this work, whatever it is doing."""
-
-
-def make_workers(database: Database, settings: Settings) -> Workers:
-    """Return the workers that the settings name. No process starts before the first job.
-
-    Raises StoreError if the settings or the installed packages do not fit.
-    """
-    if settings.dask_scheduler:
-        from mcml_service.jobs.dask_workers import DaskWorkers
-
-        return DaskWorkers(database, settings)
-    from mcml_service.jobs.host_workers import HostWorkers
-
-    return HostWorkers(settings.jobs_at_a_time, settings.job_memory_mib << 20)
