@@ -108,6 +108,28 @@ def test_products_inverses_and_vectors() -> None:
     assert np.abs(to_matrix(from_matrix(halves)) - halves).max() < 1e-14
 
 
+def require_same(found: np.ndarray, wanted: np.ndarray) -> None:
+    """Both are the same unit quaternions, of either sign."""
+    assert found.shape == wanted.shape
+    assert np.allclose(np.abs((found * wanted).sum(axis=-1)), 1.0)
+    assert np.allclose(np.linalg.norm(found, axis=-1), 1.0)
+
+
+@pytest.mark.parametrize("shape", [(), (1,), (2, 3), (4, 1, 2)])
+def test_rotations_come_in_arrays_of_any_shape(shape: tuple[int, ...]) -> None:
+    rng = np.random.default_rng(5)
+    count = int(np.prod(shape))
+    a, b = Rotation.random(count, rng=rng), Rotation.random(count, rng=rng)
+    first, second = a.as_quat().reshape(*shape, 4), b.as_quat().reshape(*shape, 4)
+    matrices = a.as_matrix().reshape(*shape, 3, 3)
+    vectors = rng.normal(size=(*shape, 3))
+    assert np.allclose(to_matrix(first), matrices, atol=1e-14)
+    require_same(from_matrix(matrices), first)
+    require_same(multiply(first, second), (a * b).as_quat().reshape(*shape, 4))
+    assert np.allclose(rotate(first, vectors), a.apply(vectors.reshape(-1, 3)).reshape(*shape, 3))
+    assert np.allclose(multiply(first, inverse(first)), IDENTITY)
+
+
 def test_shortest_arc_takes_one_direction_to_the_other() -> None:
     rng = np.random.default_rng(3)
     for start, end in [*rng.normal(size=(50, 2, 3)), (np.eye(3)[0], -np.eye(3)[0]), (np.eye(3)[1], np.eye(3)[1])]:
