@@ -30,7 +30,7 @@ from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.xpath.queries import Queries
 from tests.actions.test_edit_element import PARSER, canonical
-from tests.builders import bvh, store
+from tests.builders import bvh, one_kind, store
 from tests.edits import OTHER_SEEDS, change_element, delete_element
 
 EXPRESSIONS = (
@@ -207,6 +207,7 @@ def test_random_changes_many_times(database: Database, seed: int) -> None:
     changed_at_random(database, seed, 60)
 
 
+@one_kind
 def test_what_cannot_be_is_refused(database: Database) -> None:
     uuid, other = (
         store(database, {"a.bvh": bvh(5)})[0],
@@ -291,6 +292,7 @@ def test_names_go_with_frames_that_are_turned_round(database: Database) -> None:
 
 @pytest.mark.parametrize("renumber", [True, False])
 @pytest.mark.parametrize("frames", [1, 2, 5, 300])
+@one_kind
 def test_a_frame_goes_as_an_element_as_it_goes_as_a_range(database: Database, frames: int, renumber: bool) -> None:
     """Labels on both sides touch afterwards, or end with the frame; a document may be left without frames."""
     chance = Random(frames)

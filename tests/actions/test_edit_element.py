@@ -15,7 +15,7 @@ from mcml_service.actions.exporting.export_motion import ExportOptions, export_d
 from mcml_service.actions.reading.read_element import read_element
 from mcml_service.storage.core.tables import track
 from mcml_service.storage.database import Database
-from tests.builders import ASF, MCML, amc, bvh, store
+from tests.builders import ASF, MCML, amc, bvh, one_kind, store
 from tests.edits import change_element, delete_element
 
 PARSER = etree.XMLParser(remove_blank_text=True)
@@ -71,6 +71,7 @@ def address(element: etree._Element) -> str:
     return "/" + "/".join(reversed(steps))
 
 
+@one_kind
 def test_every_element_is_read_alone(database: Database, uuid: str) -> None:
     tree = serialised(database, uuid)
     with database.read() as tx:
@@ -85,6 +86,7 @@ def test_every_element_is_read_alone(database: Database, uuid: str) -> None:
                 assert read_element(tx, stored, f"{where}/@{name}").decode() == value
 
 
+@one_kind
 def test_every_element_is_deleted_alone_or_refused(database: Database, uuid: str) -> None:
     tree = serialised(database, uuid)
     deleted = refused = 0
@@ -177,6 +179,7 @@ def test_renaming_a_bone_renames_its_frames(database: Database) -> None:
         ("/mcml/header", Change({"nonsense": "1"})),
     ],
 )
+@one_kind
 def test_nonsense_is_refused(database: Database, where: str, change: Change) -> None:
     uuid = store(database, {"hand.mcml": MCML})[0]
     before = canonical(serialised(database, uuid))
@@ -186,6 +189,7 @@ def test_nonsense_is_refused(database: Database, where: str, change: Change) -> 
     assert canonical(serialised(database, uuid)) == before
 
 
+@one_kind
 def test_nothing_is_not_found(database: Database) -> None:
     uuid = store(database, {"hand.mcml": MCML})[0]
     for where in (

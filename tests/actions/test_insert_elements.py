@@ -155,6 +155,7 @@ def value(client: TestClient, q: str) -> object:
     return client.get(f"{API}/xpath", params={"q": q}).json()["value"]
 
 
+@one_kind
 def test_elements_over_http(client: TestClient, url: str) -> None:
     elements = f"{url}/elements"
     many = client.patch(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi.testclient import TestClient
 
-from tests.builders import MCML, bvh, upload
+from tests.builders import MCML, bvh, one_kind, upload
 
 API = "/api/v1"
 
@@ -26,6 +26,7 @@ def test_read_change_delete(client: TestClient) -> None:
     assert client.get(address, params=one).status_code == 404
 
 
+@one_kind
 def test_what_is_not_one_element_is_refused(client: TestClient) -> None:
     uuid = upload(client, {"hand.mcml": MCML})["documents"][0]["id"]
     address = f"{API}/documents/{uuid}/elements"
@@ -37,6 +38,7 @@ def test_what_is_not_one_element_is_refused(client: TestClient) -> None:
     assert client.get(f"{API}/documents/{uuid}").json()["revision"] == 1
 
 
+@one_kind
 def test_ids_after_an_edit(client: TestClient) -> None:
     uuid = upload(client, {"a.bvh": bvh(9)})["documents"][0]["id"]
     address, head = f"{API}/documents/{uuid}/elements", {"if-match": "*"}

@@ -41,6 +41,7 @@ FIRST_STEPS = [
 
 
 @pytest.mark.parametrize(("path", "asked"), FIRST_STEPS)
+@one_kind
 def test_nothing_closes_a_repository_before_it_has_an_owner(
     database: Database, path: str, asked: dict[str, Any]
 ) -> None:

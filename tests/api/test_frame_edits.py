@@ -69,6 +69,7 @@ def test_all_or_nothing(client: TestClient, uuid: str) -> None:
     assert client.post(f"{API}/documents/{uuid}/frames", json={"edits": edits}).status_code == 428
 
 
+@one_kind
 def test_a_curve_by_bone_and_channel(client: TestClient, uuid: str) -> None:
     def curves() -> np.ndarray:
         both = {"bone": ["Spine"], "first": 5, "last": 8}
@@ -87,6 +88,7 @@ def test_a_curve_by_bone_and_channel(client: TestClient, uuid: str) -> None:
 
 
 @pytest.mark.parametrize("form", ["json", "npy"])
+@one_kind
 def test_channels_as_arrays(client: TestClient, uuid: str, form: str) -> None:
     columns = client.get(f"{API}/documents/{uuid}/frames?format=npy").headers["x-mcml-columns"].split(",")
     before = values(client, uuid)

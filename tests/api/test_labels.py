@@ -53,6 +53,7 @@ def test_a_label_is_renamed_moved_and_split(client: TestClient, uuid: str) -> No
     assert client.patch(f"{API}/documents/{uuid}/labels/99999", json={}, headers=ANY).status_code == 404
 
 
+@one_kind
 def test_names_by_query(client: TestClient, uuid: str) -> None:
     other = client.post(f"{API}/documents", files=[("file", ("run.bvh", bvh(60, seed=3)))]).json()["documents"][0]["id"]
     query = "//frame[frame_bone[@name='Spine']/@Rx > 1]"
@@ -112,6 +113,7 @@ def test_a_wrong_line_is_named_and_nothing_written(client: TestClient, uuid: str
     assert labels(client, uuid) == [("hop", 10, 20), ("run", 15, 40)]
 
 
+@one_kind
 def test_names_are_suggested_from_the_motion(client: TestClient, database: Database) -> None:
     clip = body.clip("walk", 170.0, *body.walk(170.0, 4.0, 1.0, 6.0))
     uuid = store(database, {"walk.bvh": b"".join(FORMATS["bvh"].write(clip, "bvh"))})[0]
@@ -132,6 +134,7 @@ def test_names_are_suggested_from_the_motion(client: TestClient, database: Datab
     assert "Markers" in refused.json()["detail"]
 
 
+@one_kind
 def test_movements_are_named_on_import(client: TestClient) -> None:
     clip = body.clip("walk", 170.0, *body.walk(170.0, 4.0, 1.0, 6.0))
     files = [

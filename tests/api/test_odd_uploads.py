@@ -13,7 +13,7 @@ from fastapi.testclient import TestClient
 
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from tests.builders import ASF, amc, bvh, served
+from tests.builders import ASF, amc, bvh, one_kind, served
 
 API = "/api/v1"
 
@@ -66,6 +66,7 @@ TWO = {"one/leg.asf": ASF, "one/leg.amc": amc(2), "two/leg.asf": ASF, "two/leg.a
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
+@one_kind
 def test_archives_are_read(client: TestClient, name: str, content: bytes, names: list[str]) -> None:
     answer = send(client, name, content)
     assert answer.status_code == 201, answer.text
@@ -86,12 +87,14 @@ def test_archives_are_read(client: TestClient, name: str, content: bytes, names:
         ("cut.zip", zipped({"a.bvh": bvh(2)})[:-30]),
     ],
 )
+@one_kind
 def test_archives_without_files_are_refused(client: TestClient, name: str, content: bytes) -> None:
     answer = send(client, name, content)
     assert answer.status_code == 422, answer.text
     assert answer.json()["remedy"]
 
 
+@one_kind
 def test_archives_within_each_other_are_bounded(client: TestClient) -> None:
     content = bvh(2)
     for _ in range(3):
@@ -105,6 +108,7 @@ def test_archives_within_each_other_are_bounded(client: TestClient) -> None:
 
 
 @pytest.mark.parametrize("pack", ["gz", "tar.gz", "zip in zip", "gz in gz"])
+@one_kind
 def test_bombs_are_refused(client: TestClient, pack: str) -> None:
     zeros = bytes(80 << 20)
     inner = gzip.compress(zeros)
@@ -119,6 +123,7 @@ def test_bombs_are_refused(client: TestClient, pack: str) -> None:
     assert "limits allow" in answer.json()["detail"]
 
 
+@one_kind
 def test_many_files_in_many_archives_are_counted_together(database: Database) -> None:
     few = Settings(max_zip_files=5)
     content = zipped({f"{number}.zip": zipped({"a.bvh": bvh(1), "b.bvh": bvh(1)}) for number in range(3)})
@@ -173,6 +178,7 @@ def test_names_of_files(client: TestClient, disposition: bytes, name: str) -> No
     ],
 )
 @pytest.mark.parametrize("name", ["walk.bvh", "walk", "walk.zip"])
+@one_kind
 def test_files_of_other_programs_are_named(
     client: TestClient, name: str, content: bytes, title: str, remedy: str
 ) -> None:

@@ -20,7 +20,7 @@ from mcml_service.actions.importing.load_demo import demo_files
 from mcml_service.local_store import Local
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from tests.builders import ASF, amc, bvh, served, source
+from tests.builders import ASF, amc, bvh, one_kind, served, source
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
@@ -66,6 +66,7 @@ def test_documents_are_found(repo: mcml.Repository) -> None:
     assert repo.projects() == ["even", "odd"]
 
 
+@one_kind
 def test_questions(repo: mcml.Repository) -> None:
     asked = repo.xpath("//frame[motion_name=$name]", name="walk")
     assert [(run.first, run.last, run.frames) for run in asked.runs()] == [(1, 3, 3), (2, 3, 2)] * 2 + [(1, 3, 3)]
@@ -84,6 +85,7 @@ def test_questions(repo: mcml.Repository) -> None:
     assert refused.value.remedy
 
 
+@one_kind
 def test_frames_are_those_of_the_file(repo: mcml.Repository) -> None:
     clip = repo.document("clip2")
     read = mcml.read("clip2.bvh")
@@ -101,6 +103,7 @@ def test_frames_are_those_of_the_file(repo: mcml.Repository) -> None:
     np.testing.assert_array_equal(frame.to_numpy(), np.asarray(some).reshape(3, -1))
 
 
+@one_kind
 def test_what_numpy_makes_of_frames_is_plain(repo: mcml.Repository) -> None:
     frames = repo.document("clip0").frames("Root")
     assert type(frames[1:]) is type(frames + 1) is np.ndarray
@@ -121,6 +124,7 @@ def test_changes_are_revisions(repo: mcml.Repository) -> None:
     assert clip.refresh().project == "third"
 
 
+@one_kind
 def test_files_are_not_replaced(repo: mcml.Repository) -> None:
     clip = repo.document("clip1")
     with pytest.raises(mcml.Error, match="exists"):
@@ -134,6 +138,7 @@ def test_files_are_not_replaced(repo: mcml.Repository) -> None:
     assert not list(Path(".").glob("*.part"))
 
 
+@one_kind
 def test_a_folder_is_stored_and_what_is_wrong_is_told(client: Client, tmp_path: Path) -> None:
     (tmp_path / "leg.asf").write_bytes(ASF)
     (tmp_path / "leg.amc").write_bytes(amc(4))
@@ -150,6 +155,7 @@ def test_a_folder_is_stored_and_what_is_wrong_is_told(client: Client, tmp_path: 
         repo.import_(Path(__file__).parent)
 
 
+@one_kind
 def test_arguments_are_checked_before_anything_is_asked(client: Client) -> None:
     with pytest.raises(RequestError, match="no argument 'projectt'"):
         client.call("list_documents", projectt="x")
@@ -161,6 +167,7 @@ def test_arguments_are_checked_before_anything_is_asked(client: Client) -> None:
         client.call("list_document")
 
 
+@one_kind
 def test_errors_say_the_same_here_and_from_a_server(client: Client) -> None:
     with pytest.raises(mcml.Error) as refused:
         client.call("get_document", id="01a1fd5b-63fa-7af5-9027-3f8ccdfe4736")

@@ -23,7 +23,7 @@ from mcml_service.storage.database import Database
 from mcml_service.storage.documents import steps
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
-from tests.builders import TRC, bvh, store
+from tests.builders import TRC, bvh, one_kind, store
 
 NAMES = ("Hips", "LeftUpLeg", "LeftLeg", "LeftFoot")
 
@@ -221,6 +221,7 @@ def test_other_properties_stay_as_they_are(database: Database, client: TestClien
 
 
 @pytest.mark.parametrize("value", ["high", "[1]", "NaN", "", "true", "1e999"])
+@one_kind
 def test_properties_that_are_no_calibration_are_passed_over(database: Database, value: str) -> None:
     (uuid,) = store(database, {"a.bvh": bvh(9, names=NAMES)})
     with database.write("a") as tx:

@@ -1,7 +1,13 @@
-"""What changes touch: each drill patches a copy of the program in as many files as the README names, and it works."""
+"""What changes touch: each drill patches a copy of the program in as many files as the README names, and it works.
+
+`make test` puts all patches into one copy, which starts each check, the generators and the tests of the documentation
+once. `make fuzz` puts each patch into a copy of its own, and so finds a patch that works only beside another one.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -29,55 +35,28 @@ OVERRIDE = """    reads = 0
 """
 
 
-@pytest.fixture
-def copy(tmp_path: Path) -> PatchedCopy:
-    return PatchedCopy(tmp_path / "copy")
-
-
 def patch(name: str) -> str:
-    """A file that a patch adds, or a check of it."""
+    """Return a file that a patch adds, or a check of it."""
     return (PATCHES / name).read_text(encoding="utf-8")
 
 
-def check(copy: PatchedCopy, name: str) -> None:
-    """Run what shows that the change works, and the tests of the documentation that know of it."""
-    copy.run("-c", patch(name))
-    copy.run("-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/docs/test_docs.py", "-k", "not links")
-
-
-def make_docs(copy: PatchedCopy) -> None:
-    """As `make docs`: the tables and types that are made of declarations."""
-    copy.run("-c", "import tests.docs.generate as g; [p.write_text(g.renewed(p.read_text())) for p in g.PAGES]")
-    copy.run("-m", "tests.docs.signatures")
-
-
-def needs(copy: PatchedCopy, what: str) -> None:
-    """A change touches as many files as its row of the README names, and not more."""
-    assert len(copy.touched) == files_that_the_readme_names(what), sorted(copy.touched)
-
-
-def test_a_format(copy: PatchedCopy) -> None:
+def add_format(copy: PatchedCopy) -> None:
     copy.add("mcml/formats/plain.py", patch("format.py"))
     copy.add("docs/formats/plain.md", "# Plain\n\nMarkers as `name x y z` lines: part `plain`.\n")
     copy.put("mcml/formats/__init__.py", '    "trc": Trc(),\n', '    "plain": Plain(),\n')
     copy.put("mcml/formats/__init__.py", "from mcml.formats.recognition", "from mcml.formats.plain import Plain\n")
-    needs(copy, "a file format")
-    check(copy, "format_check.py")
 
 
-def test_a_property_of_documents(copy: PatchedCopy) -> None:
+def add_property_of_documents(copy: PatchedCopy) -> None:
     tables = "service/mcml_service/storage/core/tables.py"
     copy.put(tables, '    Column("intact", Boolean', '    Column("captured", String(64)),\n')
     documents = "service/mcml_service/storage/documents/documents.py"
     copy.put(documents, "    data_rate: str | None\n", "    captured: str | None\n")
     copy.put("schemas/mcml_schemas/documents.py", "    created: str\n    modified: str\n\n\nclass Bone", PROPERTY)
     copy.put("service/mcml_service/actions/reading/describe_document.py", "        created=stored", SHOWN)
-    needs(copy, "a property of documents")
-    copy.run("-m", "tests.drills.migration", "add_captured")
-    check(copy, "property_check.py")
 
 
-def test_an_operation(copy: PatchedCopy) -> None:
+def add_operation(copy: PatchedCopy) -> None:
     copy.add("service/mcml_service/operations/longest.py", patch("operation.py"))
     copy.add("schemas/mcml_schemas/longest.py", patch("operation_schema.py"))
     row = (
@@ -85,50 +64,92 @@ def test_an_operation(copy: PatchedCopy) -> None:
         '              "The document with the most frames.", "longest", "longest"),\n'
     )
     copy.put("service/mcml_service/operations/__init__.py", '    Operation("list_formats"', row)
-    needs(copy, "an operation: route, command, Python call")
-    make_docs(copy)
-    check(copy, "operation_check.py")
 
 
-def test_an_analysis(copy: PatchedCopy) -> None:
+def add_analysis(copy: PatchedCopy) -> None:
     copy.add("service/mcml_service/analysis/travel/__init__.py", patch("analysis.py"))
     copy.add("schemas/mcml_schemas/analyses/travel.py", patch("analysis_schema.py"))
     catalogue = "service/mcml_service/analysis/catalogue.py"
     copy.put(catalogue, "SUBJECTS: Mapping", "from mcml_service.analysis.travel import TRAVEL\n\n\n")
     copy.put(catalogue, '    "reach": {"fit"', '    "travel": {"measure": TRAVEL},\n')
-    needs(copy, "an analysis")
-    make_docs(copy)
-    check(copy, "analysis_check.py")
 
 
-def test_an_xpath_function(copy: PatchedCopy) -> None:
+def add_xpath_function(copy: PatchedCopy) -> None:
     functions = "service/mcml_service/xpath/language/functions.py"
     copy.put(functions, '    "abs": _of_number', '    "signum": _of_number(np.sign),\n')
-    needs(copy, "an XPath function of numbers or texts")
-    check(copy, "function_check.py")
 
 
-def test_a_form_of_frames(copy: PatchedCopy) -> None:
+def add_form_of_frames(copy: PatchedCopy) -> None:
     tables = "service/mcml_service/actions/exporting/write_tables.py"
     copy.put(tables, "TABLES: Mapping", FORM)
     copy.put(tables, '    "csv": ("text/csv"', '    "tsv": ("text/tab-separated-values", write_tsv),\n')
     copy.put("schemas/mcml_schemas/frames.py", '"json", "npy", "npz", "block"', '"tsv", ')
-    needs(copy, "a form of frames as numbers")
-    make_docs(copy)
-    check(copy, "form_check.py")
 
 
-def test_a_setting(copy: PatchedCopy) -> None:
+def add_setting(copy: PatchedCopy) -> None:
     field = '    motto: str = Field("move", description="What the server says of itself")\n'
     copy.put("service/mcml_service/settings.py", '    login: Literal["auto"', field)
     row = f"| `MCML_{'motto'.upper()}` | `move` | what the server says of itself |\n"
     copy.put("docs/settings.md", "| `MCML_LOGIN` |", row)
-    needs(copy, "a setting")
-    check(copy, "setting_check.py")
 
 
-def test_what_one_database_does_otherwise(copy: PatchedCopy) -> None:
+def add_what_one_database_does_otherwise(copy: PatchedCopy) -> None:
     sqlite = "service/mcml_service/storage/core/dialects/sqlite.py"
     copy.put(sqlite, "    @contextmanager\n    def writing", OVERRIDE)
-    needs(copy, "what one database does otherwise")
-    check(copy, "override_check.py")
+
+
+@dataclass(frozen=True)
+class Drill:
+    """A patch, and the program that shows that it works.
+
+    generated: whether generated documentation and types change. migration: its name, where the tables change.
+    """
+
+    patch: Callable[[PatchedCopy], None]
+    check: str
+    generated: bool = False
+    migration: str = ""
+
+
+DRILLS: Mapping[str, Drill] = {
+    "a file format": Drill(add_format, "format_check.py"),
+    "a property of documents": Drill(add_property_of_documents, "property_check.py", migration="add_captured"),
+    "an operation: route, command, Python call": Drill(add_operation, "operation_check.py", generated=True),
+    "an analysis": Drill(add_analysis, "analysis_check.py", generated=True),
+    "an XPath function of numbers or texts": Drill(add_xpath_function, "function_check.py"),
+    "a form of frames as numbers": Drill(add_form_of_frames, "form_check.py", generated=True),
+    "a setting": Drill(add_setting, "setting_check.py"),
+    "what one database does otherwise": Drill(add_what_one_database_does_otherwise, "override_check.py"),
+}
+"""By row of "Where to add what" in the README."""
+
+
+def try_drills(folder: Path, rows: Mapping[str, Drill]) -> None:
+    """Put patches into one copy, each into as many files as its row of the README names, and check all of them."""
+    copy = PatchedCopy(folder / "copy")
+    for row, drill in rows.items():
+        copy.touched.clear()
+        drill.patch(copy)
+        assert len(copy.touched) == files_that_the_readme_names(row), (row, sorted(copy.touched))
+    for drill in rows.values():
+        if drill.migration:
+            copy.run("-m", "tests.drills.migration", drill.migration)
+    if any(drill.generated for drill in rows.values()):
+        # As `make docs`.
+        copy.run("-c", "import tests.docs.generate as g; [p.write_text(g.renewed(p.read_text())) for p in g.PAGES]")
+        copy.run("-m", "tests.docs.signatures")
+    for drill in rows.values():
+        copy.run("-c", patch(drill.check))
+        for left in copy.folder.glob("store.db*"):
+            left.unlink()
+    copy.run("-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/docs/test_docs.py", "-k", "not links")
+
+
+def test_all_patches_together(tmp_path: Path) -> None:
+    try_drills(tmp_path, DRILLS)
+
+
+@pytest.mark.fuzz
+@pytest.mark.parametrize("row", DRILLS)
+def test_each_patch_alone(tmp_path: Path, row: str) -> None:
+    try_drills(tmp_path, {row: DRILLS[row]})

@@ -14,7 +14,7 @@ from fastapi.testclient import TestClient
 from mcml.errors import ConversionError
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.storage.database import Database
-from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, store, upload
+from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, one_kind, store, upload
 
 API = "/api/v1"
 CASES: dict[str, dict[str, bytes]] = {
@@ -35,6 +35,7 @@ NO_NUMBER = re.compile(rb"(?i)(?<![a-z])(inf(inity)?|nan)(?![a-z])")
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 @pytest.mark.parametrize("case", CASES)
+@one_kind
 def test_exports_are_finite_or_refused(database: Database, case: str) -> None:
     uuid = store(database, CASES[case])[0]
     for name in ("bvh", "asf", "amc", "htr", "trc", "c3d", "mcml", "csv"):
@@ -48,6 +49,7 @@ def test_exports_are_finite_or_refused(database: Database, case: str) -> None:
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@one_kind
 def test_edits_that_lead_beyond_are_refused(client: TestClient) -> None:
     edits: list[dict[str, object]] = [
         {"do": "adjust", "first": 1, "last": 2, "channels": ["Tx", "Ty", "Rx"], "factor": 100},

@@ -12,7 +12,7 @@ from mcml.motion.skeleton import Array
 from mcml_service.actions.reading import reduce_frames
 from mcml_service.storage.database import Database
 from tests import fuzz
-from tests.builders import TRC, bvh, store
+from tests.builders import TRC, bvh, one_kind, store
 
 API = "/api/v1/documents"
 
@@ -69,6 +69,7 @@ def test_stretches_without_samples_are_nan(client: TestClient, database: Databas
 
 
 @pytest.mark.parametrize("asked", [{"space": "positions"}, {"format": "npz"}, {"format": "json"}, {"step": 2}])
+@one_kind
 def test_only_channels_have_extremes(client: TestClient, database: Database, asked: dict[str, object]) -> None:
     uuid = store(database, {"walk.bvh": bvh(3)})[0]
     query = {"reduce": "minmax", "format": "block", **asked}

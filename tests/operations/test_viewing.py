@@ -12,8 +12,9 @@ from fastapi.testclient import TestClient
 from mcml.motion.skeleton import Array
 from mcml_service.storage.database import Database
 from tests.builders import ASF as LEG
-from tests.builders import HTR, TRC, amc, bvh, store, upload
+from tests.builders import HTR, TRC, amc, bvh, one_kind, store, upload
 
+pytestmark = one_kind
 API = "/api/v1/documents"
 LASTING = "private, max-age=31536000, immutable"
 

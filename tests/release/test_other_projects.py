@@ -138,6 +138,7 @@ def test_mypy_sees_types_of_every_call(installed: Path, project: Path) -> None:
     assert 'incompatible type "str"' in done.stdout
 
 
+@pytest.mark.fuzz  # Long: in `make test` mypy goes over the same script.
 def test_pyright_sees_types_of_every_call(installed: Path, project: Path) -> None:
     for name in TAKEN:
         (project / name / "__init__.py").write_text("")

@@ -13,6 +13,7 @@ from fastapi.testclient import TestClient
 from mcml.formats import WRITERS
 from mcml_service.api.studio import PAGES, STATIC, page_addresses
 from service.web.build import WEB, fingerprint, is_current
+from tests.builders import one_kind
 from tests.web.types import TYPES, types
 
 START_UP = 250_000
@@ -46,6 +47,7 @@ def test_a_row_of_pages_is_an_address(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", [address.replace("{id}", "0") for address in page_addresses(PAGES)])
+@one_kind
 def test_pages_are_strict_and_asked_for_anew(client: TestClient, path: str) -> None:
     answer = client.get(path)
     assert answer.status_code == 200
@@ -58,6 +60,7 @@ def test_pages_are_strict_and_asked_for_anew(client: TestClient, path: str) -> N
     )
 
 
+@one_kind
 def test_built_files_are_compressed_and_kept(client: TestClient) -> None:
     name = next(file.name for file in (STATIC / "assets").glob("index-*.js"))
     kept = "public, max-age=31536000, immutable"
@@ -72,6 +75,7 @@ def test_built_files_are_compressed_and_kept(client: TestClient) -> None:
     assert sizes == sorted(sizes, reverse=True)
 
 
+@one_kind
 def test_no_path_leaves_the_folder(client: TestClient) -> None:
     for path in ("/assets/..%2Findex.html", "/assets/%2e%2e", "/assets/.sources", "/assets/nothing.js"):
         assert client.get(path).status_code == 404, path
