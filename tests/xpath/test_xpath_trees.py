@@ -195,6 +195,23 @@ def test_a_request_may_be_strict(queries: Queries, text: str, compatible: object
     assert queries.answer(QueryRequest(q="count(//frame[@id castable as xs:integer])", strict=True)).value == 7
 
 
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("xs:date('x')", "xs:date"),
+        ("'a' eq 1", "xs:string"),
+        ("xs:date('2026-01-01') + 1", "xs:date"),
+        ("1 + map{}", ""),
+    ],
+)
+def test_errors_name_types_as_xpath_does(queries: Queries, text: str, what: str) -> None:
+    with pytest.raises(QueryError) as caught:
+        queries.answer(QueryRequest(q=text, strict=True))
+    assert what in caught.value.what
+    assert "class" not in caught.value.what
+    assert "elementpath" not in caught.value.what
+
+
 def test_nodes_and_maps_of_documents(queries: Queries) -> None:
     answer = queries.answer(QueryRequest(q="//frame ! map{'id': string(@id)} ! ?id"))
     assert [item.value for item in answer.items or [] if isinstance(item, ValueItem)] == [

@@ -30,7 +30,7 @@ from mcml.errors import LimitError, McmlError, QueryError
 from mcml.language.addresses import ALWAYS_NUMBERED, address_attribute, address_namespace, address_text, number_steps
 from mcml_service.xpath.language.tree import Atomic
 from mcml_service.xpath.language.xpath31.corrections import Context
-from mcml_service.xpath.language.xpath31.parser import query_error, read_tokens
+from mcml_service.xpath.language.xpath31.parser import in_words, query_error, read_tokens
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,8 +88,7 @@ class Tree:
             raise
         except Exception as error:
             # What a value that it did not foresee makes of its code is no fault of the server.
-            what = f"{type(error).__name__}: {error}"
-            raise QueryError(f"This has no value: {' '.join(what.split())[:200]}") from error
+            raise QueryError(f"This has no value: {in_words(str(error))[:200] or 'it is not defined'}.") from error
 
     def _item(self, item: Any) -> Found | Atomic:
         return self._found(item) if isinstance(item, XPathNode) else _atomic(item)

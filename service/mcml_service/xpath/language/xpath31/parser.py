@@ -38,6 +38,15 @@ OUTSIDE = frozenset(
 )  # fmt: skip
 """Functions that read files, the network, or the environment."""
 
+_CLASS = re.compile(r"<class '(?:[\w.]*\.)?(\w+?)(?:10)?'>")
+_TYPES = {
+    "str": "xs:string", "int": "xs:integer", "Integer": "xs:integer", "float": "xs:double", "Decimal": "xs:decimal",
+    "bool": "xs:boolean", "Date": "xs:date", "DateTime": "xs:dateTime", "Time": "xs:time", "Duration": "xs:duration",
+    "DayTimeDuration": "xs:dayTimeDuration", "YearMonthDuration": "xs:yearMonthDuration", "AnyURI": "xs:anyURI",
+    "UntypedAtomic": "xs:untypedAtomic", "QName": "xs:QName", "HexBinary": "xs:hexBinary",
+    "Base64Binary": "xs:base64Binary", "Float": "xs:float",
+}  # fmt: skip
+"""Types of values as XPath names them, by their classes."""
 _MESSAGE = re.compile(r"(?:.*? at line (\d+), column (\d+): )?(?:\[err:(\w+)\] )?(.*)", re.DOTALL)
 
 
@@ -114,4 +123,9 @@ def query_error(error: Exception, text: str = "") -> QueryError:
         before = text.split("\n")[: int(line or 1) - 1]
         place = Place(column=sum(len(one) + 1 for one in before) + int(column or 1))
     details = {} if code is None else {"xpath_error": code}
-    return QueryError(" ".join(what.split()).rstrip("."), at=place, **details)
+    return QueryError(in_words(what), at=place, **details)
+
+
+def in_words(message: str) -> str:
+    """What elementpath or Python says, with types as XPath names them."""
+    return _CLASS.sub(lambda found: _TYPES.get(found[1], found[1]), " ".join(message.split())).rstrip(".")
