@@ -48,20 +48,20 @@ class Loops(Cursor):
 
     def _binding(self, word: Token) -> Expression:
         if word.text in ("some", "every"):
-            return self._quantified(word)
+            return self._read_quantifier(word)
         clauses: list[Clause] = []
         while True:
-            clauses += self._clause(word.text)
+            clauses += self._read_clause(word.text)
             if not self._at_word(*CLAUSES):
                 raise self._unexpected("'return' is missing")
             word_before, word = word, self._advance()
             if word.text == "return":
-                return _nested(clauses, self._expression(), (word_before.start, self._end()))
+                return _nest(clauses, self._expression(), (word_before.start, self._end()))
             if word.text in ("order", "stable", "group"):
-                return self._arranged(word, clauses)
+                return self._read_order(word, clauses)
 
-    def _quantified(self, word: Token) -> Expression:
-        bound = self._bound("in")
+    def _read_quantifier(self, word: Token) -> Expression:
+        bound = self._read_bindings("in")
         self._word("satisfies")
         body = self._expression()
         span = (word.start, self._end())
@@ -69,12 +69,12 @@ class Loops(Cursor):
             body = Quantified(word.text, name, source, body, span)
         return body
 
-    def _clause(self, kind: str) -> list[Clause]:
+    def _read_clause(self, kind: str) -> list[Clause]:
         if kind == "where":
             return [Clause(kind, "", self._expression())]
-        return [Clause(kind, name, source) for name, source in self._bound("in" if kind == "for" else ":=")]
+        return [Clause(kind, name, source) for name, source in self._read_bindings("in" if kind == "for" else ":=")]
 
-    def _bound(self, sign: str) -> list[tuple[str, Expression]]:
+    def _read_bindings(self, sign: str) -> list[tuple[str, Expression]]:
         """`$a in …, $b in …`"""
         bound: list[tuple[str, Expression]] = []
         while not bound or self._accept(","):
@@ -87,7 +87,7 @@ class Loops(Cursor):
             bound.append((name, self._expression()))
         return bound
 
-    def _arranged(self, word: Token, clauses: list[Clause]) -> Expression:
+    def _read_order(self, word: Token, clauses: list[Clause]) -> Expression:
         """What follows `order`, `stable` or `group`."""
         place = Place(column=word.start + 1)
         if [clause.kind for clause in clauses].count("for") != 1 or clauses[0].kind != "for":
@@ -101,14 +101,14 @@ class Loops(Cursor):
             self._expect("$")
             name = self._variable_name()
             self._expect(":=")
-            clauses = _grouped(clauses, name, self._expression(), (word.start, self._end()))
+            clauses = _group(clauses, name, self._expression(), (word.start, self._end()))
             following: list[Clause] = []
             while self._at_word("let", "where"):
-                following += self._clause(self._advance().text)
+                following += self._read_clause(self._advance().text)
             clauses += following
             if self._at_word("return"):
                 self._advance()
-                return _nested(clauses, self._expression(), (word.start, self._end()))
+                return _nest(clauses, self._expression(), (word.start, self._end()))
             word = self._advance()
         if word.text == "stable":
             word = self._advance()
@@ -123,10 +123,10 @@ class Loops(Cursor):
             raise self._unexpected("one key is sorted by")
         self._word("return")
         span = (word.start, self._end())
-        return _nested(_ordered(clauses, key, span, is_descending=is_descending), self._expression(), span)
+        return _nest(_order(clauses, key, span, is_descending=is_descending), self._expression(), span)
 
 
-def _nested(clauses: list[Clause], body: Expression, span: Span) -> Expression:
+def _nest(clauses: list[Clause], body: Expression, span: Span) -> Expression:
     for clause in reversed(clauses):
         if clause.kind == "where":
             body = If(clause.expression, body, Sequence((), span), span)
@@ -135,36 +135,36 @@ def _nested(clauses: list[Clause], body: Expression, span: Span) -> Expression:
     return body
 
 
-def _kept(clauses: list[Clause], span: Span) -> Expression:
+def _select_items(clauses: list[Clause], span: Span) -> Expression:
     """The items of the loop that fulfil its conditions."""
     item = Variable(clauses[0].variable, span=span)
     if not any(clause.kind == "where" for clause in clauses):
         return clauses[0].expression
-    return _nested(clauses, item, span)
+    return _nest(clauses, item, span)
 
 
-def _bindings(clauses: list[Clause]) -> list[Clause]:
+def _lets(clauses: list[Clause]) -> list[Clause]:
     return [clause for clause in clauses if clause.kind == "let"]
 
 
-def _ordered(clauses: list[Clause], key: Expression, span: Span, *, is_descending: bool) -> list[Clause]:
+def _order(clauses: list[Clause], key: Expression, span: Span, *, is_descending: bool) -> list[Clause]:
     """A loop over the items in the order of a key, then of their own."""
     loop = clauses[0]
-    source = _kept(clauses, span)
+    source = _select_items(clauses, span)
     if is_descending:
         # Equal ones stay in their order.
         source = Call("reverse", (source,), span)
-    function = Function(loop.variable, _nested(_bindings(clauses), key, span), span)
+    function = Function(loop.variable, _nest(_lets(clauses), key, span), span)
     source = Call("sort", (source, Sequence((), span), function), span)
     if is_descending:
         source = Call("reverse", (source,), span)
-    return [Clause("for", loop.variable, source), *_bindings(clauses)]
+    return [Clause("for", loop.variable, source), *_lets(clauses)]
 
 
-def _grouped(clauses: list[Clause], name: str, key: Expression, span: Span) -> list[Clause]:
+def _group(clauses: list[Clause], name: str, key: Expression, span: Span) -> list[Clause]:
     """A loop over the different keys, in which the variable is all items of one."""
     loop = clauses[0]
-    source, own = _kept(clauses, span), _nested(_bindings(clauses), key, span)
+    source, own = _select_items(clauses, span), _nest(_lets(clauses), key, span)
     keys = Call("distinct-values", (For(loop.variable, source, own, span),), span)
     group = Variable(name, span=span)
     # What is no number is a group too, though it equals nothing.
