@@ -30,7 +30,7 @@ from mcml_service.api.lanes import Lanes
 from mcml_service.api.parameters import known_parameters
 from mcml_service.api.routes import PREFIX, add_routes
 from mcml_service.api.traffic import Traffic
-from mcml_service.clips.deriver import Deriver
+from mcml_service.clips.deriver import Deriver, Stage
 from mcml_service.jobs.runner import Runner
 from mcml_service.jobs.webhooks import Sender
 from mcml_service.local_secret import keep_secret, read_secret
@@ -78,13 +78,13 @@ def create_app(
     repository = Repository(store, settings)
     repository.evaluated = "apart"
 
-    def index(go_on: Callable[[], bool]) -> None:
+    def build(stage: Stage, go_on: Callable[[], bool]) -> None:
         # Imported here: a server starts without mathematics.
-        from mcml_service.xpath.library.search import index_poses
+        from mcml_service.xpath.column_builder import build_columns
 
-        index_poses(store, repository.queries.caches, go_on)
+        build_columns(store, settings, stage, go_on)
 
-    deriver = Deriver(store, traffic.is_busy, index)
+    deriver = Deriver(store, traffic.is_busy, build)
     sender = Sender(store, private=settings.webhook_private)
 
     @asynccontextmanager

@@ -132,7 +132,9 @@ class Settings(BaseSettings):
     max_values: int = Field(4_000_000_000, ge=1, description="Most motion values in one document")
     max_joints: int = Field(10_000, ge=1, description="Most joints in one skeleton")
     import_processes: int = Field(0, ge=0, description="Processes that read short clips; 0: one a core, 1: off")
-    derive: bool = Field(True, description="Whether bodies of documents are derived by a server and after imports")
+    derive: bool = Field(
+        True, description="Whether a server derives bodies and builds columns of queries, and imports derive bodies"
+    )
     read_seconds: float = Field(60.0, gt=0, description="Half of the longest time that reading music may take")
     read_memory_mib: int = Field(2048, ge=256, description="Most memory that reading music may take")
     query_seconds: float = Field(10.0, gt=0, description="Longest time one XPath query may take")

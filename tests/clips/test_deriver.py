@@ -24,8 +24,6 @@ from mcml_service.clips.read_clip import Skeletons
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.storage.documents.columns import Listed
-from mcml_service.xpath.library.caches import Caches
-from mcml_service.xpath.library.search import index_poses
 from tests.builders import bvh, one_kind, served, store
 
 NAMES = ("Hips", "LeftUpLeg", "LeftLeg", "LeftFoot")
@@ -207,30 +205,25 @@ def test_what_is_missing_is_known_without_reading_bodies(database: Database) -> 
 
 
 @one_kind
-def test_a_server_makes_the_index_that_searches_look_into(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
-    """At its start, and after much came in; one document more is no reason."""
-    asked: list[int] = []
-    one = Deriver(database, lambda: False, lambda go_on: asked.append(int(go_on())))
+def test_a_server_builds_the_columns_of_first_queries(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    """At its start, and after many documents changed; one document more is no reason."""
+    built: list[tuple[str, int]] = []
+
+    def build(stage: str, go_on: Callable[[], bool]) -> None:
+        assert go_on()
+        built.append((stage, missing(database)))
+
+    one = Deriver(database, lambda: False, build)
     monkeypatch.setattr(deriver, "MANY", 3)
     one.derive()
     one.derive()
-    assert asked == [1]
+    assert built == [("columns", 0), ("bodies", 0)]
     some(database, 2)
     one.derive()
-    assert asked == [1]
+    assert len(built) == 2
     some(database, 3)
     one.derive()
-    assert asked == [1, 1]
-
-
-@one_kind
-def test_the_index_is_made_as_long_as_it_may(database: Database) -> None:
-    caches = Caches()
-    some(database, 4)
-    index_poses(database, caches, lambda: False)
-    assert not caches.bodies.holds(_all(database))
-    index_poses(database, caches, lambda: True)
-    assert caches.bodies.holds(_all(database))
+    assert built[2:] == [("columns", 3), ("bodies", 0)], "bodies are derived in between"
 
 
 def _all(database: Database) -> list[Listed]:

@@ -6,7 +6,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 from rich.text import Text
 
@@ -22,10 +22,15 @@ from mcml_service.cli.terminal.opening import (
 )
 from mcml_service.clips.bodies import Body
 from mcml_service.clips.derive import derive_missing
+from mcml_service.clips.deriver import Stage
+from mcml_service.xpath.column_builder import build_stage
+from mcml_service.xpath.library.preparing import count_prepared
+from mcml_service.xpath.queries import Queries
 
 if TYPE_CHECKING:
     from mcml.client.client import Client
     from mcml_schemas.documents import ImportedDocument
+    from mcml_service.settings import Settings
     from mcml_service.storage.database import Database
     from mcml_service.storage.documents.columns import Listed
 
@@ -36,17 +41,33 @@ CALIBRATED = {"unit": "metres", "up": "up", "floor": "floor", "leg": "leg"}
 
 
 def derive(database: DatabaseOption = None, as_json: JsonOption = False) -> None:
-    """Work out the bodies of documents that have none yet, so that questions about motion find them. It may be stopped
-    and begun again at any time."""
-    store = open_database(chosen_settings(database))
+    """Derive the missing bodies of documents and build the missing columns of queries, so that first queries are fast.
+    You can stop it and start it again at any time."""
+    settings = chosen_settings(database)
+    store = open_database(settings)
     started = time.monotonic()
     done, failed = _derived(store, None, quiet=as_json)
+    built, groups = _build_columns(store, settings, quiet=as_json)
     if as_json:
-        print_json({"derived": done, "failed": failed})
-    elif done or failed:
+        print_json({"derived": done, "failed": failed, "columns": built, "groups": groups})
+        return
+    if done or failed:
         console.print(f"derived the bodies of {done:,} documents in {time.monotonic() - started:.1f} s")
     else:
-        console.print("every document has its body, nothing to do")
+        console.print("all documents have their bodies")
+    console.print(f"{built:,} of {groups:,} groups of documents have the columns of queries on disk")
+
+
+def _build_columns(store: Database, settings: Settings, *, quiet: bool) -> tuple[int, int]:
+    """Build the missing columns. Return the groups of documents that have theirs, and all groups."""
+    queries = Queries(store, settings)
+    try:
+        for stage in get_args(Stage):
+            with Bar("building columns", "groups", disable=quiet or not sys.stderr.isatty()) as bar:
+                build_stage(queries, stage, lambda done, of: bar.tell(done, of, "building columns"))
+        return count_prepared(store, queries.caches)
+    finally:
+        queries.close()
 
 
 def derive_stored(store: Database, ids: set[str], *, quiet: bool) -> None:

@@ -186,7 +186,10 @@ def doctor(
     from mcml_service.cli.differing import tell_differing
     from mcml_service.clips.bodies import MADE
     from mcml_service.storage.core.replica import Replica
+    from mcml_service.xpath.library.caches import Caches
     from mcml_service.xpath.library.disk.part_file import path_of, why_not
+    from mcml_service.xpath.library.disk.sidecar import Sidecar
+    from mcml_service.xpath.library.preparing import count_prepared
 
     settings = chosen_settings(database)
     faults = 0
@@ -254,9 +257,14 @@ def doctor(
             if place is None:
                 line("query columns", "in memory alone: MCML_CACHE_DIR is none")
             else:
-                size = f"{place.stat().st_size / 1e6:,.1f} MB in {place}" if not trouble else f"{place}: {trouble}"
-                remedy = "Queries serve from memory alone; let the folder be written, or name one in MCML_CACHE_DIR."
-                line("query columns", size, not trouble, remedy if trouble else "")
+                remedy = "Queries use memory alone. Make the folder writable, or name one in MCML_CACHE_DIR."
+                fact = f"{place}: {trouble}"
+                if not trouble:
+                    built, groups = count_prepared(store, Caches(sidecar=Sidecar(place, settings.cache_disk_mib << 20)))
+                    size = f"{place.stat().st_size / 1e6:,.1f} MB in {place}"
+                    fact = f"{size}, built for {built} of {groups} groups of documents"
+                    remedy = "A server builds the others, or: mcml db derive." if built < groups else ""
+                line("query columns", fact, not trouble, remedy)
     path = settings.database_url.removeprefix("sqlite:///")
     if path != settings.database_url:
         folder = os.path.dirname(path) or "."

@@ -7,6 +7,7 @@ import random
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
+from typing import Literal, TypeAlias
 
 from mcml.errors import McmlError
 from mcml_service.clips.bodies import MADE
@@ -14,6 +15,8 @@ from mcml_service.clips.derive import keep_bodies
 from mcml_service.clips.read_clip import Skeletons
 from mcml_service.storage.database import Database
 from mcml_service.storage.documents.columns import Listed
+
+Stage: TypeAlias = Literal["columns", "bodies"]
 
 log = logging.getLogger("mcml.derive")
 
@@ -27,7 +30,7 @@ another thread gets on several times as slowly."""
 LATER_SECONDS = 30.0
 """After the store could not be read or written."""
 MANY = 32
-"""Documents that came in, after which an index is made of them before anybody searches."""
+"""Documents that changed, after which columns are built before anybody asks for them."""
 TOGETHER, FRAMES = 16, 4096
 """Documents, and frames of several documents, at a time: 40 ms."""
 
@@ -35,23 +38,23 @@ TOGETHER, FRAMES = 16, 4096
 class Deriver:
     """Started and stopped with the server.
 
-    busy: whether the server has something else to do. index: makes of the bodies what searches need, once none is
-    missing; it is given what waits until nobody else is at work, and says whether to go on.
+    busy: whether the server has something else to do. build: builds the columns of the first queries, of documents
+    before their bodies are derived and of bodies after that; it is given a function that says whether to go on.
     """
 
     def __init__(
         self,
         database: Database,
         busy: Callable[[], bool],
-        index: Callable[[Callable[[], bool]], None] = lambda go_on: None,
+        build: Callable[[Stage, Callable[[], bool]], None] = lambda stage, go_on: None,
     ) -> None:
         self._database = database
         self._busy = busy
-        self._index = index
+        self._build = build
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name="mcml-derive", daemon=True)
         self._failed: set[tuple[int, int]] = set()
-        self._done = self._newest = -1
+        self._done = self._newest = self._built = -1
         self._moved = 0.0
 
     def start(self) -> None:
@@ -69,19 +72,23 @@ class Deriver:
             newest = tx.newest_commit()
             if newest == self._done:
                 return
+            # After an edit the next query builds that part again, if there is one.
+            builds = self._built < 0 or len(tx.columns.changed_since(self._built)) >= MANY
             keys = tx.bodies.without(MADE)
             missing = tx.columns.documents(keys) if keys else []
         left = [listed for listed in missing if (listed.key, listed.revision) not in self._failed]
         # Of several servers on a store each begins elsewhere.
         first = random.randrange(len(left)) if left else 0
         skeletons: Skeletons = {}
+        if builds and self._may_go_on():
+            self._build("columns", self._is_running)
         for some in _batches([*left[first:], *left[:first]]):
             if not self._may_go_on():
                 return
             keep_bodies(self._database, some, skeletons, self._note)
-        # After an edit the next search makes that part again, if there is one.
-        if self._done < 0 or len(left) >= MANY:
-            self._index(self._may_go_on)
+        if builds and self._may_go_on():
+            self._build("bodies", self._is_running)
+            self._built = newest
         self._done = newest
 
     def _run(self) -> None:
@@ -101,6 +108,9 @@ class Deriver:
         """Tell once of a document whose body cannot be derived; it is tried again when it has another revision."""
         self._failed.add((listed.key, listed.revision))
         log.warning("cannot derive the body of %r (%s): %s", listed.name, listed.uuid, error)
+
+    def _is_running(self) -> bool:
+        return not self._stopping.is_set()
 
     def _may_go_on(self) -> bool:
         """Wait until nobody is served and nothing is imported, but not for ever; whether the server goes on."""

@@ -59,7 +59,7 @@ class QueryPool:
         self._numbers = itertools.count(1)
         self._lock = threading.Lock()
         self._is_closed = False
-        self._context = _context()
+        self._context = fork_context()
 
     def begin(self) -> None:
         """Start a process before the first query."""
@@ -269,8 +269,8 @@ def _nodes(first: Message, others: Iterator[Message]) -> Iterator[list[Node]]:
             yield message.nodes
 
 
-def _context() -> ForkServerContext:
-    """Fork workers from a process that has imported the code and has no threads."""
+def fork_context() -> ForkServerContext:
+    """Fork processes from a process that has imported the code and has no threads."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload([serve.__module__])
     return context

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 
@@ -106,7 +106,7 @@ class GroupScan:
         if sample.bone in (None, self.plan.lead):
             whole = units.must & self._whole(units)
         if whole.any():
-            sums = columns.sums(sample.channel, lambda table: self._sums(table, sample.channel))
+            sums = columns.sums(sample.channel, lambda table: self._sums(sample.bone, table, sample.channel))
             total = float(sums[units.numbers[whole]].sum())
             count = float(units.lead.about[FRAMES][whole].sum())
         for some in self._parts(units[np.flatnonzero(~whole)]):
@@ -251,21 +251,28 @@ class GroupScan:
     def _side_by_side(self, name: str | None) -> Block:
         """The samples of a bone in all tracks of the leading bone, or over the same frames: channels that are not kept
         are read together."""
-        lead, wanted = self._bones[self.plan.lead], self._channels(name)
-        table = lead.table if name == self.plan.lead else self._bones[name].facing(lead)
-        missing = tuple(each for each in wanted if not self.forest.has_samples(self.plan.lead, name, each))
-        found: Sequence[Floats] = list(track_values(self.forest, table, missing)) if missing else []
+        bone, wanted = self._bones[name], self._channels(name)
+        missing = tuple(each for each in wanted if not self.forest.has_samples(name, each))
+        found: Sequence[Floats] = list(track_values(self.forest, bone.table, missing)) if missing else []
         read = dict(zip(missing, found, strict=True))
+        lead = self._bones[self.plan.lead]
+        block: Block = {}
+        for channel in wanted:
+            values = self._samples(name, bone.table, channel, read.get(channel))
+            block[sample(name, channel)] = values if bone is lead else bone.over(lead, values)
+        return block
 
-        def values(channel: int) -> Floats:
-            return read[channel] if channel in read else track_values(self.forest, table, (channel,))[0]
+    def _samples(self, name: str | None, table: Table, channel: int, read: Floats | None = None) -> Floats:
+        """(tracks, CHUNK): the samples of a bone in all of its tracks. read: where they were read already."""
 
-        return {
-            sample(name, each): self.forest.samples(self.plan.lead, name, each, partial(values, each))
-            for each in wanted
-        }
+        def values() -> Floats:
+            return np.asarray(track_values(self.forest, table, (channel,))[0] if read is None else read, np.float64)
 
-    def _sums(self, table: Table, channel: int) -> Floats:
+        return self.forest.samples(name, channel, values)
+
+    def _sums(self, name: str | None, table: Table, channel: int) -> Floats:
+        if self.forest.has_samples(name, channel):
+            return np.asarray(np.nansum(self._samples(name, table, channel), axis=1))
         parts = []
         for start in range(0, len(table), UNITS):
             self._check()

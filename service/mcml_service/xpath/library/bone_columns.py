@@ -41,6 +41,17 @@ class BoneColumns:
             found = self._facing[lead] = self.table.facing(lead.table)
         return found
 
+    def over(self, lead: BoneColumns, values: Floats) -> Floats:
+        """Values of the tracks, (tracks, n), over those of another bone; NaN where this one has no track."""
+        own, wanted = self.table.frames, lead.table.frames
+        if np.array_equal(own, wanted):
+            return values
+        rows = np.searchsorted(own, wanted)
+        there = np.append(own, -1)[rows] == wanted
+        result = np.full((len(wanted), values.shape[1]), np.nan)
+        result[there] = values[rows[there]]
+        return result
+
     def sums(self, channel: int, make: Callable[[Table], Floats]) -> Floats:
         """The sum of the samples of each track. make: works it out."""
         if channel not in self._sums:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from functools import cached_property, partial
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 import orjson
@@ -39,6 +39,12 @@ class _Sized(Protocol):
     def nbytes(self) -> int: ...
 
 
+SAMPLES, OF_BODIES = "samples ", "bodies "
+"""How the names on disk of columns of samples begin, and those of quantities of bodies."""
+
+SampleColumn: TypeAlias = tuple[str | None, int]
+"""(bone, channel) of samples; None: of all bones."""
+
 Column = TypeVar("Column", bound=_Sized)
 Rows = TypeVar("Rows", HeadRows, ShapeRuns, LabelRuns, IdRuns)
 
@@ -57,7 +63,7 @@ class Forest:
         self.head_part = head_part
         self.keys = documents.keys
         self.frames = documents.frames
-        self._from_disk: dict[tuple[str | None, str | None, int], Floats] = {}
+        self._from_disk: dict[SampleColumn, Floats] = {}
 
     def __len__(self) -> int:
         return len(self.documents)
@@ -163,9 +169,9 @@ class Forest:
         frames = self.bone(name).table.about[FRAMES]
         return self._sampled((name, "whole"), lambda: np.asarray(self.here(name).sum(axis=1) == frames))
 
-    def samples(self, lead: str | None, name: str | None, channel: int, read: Callable[[], Floats]) -> Floats:
-        """(tracks, CHUNK): the samples of a channel over the tracks of the leading bone. read: reads them."""
-        what = lead, name, channel
+    def samples(self, name: str | None, channel: int, read: Callable[[], Floats]) -> Floats:
+        """(tracks, CHUNK): the samples of a channel in the tracks of a bone. read: reads them."""
+        what = name, channel
 
         def make() -> Floats:
             if what in self._from_disk:
@@ -177,9 +183,9 @@ class Forest:
 
         return self._sampled(what, make)
 
-    def has_samples(self, lead: str | None, name: str | None, channel: int) -> bool:
+    def has_samples(self, name: str | None, channel: int) -> bool:
         """Whether they are at hand, or were kept on disk and are now."""
-        what = lead, name, channel
+        what = name, channel
         if what in self._from_disk or self.caches.samples.holds(self.documents, what):
             return True
         found = None if self._disk is None else self._disk.read(self.tx, self._samples(what))
@@ -204,7 +210,7 @@ class Forest:
     def of_bodies(self, what: tuple[str, ...], make: Callable[[], Floats]) -> Floats:
         """A number of each frame, or each document, one after the other, kept in memory and on disk. make: works it
         out."""
-        part = f"bodies {orjson.dumps(what).decode()}"
+        part = f"{OF_BODIES}{orjson.dumps(what).decode()}"
         return self._sampled(
             what, lambda: self._on_disk(part, make, lambda column: {"numbers": column}, lambda found: found["numbers"])
         )
@@ -265,8 +271,8 @@ class Forest:
     def _key(self, what: str) -> tuple[bytes, str]:
         return self.documents.fingerprint, what
 
-    def _samples(self, what: tuple[str | None, str | None, int]) -> tuple[bytes, str]:
-        return self._key(f"samples {orjson.dumps(what).decode()}")
+    def _samples(self, what: SampleColumn) -> tuple[bytes, str]:
+        return self._key(name_samples(what))
 
     def _sums(self, name: str | None) -> tuple[bytes, str]:
         return self._key("totals of all" if name is None else f"totals {name}")
@@ -331,6 +337,10 @@ class Bone:
         """For each track of another bone the one of the same frames."""
         return self.columns.facing(lead.columns)
 
+    def over(self, lead: Bone, values: Floats) -> Floats:
+        """Values of these tracks over those of another bone, NaN where this one has no track."""
+        return self.columns.over(lead.columns, values)
+
     def sums(self, channel: int, make: Callable[[Table], Floats]) -> Floats:
         """The sum of the samples of each track. make: works it out."""
         return self.columns.sums(channel, make)
@@ -341,3 +351,8 @@ class Bone:
         if ends is None:
             return self.columns.least, self.columns.greatest
         return ends.of(None if self._name is None else unescape(self._name))
+
+
+def name_samples(column: SampleColumn) -> str:
+    """The name of a column of samples on disk."""
+    return f"{SAMPLES}{orjson.dumps(column).decode()}"

@@ -10,7 +10,6 @@ from itertools import islice
 import numpy as np
 
 from mcml.motion.bodies.pose_index import Singles
-from mcml_service.storage.database import Database
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.language.reach import HeadPart
@@ -79,21 +78,6 @@ def search(
         best[:] = nsmallest(wanted, best, key=lambda hit: hit.distance)
     hits = [_from_its_start(tx, caches, asked, hit) for hit in best]
     return Found(hits, len(documents), [documents[place].name for place in np.flatnonzero(np.isinf(every))])
-
-
-def index_poses(database: Database, caches: Caches, go_on: Callable[[], bool]) -> None:
-    """Make the indexes of all documents that the next searches look into. go_on: asked before each group; may wait."""
-
-    def check() -> None:
-        """There is no hurry."""
-
-    with database.read() as tx:
-        groups = Scope(tx, caches.listing).groups()
-    for group in groups:
-        if not go_on():
-            return
-        with database.read() as tx:
-            Bodies(Forest(tx, group, caches, head_part=HeadPart.MOTION), check).pose_index()
 
 
 def _of_documents(least: Singles, starts: Ints, ends: Ints) -> Floats:

@@ -41,13 +41,13 @@ def side_by_side(forest: Forest, name: str, channel: int, places: Ints, slots: I
     if not forest.has_tracks(len(forest)):
         return None
     bone = forest.bone(name)
-    at_hand = forest.has_samples(name, name, channel)
+    at_hand = forest.has_samples(name, channel)
     keys = (places << 32) | (slots // CHUNK)
     asked = 1 + int(np.count_nonzero(np.diff(keys)))
     if len(bone) > MOST_TRACKS or not (at_hand or asked * FEW >= len(bone)):
         return None
     read = partial(_one_channel, forest, bone.table, channel)
-    values = forest.samples(name, name, channel, read)
+    values = forest.samples(name, channel, read)
     rows = np.searchsorted(bone.table.frames, keys)
     return np.asarray(values[rows, slots % CHUNK], np.float64)
 

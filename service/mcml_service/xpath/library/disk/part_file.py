@@ -13,7 +13,7 @@ import xxhash
 from mcml_service.settings import cache_folder
 from mcml_service.storage.database import Database
 
-FORMAT = 1
+FORMAT = 2
 """Of the file and of all parts. A file of another one is thrown away."""
 FAULTS = (sqlite3.Error, OSError, UnicodeDecodeError)
 """What a file that is broken or cannot be written raises. Of a broken one even messages may be no texts."""

@@ -20,12 +20,15 @@ from weakref import WeakKeyDictionary
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.library.disk.packing import Packed
 from mcml_service.xpath.library.disk.part_file import FAULTS, checksum_of, opened, remove
-from mcml_service.xpath.library.disk.writer import Waiting, Writer
+from mcml_service.xpath.library.disk.writer import ROOM, Waiting, Writer
 
 DAY = 86_400
 """When a part was used is told no more precisely: reading is no writing."""
 
 _PART = "SELECT mark, used, checksum, data FROM part WHERE held = ? AND name = ?"
+_NAMES = "SELECT name FROM part WHERE held = ?"
+_USES = "SELECT name, MAX(used) FROM part GROUP BY name"
+_TOTAL = "SELECT COALESCE(SUM(size), 0) FROM part"
 
 
 class _Sized(Protocol):
@@ -49,11 +52,14 @@ class _View:
 class Sidecar:
     """path: of the file. limit: bytes of all parts. Threads and processes may share it.
 
-    trouble: why nothing is kept, "" while something can be.
+    trouble: why nothing is kept, "" while something can be. last_use: when queries last asked for a part of a name, for
+    parts that nobody asks for now; None: all are asked for now.
     """
 
     def __init__(self, path: Path, limit: int) -> None:
         self.path = path
+        self.limit = limit
+        self.last_use: Callable[[str], int] | None = None
         self.trouble = ""
         self._reader: sqlite3.Connection | None = None
         self._lock = threading.Lock()
@@ -92,7 +98,7 @@ class Sidecar:
             sound = False
         if not sound:
             return None
-        if time.time() - used > DAY:
+        if self.last_use is None and time.time() - used > DAY:
             self._writer.touch(key)
         return Packed(data)
 
@@ -102,7 +108,21 @@ class Sidecar:
         """Have a part written, some time. columns: gives them, in another thread. size: about how many bytes."""
         view = self._view(tx)
         if view is not None and not self.trouble:
-            self._writer.add(key, Waiting(view.mark, view.whole_since, columns, size))
+            used = int(time.time()) if self.last_use is None else self.last_use(key[1])
+            self._writer.add(key, Waiting(view.mark, view.whole_since, columns, size, used))
+
+    def names(self, held: bytes) -> set[str]:
+        """The names of the parts of a group."""
+        return {name for (name,) in self._rows(_NAMES, (held,))}
+
+    def last_uses(self) -> dict[str, int]:
+        """When queries last asked for a part of each name, in seconds since 1970; 0: never."""
+        return dict(self._rows(_USES, ()))
+
+    def room(self) -> int:
+        """Bytes that can be written before parts that were not used for long go."""
+        ((total,),) = self._rows(_TOTAL, ()) or [(0,)]
+        return int(self.limit * ROOM) - int(total)
 
     def forget(self, held: Container[bytes]) -> None:
         """Write nothing any more of what is asked no more. held: first parts of keys that are."""
@@ -140,19 +160,23 @@ class Sidecar:
         return view.known[mark]
 
     def _row(self, key: tuple[bytes, str]) -> Any:
+        return next(iter(self._rows(_PART, key)), None)
+
+    def _rows(self, statement: str, arguments: tuple[Any, ...]) -> list[Any]:
+        """Return no row where the file is missing or broken."""
         with self._lock:
             try:
                 if self._reader is None:
                     if self.trouble or not self.path.exists():
-                        return None
+                        return []
                     self._reader = opened(self.path)
-                return self._reader.execute(_PART, key).fetchone()
+                return self._reader.execute(statement, arguments).fetchall()
             except FAULTS as error:
                 if self._reader is not None:
                     self._reader.close()
                 self._reader = None
                 self._failed(error)
-                return None
+                return []
 
     def _failed(self, error: Exception) -> None:
         """A file that is broken goes. Where there can be none, or it cannot be written, memory alone serves."""

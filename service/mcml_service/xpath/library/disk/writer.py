@@ -30,12 +30,16 @@ Key: TypeAlias = tuple[bytes, str]
 
 @dataclass(frozen=True)
 class Waiting:
-    """A part to be written. mark, whole_since: of the transaction that it was read in. columns: gives them."""
+    """A part to be written. mark, whole_since: of the transaction that it was read in. columns: gives them.
+
+    used: when a query last asked for it, in seconds since 1970.
+    """
 
     mark: str
     whole_since: int
     columns: Callable[[], Mapping[str, Any]]
     size: int
+    used: int
 
 
 class Writer:
@@ -157,8 +161,7 @@ class Writer:
             connection.executemany(update, [(now, *key) for key in used])
             # What was read before a purge must not come after it.
             good = [row for whole_since, row in rows if known == (whole_since,)]
-            insertion = "INSERT OR REPLACE INTO part VALUES (?, ?, ?, ?, ?, ?, ?)"
-            connection.executemany(insertion, [(*row[:3], now, *row[3:]) for row in good])
+            connection.executemany("INSERT OR REPLACE INTO part VALUES (?, ?, ?, ?, ?, ?, ?)", good)
             self._make_room(connection)
             connection.execute("COMMIT")
             connection.execute("PRAGMA incremental_vacuum").fetchall()
@@ -169,7 +172,7 @@ class Writer:
         if went:
             emptied(connection)
 
-    def _packed(self) -> list[tuple[int, tuple[bytes, str, str, int, bytes, bytes]]]:
+    def _packed(self) -> list[tuple[int, tuple[bytes, str, str, int, int, bytes, bytes]]]:
         """(whole since, row) of some of what waits."""
         rows = []
         size = 0
@@ -186,7 +189,7 @@ class Writer:
                 continue
             if len(data) <= self._limit // 4:
                 checksum = checksum_of(held, name, part.mark, data)
-                rows.append((part.whole_since, (held, name, part.mark, len(data), checksum, data)))
+                rows.append((part.whole_since, (held, name, part.mark, part.used, len(data), checksum, data)))
                 size += len(data)
         return rows
 
