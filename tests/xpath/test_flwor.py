@@ -83,13 +83,18 @@ def flwor(chance: Random) -> str:
         text += f" where {chance.choice(numbers)} {chance.choice(('>', '<', '='))} {chance.choice((0, 1, 2, 3.5))}"
     if chance.random() < 0.4:
         plain = [key for key in keys if key != "$n"]
-        text += f" group by $k := {chance.choice(plain)} let $c := count($v)"
+        text += f" group by $k := {chance.choice(plain)}"
+        if chance.random() < 0.3:
+            text += f", $j := {chance.choice(plain)}"
+        text += " let $c := count($v)"
         if chance.random() < 0.5:
             text += f" where $c > {chance.choice((0, 1, 3))}"
         return text + chance.choice((" return concat(string($k), ':', string($c))", " return $c"))
     if chance.random() < 0.7:
         # Keys of one type: texts and numbers do not compare.
         text += f" order by {chance.choice(keys)}{chance.choice(('', ' ascending', ' descending'))}"
+        while chance.random() < 0.4:
+            text += f", {chance.choice(keys)}{chance.choice(('', ' descending'))}"
     return text + f" return string({chance.choice(keys)})"
 
 
@@ -124,7 +129,8 @@ def _text(value: object) -> str:
     ("text", "column"),
     [
         ("for $a in //frame, $b in //bone order by $a return $b", 34),
-        ("for $a in //frame order by $a, $b return $a", 30),
+        ("for $a in //frame order by $a, $b return $a", 34),
+        ("for $a in //frame group by $k := $a/@id, $l := 1 order by $k return $a", 50),
         ("for $a in //frame where $a", 27),
         ("let $a := 1 group by $k := $a return $k", 13),
     ],

@@ -2,7 +2,8 @@
 
 `for $a in A let $b := B where C order by K descending return R` is a loop over what `sort` makes of those of A that
 fulfil C; `group by $k := K` is a loop over the different values of K, in which `$a` is all of A that have this one.
-Ordering and grouping stand behind one `for`: of several variables XPath has no tuples.
+Ordering and grouping stand behind one `for`: of several variables XPath has no tuples. Several keys are several sorts,
+or loops within loops; groups of several keys stay in the order of the items.
 """
 
 from __future__ import annotations
@@ -37,6 +38,14 @@ class Clause:
     kind: str
     variable: str
     expression: Expression
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key of `order by`."""
+
+    expression: Expression
+    is_descending: bool
 
 
 class Loops(Cursor):
@@ -98,32 +107,50 @@ class Loops(Cursor):
             )
         if word.text == "group":
             self._word("by")
-            self._expect("$")
-            name = self._variable_name()
-            self._expect(":=")
-            clauses = _group(clauses, name, self._expression(), (word.start, self._end()))
-            following: list[Clause] = []
-            while self._at_word("let", "where"):
-                following += self._read_clause(self._advance().text)
-            clauses += following
+            clauses = self._read_groups(word, clauses)
             if self._at_word("return"):
                 self._advance()
                 return _nest(clauses, self._expression(), (word.start, self._end()))
+            if [clause.kind for clause in clauses].count("for") > 1:
+                raise self._unexpected("groups of several keys have no order; 'return' is missing")
             word = self._advance()
         if word.text == "stable":
             word = self._advance()
         if word.text != "order":
             raise QueryError(f"unexpected {word.text!r}", at=Place(column=word.start + 1))
         self._word("by")
-        key = self._expression()
-        is_descending = self._at_word("descending")
-        if is_descending or self._at_word("ascending"):
-            self._advance()
-        if self._at(","):
-            raise self._unexpected("one key is sorted by")
+        keys = self._read_keys()
         self._word("return")
         span = (word.start, self._end())
-        return _nest(_order(clauses, key, span, is_descending=is_descending), self._expression(), span)
+        return _nest(_order(clauses, keys, span), self._expression(), span)
+
+    def _read_groups(self, word: Token, before: list[Clause]) -> list[Clause]:
+        """`$k := K, $l := L`, and what follows as far as `order` or `return`."""
+        variable = before[0].variable
+        clauses: list[Clause] = []
+        while not clauses or self._accept(","):
+            self._expect("$")
+            name = self._variable_name()
+            self._expect(":=")
+            key = self._expression()
+            span = (word.start, self._end())
+            # A further key divides the groups of the one before.
+            source = Variable(variable, span=span) if clauses else _select_items(before, span)
+            clauses += _group(source, variable, name, _nest(_lets(before), key, span), span)
+        while self._at_word("let", "where"):
+            clauses += self._read_clause(self._advance().text)
+        return clauses
+
+    def _read_keys(self) -> list[Key]:
+        """`K descending, L`"""
+        keys: list[Key] = []
+        while not keys or self._accept(","):
+            expression = self._expression()
+            is_descending = self._at_word("descending")
+            if is_descending or self._at_word("ascending"):
+                self._advance()
+            keys.append(Key(expression, is_descending))
+        return keys
 
 
 def _nest(clauses: list[Clause], body: Expression, span: Span) -> Expression:
@@ -147,29 +174,29 @@ def _lets(clauses: list[Clause]) -> list[Clause]:
     return [clause for clause in clauses if clause.kind == "let"]
 
 
-def _order(clauses: list[Clause], key: Expression, span: Span, *, is_descending: bool) -> list[Clause]:
-    """A loop over the items in the order of a key, then of their own."""
+def _order(clauses: list[Clause], keys: list[Key], span: Span) -> list[Clause]:
+    """A loop over the items in the order of the first key, among equal ones of the next, then of their own."""
     loop = clauses[0]
     source = _select_items(clauses, span)
-    if is_descending:
-        # Equal ones stay in their order.
-        source = Call("reverse", (source,), span)
-    function = Function(loop.variable, _nest(_lets(clauses), key, span), span)
-    source = Call("sort", (source, Sequence((), span), function), span)
-    if is_descending:
-        source = Call("reverse", (source,), span)
+    # Sorting is stable, so the last key comes first.
+    for key in reversed(keys):
+        function = Function(loop.variable, _nest(_lets(clauses), key.expression, span), span)
+        if key.is_descending:
+            # Equal items keep their order.
+            source = Call("reverse", (source,), span)
+        source = Call("sort", (source, Sequence((), span), function), span)
+        if key.is_descending:
+            source = Call("reverse", (source,), span)
     return [Clause("for", loop.variable, source), *_lets(clauses)]
 
 
-def _group(clauses: list[Clause], name: str, key: Expression, span: Span) -> list[Clause]:
-    """A loop over the different keys, in which the variable is all items of one."""
-    loop = clauses[0]
-    source, own = _select_items(clauses, span), _nest(_lets(clauses), key, span)
-    keys = Call("distinct-values", (For(loop.variable, source, own, span),), span)
+def _group(source: Expression, variable: str, name: str, key: Expression, span: Span) -> list[Clause]:
+    """A loop over the different keys of items, in which their variable is all items of one key."""
+    keys = Call("distinct-values", (For(variable, source, key, span),), span)
     group = Variable(name, span=span)
     # What is no number is a group too, though it equals nothing.
-    is_none = Operation("and", (Operation("!=", (own, own), span), Operation("!=", (group, group), span)), span)
-    is_same = Operation("or", (Operation("=", (own, group), span), is_none), span)
-    item = Variable(loop.variable, span=span)
-    members = For(loop.variable, source, If(is_same, item, Sequence((), span), span), span)
-    return [Clause("for", name, keys), Clause("let", loop.variable, members)]
+    is_none = Operation("and", (Operation("!=", (key, key), span), Operation("!=", (group, group), span)), span)
+    is_same = Operation("or", (Operation("=", (key, group), span), is_none), span)
+    item = Variable(variable, span=span)
+    members = For(variable, source, If(is_same, item, Sequence((), span), span), span)
+    return [Clause("for", name, keys), Clause("let", variable, members)]
