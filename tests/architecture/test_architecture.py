@@ -247,6 +247,25 @@ def test_only_the_store_speaks_sql() -> None:
     assert speaks_sql(ast.parse("def all(tx):\n    return tx.connection.exec_driver_sql('SELECT 1')"))
 
 
+EXECUTE = {"execute", "executemany", "executescript", "exec_driver_sql", "scalar", "scalars"}
+STATEMENTS = "mcml_service.storage.core.statements"
+COLUMN_FILES = "mcml_service.xpath.library.disk."
+"""A cache of columns in SQLite files of its own, which are no store."""
+
+
+def executes_sql(module: ast.Module) -> bool:
+    """Whether a module calls a method with which SQLAlchemy, or a driver, executes SQL."""
+    calls = (node.func for node in ast.walk(module) if isinstance(node, ast.Call))
+    return any(isinstance(called, ast.Attribute) and called.attr in EXECUTE for called in calls)
+
+
+def test_one_module_executes_sql() -> None:
+    executing = [name for name, module in _parsed().items() if executes_sql(module)]
+    assert [name for name in executing if not name.startswith(("migrations.", COLUMN_FILES))] == [STATEMENTS]
+    assert executes_sql(ast.parse("def all(tx):\n    return tx.connection.execute(select(document)).all()"))
+    assert executes_sql(ast.parse("def all(driver):\n    return driver.cursor().executemany('DELETE FROM token')"))
+
+
 def test_one_module_writes_addresses() -> None:
     """Addresses in frames, and of attributes, are made and taken apart by `mcml.language.addresses`."""
     made = re.compile(r"""/mcml/motion/frame\\?\[|\}/@\{|/frame_bone\[\{|/motion_name\[\{""")

@@ -26,11 +26,13 @@ FORM = '''def write_tsv(batches: Batches, about: About) -> Iterator[bytes]:
 '''
 PROPERTY = '    captured: str | None = Field(None, description="When it was captured")\n'
 SHOWN = "        captured=stored.captured,\n"
-OVERRIDE = """    reads = 0
+OVERRIDE = """    looks = 0
 
-    def rows(self, connection: Connection, statement: Any, values: dict[str, Any]) -> list[tuple[Any, ...]]:
-        SQLite.reads += 1
-        return super().rows(connection, statement, values)
+    @contextmanager
+    def looking(self) -> Iterator[Connection]:
+        SQLite.looks += 1
+        with self.reading() as connection:
+            yield connection
 
 """
 

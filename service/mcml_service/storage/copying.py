@@ -17,17 +17,14 @@ _COPIED = [table for table in metadata.sorted_tables if table is not store]
 
 def filled_tables(tx: Transaction) -> list[str]:
     """Names of the tables that hold any row."""
-    return [table.name for table in _COPIED if tx.connection.execute(select(table).limit(1)).first() is not None]
+    return [table.name for table in _COPIED if tx.fetch_one(select(table).limit(1)) is not None]
 
 
 def copy_rows(source: Database, target: Database) -> None:
     """Put all rows of a store into an empty one, in one transaction."""
     with source.read() as old, target.write("backup") as new:
         for table in _COPIED:
-            rows = old.connection.execute(
-                select(table).order_by(*table.primary_key).execution_options(yield_per=ROWS)
-            ).mappings()
-            for block in rows.partitions(ROWS):
-                new.connection.execute(insert(table), [dict(row) for row in block])
+            for block in old.stream(select(table).order_by(*table.primary_key), ROWS):
+                new.run(insert(table), [dict(row._mapping) for row in block])
         new.pruning.let_go(old.pruning.whole_since())
         new.dialect.after_copy(new.connection, old.dialect.last_keys(old.connection))

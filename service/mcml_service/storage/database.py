@@ -19,7 +19,6 @@ from sqlalchemy import (
     PoolProxiedConnection,
     inspect,
     make_url,
-    text,
 )
 from sqlalchemy.exc import ArgumentError
 
@@ -28,6 +27,7 @@ from mcml_service.resources import migrations_path
 from mcml_service.storage.core.dialects import DIALECTS, find_dialect
 from mcml_service.storage.core.replica import Replica
 from mcml_service.storage.core.reserve import TO_OPEN, Reserve
+from mcml_service.storage.core.statements import Statements, execute_on_driver
 from mcml_service.storage.core.transaction import COMMAND_LINE, LATEST
 from mcml_service.storage.core.views import WHOLE, View
 from mcml_service.storage.core.words import in_words
@@ -163,7 +163,7 @@ class Database:
     def _schema_version(self) -> str | None:
         with in_words(self.dialect), self.dialect.reading() as connection:
             known = inspect(connection).has_table("alembic_version")
-            return connection.execute(text("SELECT version_num FROM alembic_version")).scalar() if known else None
+            return Statements(connection).fetch_value("SELECT version_num FROM alembic_version") if known else None
 
     def require_schema(self) -> None:
         """StoreError unless the schema is this program's."""
@@ -178,7 +178,7 @@ class Database:
 
     def _require_layout(self) -> None:
         with in_words(self.dialect), self.dialect.reading() as connection:
-            require_layout(connection)
+            require_layout(Statements(connection))
 
     def sweep(self, lease_before: float | None = None) -> int:
         """Remove what broken imports left behind; returns the number of documents removed.
@@ -210,7 +210,8 @@ class Database:
                 self._watch = self.dialect.engine.raw_connection()
                 self._watch.detach()
             driver: Any = self._watch.dbapi_connection
-            return bool(driver.execute("SELECT 1 FROM token UNION SELECT 1 FROM account LIMIT 1").fetchall())
+            rows = execute_on_driver(driver, "SELECT 1 FROM token UNION SELECT 1 FROM account LIMIT 1").fetchall()
+            return bool(rows)
 
     def close(self) -> None:
         if self._watch is not None:

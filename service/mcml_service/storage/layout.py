@@ -4,22 +4,23 @@ from __future__ import annotations
 
 from typing import Any
 
-from sqlalchemy import Connection, inspect, select
+from sqlalchemy import inspect, select
 
 from mcml.errors import StoreError
 from mcml.motion.skeleton import CHANNELS
+from mcml_service.storage.core import tables
 from mcml_service.storage.core.schema import CHUNK
-from mcml_service.storage.core.tables import store
+from mcml_service.storage.core.statements import Statements
 from mcml_service.storage.documents.encoding import PCODEC
 
 LAYOUT = {"frames in a track": str(CHUNK), "channels": " ".join(CHANNELS), "codec": f"pcodec {PCODEC}"}
 
 
-def require_layout(connection: Connection) -> None:
+def require_layout(store: Statements) -> None:
     """StoreError where tracks are not as this program writes them."""
     held: dict[str, Any] = {}
-    if inspect(connection).has_table(store.name):
-        held = {row.name: row.value for row in connection.execute(select(store))}
+    if inspect(store.connection).has_table(tables.store.name):
+        held = dict(tuple(row) for row in store.fetch_all(select(tables.store.c.name, tables.store.c.value)))
     for name, value in LAYOUT.items():
         if held.get(name) != value:
             raise StoreError(

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import os
 import sqlite3
-from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
 
 from mcml.errors import ConflictError, SpaceError, StoreError
 from mcml_service.actions.keeping.seal_store import seal_store
 from mcml_service.storage.copying import copy_rows, filled_tables
-from mcml_service.storage.core.dialects.sqlite import PRIVATE
+from mcml_service.storage.core.dialects.sqlite import PRIVATE, copy_file, fold_log
 from mcml_service.storage.database import Database
 from mcml_service.storage.transaction import Transaction
 
@@ -30,10 +29,7 @@ def backup(database: Database, target: Path) -> int:
         copy.migrate()
         copy_rows(database, copy)
         copy.close()
-        # One file that can be moved: without a log beside it.
-        connection = sqlite3.connect(part)
-        connection.execute("PRAGMA journal_mode=DELETE")
-        connection.close()
+        fold_log(part)
         part.replace(target)
     finally:
         copy.close()
@@ -70,9 +66,7 @@ def _copy_file(path: Path, target: Path) -> None:
     """Copy an SQLite store as it is while others use it. SpaceError."""
     os.close(os.open(target, os.O_CREAT | os.O_EXCL | os.O_RDWR, PRIVATE))
     try:
-        with closing(sqlite3.connect(path)) as source, closing(sqlite3.connect(target)) as copy:
-            source.backup(copy)
-            copy.execute("PRAGMA journal_mode=DELETE")
+        copy_file(path, target)
     except sqlite3.Error as error:
         target.unlink()
         if getattr(error, "sqlite_errorcode", None) != sqlite3.SQLITE_FULL:

@@ -4,21 +4,33 @@ from __future__ import annotations
 
 from typing import Any
 
-from sqlalchemy import BindParameter, Column, ColumnElement, String, bindparam
+import orjson
+from sqlalchemy import BindParameter, Column, ColumnElement, Dialect, String, TypeDecorator, bindparam
 from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.sql.compiler import SQLCompiler
 from sqlalchemy.sql.functions import FunctionElement
+from sqlalchemy.types import NullType
+
+
+class IntegerList(TypeDecorator[list[int]]):
+    """A list of integers as `OneOf` takes it: JSON in SQLite, an array in PostgreSQL."""
+
+    impl = NullType
+    cache_ok = True
+
+    def process_bind_param(self, value: list[int] | None, dialect: Dialect) -> Any:
+        return orjson.dumps(value).decode() if dialect.name == "sqlite" else value
 
 
 class OneOf(ColumnElement[bool]):
-    """Whether a column is one of the integers in a list, which is given by a name to `Transaction.run`."""
+    """Whether a column is one of the integers in a list, which a parameter of that name is given."""
 
     inherit_cache = False
 
-    def __init__(self, column: Column[Any], name: str, values: Any = None) -> None:
-        """values: the list itself, as the dialect takes it, for a statement that is made for it."""
+    def __init__(self, column: Column[Any], name: str, values: list[int] | None = None) -> None:
+        """values: the list itself, for a statement that is made for it."""
         self.column = column
-        self.values: BindParameter[Any] = bindparam(name, values)
+        self.values: BindParameter[Any] = bindparam(name, values, IntegerList())
 
 
 @compiles(OneOf, "sqlite")

@@ -1,6 +1,6 @@
 """What is valid at a commit: the conditions that every statement shares.
 
-Where no commit is named, it is the parameter `at` of a statement that is made once (`Transaction.rows`).
+Where no commit is named, it is the parameter `at` of a statement that is made once (`statements.Prepared`).
 """
 
 from __future__ import annotations

@@ -21,6 +21,7 @@ from sqlalchemy.exc import TimeoutError as PoolTimeout
 
 from mcml.errors import ReplicaError, StoreError
 from mcml_service.storage.core.dialects import Dialect
+from mcml_service.storage.core.statements import Statements
 from mcml_service.storage.core.words import in_words
 
 log = logging.getLogger("mcml.replica")
@@ -106,9 +107,9 @@ class Replica:
         """Bytes of the log that the replica has yet to replay, None where it cannot be asked."""
         try:
             with in_words(self._primary), self._primary.engine.connect() as primary:
-                written = primary.execute(_WRITTEN).scalar_one()
+                written = Statements(primary).fetch_value(_WRITTEN)
             with in_words(self._dialect), self._dialect.reading() as replica:
-                found = replica.execute(_BEHIND, {"written": written}).scalar_one()
+                found = Statements(replica).fetch_value(_BEHIND, {"written": written})
         except StoreError:
             return None
         return None if found is None else max(0, int(found))
@@ -124,7 +125,7 @@ class Replica:
         with ExitStack() as trying:
             try:
                 connection = trying.enter_context(self._dialect.reading())
-                is_replica, replayed = connection.execute(_REPLAYED).one()
+                ((is_replica, replayed),) = Statements(connection).fetch_all(_REPLAYED)
             except self._refusals as error:
                 self._leave(_cause(error))
                 return None
@@ -149,7 +150,7 @@ class Replica:
 
     def _newest(self) -> Snapshot:
         with self._primary.engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
-            return Snapshot.of(connection.execute(_SNAPSHOT).scalar_one())
+            return Snapshot.of(Statements(connection).fetch_value(_SNAPSHOT))
 
     def _leave(self, why: object) -> None:
         with self._lock:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from sqlalchemy import Column, ColumnElement, Select, Table
 from xxhash import xxh3_64_intdigest
 
+from mcml.errors import DamageError
 from mcml_service.storage.core import tables
 from mcml_service.storage.core.schema import CHANNEL_ENDS, COVERED, CURRENT, metadata
 
@@ -30,6 +31,8 @@ SPARE = 12
 
 PRIME = 2147483629
 """Commits count modulo this. A bit that flips changes a number by a power of two, which no odd prime divides."""
+
+REMEDY = "Run `mcml db check`, and restore the document from a backup or its file."
 
 TRACK_FACTS = ("document", "chunk", "bone", "count", "channels", "has_missing", "codec", "data_checksum", *CHANNEL_ENDS)
 """What the second checksum of a track covers, in this order."""
@@ -116,6 +119,11 @@ def carried(table: Table, begin: int) -> ColumnElement[int]:
     was = 2 * (table.c.from_commit % PRIME) + table.c.to_commit % PRIME
     checksum: ColumnElement[int] = table.c.checksum - was + visible(begin, CURRENT)
     return checksum
+
+
+def damage(whose: str, what: str) -> DamageError:
+    """The error for something that is not what was written."""
+    return DamageError(f"{whose} is damaged in the store: {what}.", remedy=REMEDY)
 
 
 # -- writing -----------------------------------------------------------------------------------------------------------
@@ -233,11 +241,11 @@ class Checked:
         """The same with more conditions."""
         return Checked(self.plain.where(*conditions), self._of)
 
-    def check(self, rows: Sequence[Row]) -> tuple[Sequence[Row], tuple[Table, Row] | None]:
+    def check(self, rows: Sequence[Row]) -> tuple[list[Row], tuple[Table, Row] | None]:
         """The rows as they are wanted, and (table, what was read of it) of the first that has not its checksum."""
         for test in self._tests:
             if not test.all_hold(rows):
-                return (), next(
+                return [], next(
                     (test.seal.table, test.pick(row)) for row in rows if not test.seal.holds(test.pick(row))
                 )
         wanted = slice(self.wanted)
@@ -269,5 +277,5 @@ class _Test:
 
 
 def checked(statement: Select[Any], *of: Table) -> Checked:
-    """The statement, its rows of these tables compared with their checksums (`Transaction.checked`)."""
+    """The statement, its rows of these tables compared with their checksums (`statements`)."""
     return Checked(statement, of)

@@ -6,30 +6,20 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, Final, Self
 
-from sqlalchemy import (
-    ClauseElement,
-    Connection,
-    CursorResult,
-    Table,
-    func,
-    select,
-)
+from sqlalchemy import Connection, Table, func, select
 from sqlalchemy.sql import ColumnElement
 
-from mcml.errors import DamageError, StoreError
+from mcml.errors import StoreError
 from mcml_service.storage.core import tables
 from mcml_service.storage.core.dialects import Dialect
 from mcml_service.storage.core.identifiers import now
 from mcml_service.storage.core.moments import valid
 from mcml_service.storage.core.schema import CURRENT
-from mcml_service.storage.core.seals import Checked, sealed
+from mcml_service.storage.core.seals import sealed
+from mcml_service.storage.core.statements import Prepared, Statements
 from mcml_service.storage.core.views import WHOLE, View
-from mcml_service.storage.core.words import REMEDY
 
-_NEWEST_COMMIT = select(func.coalesce(func.max(tables.commit.c.number), 0))
-
-MOST_KNOWN = 10_000
-"""Answers of which it is kept that they were compared."""
+_NEWEST_COMMIT = Prepared(select(func.coalesce(func.max(tables.commit.c.number), 0)))
 
 LATEST = CURRENT - 1
 """Read at this commit to see what is current."""
@@ -39,7 +29,7 @@ COMMAND_LINE: Final = "command line"
 """Where somebody comes from who opens the store itself."""
 
 
-class BaseTransaction:
+class BaseTransaction(Statements):
     """A read or write transaction on one connection.
 
     at: the commit whose state is read; `LATEST` by default, and always in write transactions. view: what whoever has it
@@ -55,7 +45,7 @@ class BaseTransaction:
         view: View = WHOLE,
         origin: str = COMMAND_LINE,
     ) -> None:
-        self.connection = connection
+        super().__init__(connection)
         self.dialect = dialect
         self.at = at
         self.view = view
@@ -98,7 +88,7 @@ class BaseTransaction:
         """The number of the last commit that this transaction sees, 0 in an empty store."""
         # What a transaction that reads sees does not change.
         if self._newest is None or self._author is not None:
-            self._newest = int(self.rows(_NEWEST_COMMIT)[0][0])
+            self._newest = int(self.fetch_value(_NEWEST_COMMIT))
         return self._newest
 
     def valid(self, table: Table) -> ColumnElement[bool]:
@@ -109,44 +99,11 @@ class BaseTransaction:
         """The same transaction, reading the state of an earlier commit."""
         return type(self)(self.connection, self.dialect, commit, self._author, self.view, self.origin)
 
-    def run(self, statement: ClauseElement, values: dict[str, Any] | None = None) -> CursorResult[Any]:
-        """Execute a statement that the program makes once. Lists among the values are for `OneOf`."""
-        return self.dialect.run(self.connection, statement, values or {})
-
-    def rows(self, statement: ClauseElement, values: dict[str, Any] | None = None) -> list[tuple[Any, ...]]:
-        """What a statement that the program makes once reads. Lists among the values are for `OneOf`."""
-        return self.dialect.rows(self.connection, statement, values or {})
-
-    def checked(self, statement: Checked, values: dict[str, Any]) -> Sequence[tuple[Any, ...]]:
-        """As `rows`, each row compared with its checksum. DamageError for the first that has another."""
-        found, damaged = statement.check(self.rows(statement.statement, values))
-        if damaged is not None:
-            raise self.damage(*damaged)
-        return found
-
-    def checked_again(self, statement: Checked, values: dict[str, Any]) -> Sequence[tuple[Any, ...]]:
-        """As `checked`, for a statement that is often asked and reads the same many rows: what this process has
-        compared before is not compared again."""
-        rows = self.rows(statement.plain, values)
-        mark = hash((id(statement), tuple(rows)))
-        known = self.dialect.known_sound
-        if mark not in known:
-            rows = list(self.checked(statement, values))
-            if len(known) >= MOST_KNOWN:
-                known.clear()
-            known.add(mark)
-        return rows
-
-    def checked_once(self, statement: Checked, values: dict[str, Any] | None = None) -> Sequence[tuple[Any, ...]]:
-        """As `checked`, for a statement that is not made once."""
-        found, damaged = statement.check([tuple(row) for row in self.connection.execute(statement.statement, values)])
-        if damaged is not None:
-            raise self.damage(*damaged)
-        return found
-
-    def damage(self, table: Table, row: tuple[Any, ...]) -> DamageError:
-        """The error for a row that has not its checksum. row: what its seal reads."""
-        return DamageError(f"The store is damaged: a row of {table.name!r}.", remedy=REMEDY)
+    @contextmanager
+    def savepoint(self) -> Iterator[None]:
+        """Undo what the block did where it raises, and let the transaction go on."""
+        with self.connection.begin_nested():
+            yield
 
     def insert_row(self, table: Table, **values: Any) -> int:
         """Insert one row and answer the key it got."""

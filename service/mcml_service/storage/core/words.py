@@ -18,13 +18,7 @@ from mcml.errors import (
     UnavailableError,
 )
 from mcml_service.storage.core.dialects import Dialect
-
-REMEDY = "Run `mcml db check`, and restore the document from a backup or its file."
-
-
-def damage(whose: str, what: str) -> DamageError:
-    """The error for something that is not what was written."""
-    return DamageError(f"{whose} is damaged in the store: {what}.", remedy=REMEDY)
+from mcml_service.storage.core.seals import REMEDY
 
 
 @contextmanager

@@ -10,14 +10,15 @@ from typing import Any, Protocol
 import orjson
 from sqlalchemy import BigInteger, and_, bindparam, delete, exists, select
 
+from mcml.errors import DamageError
 from mcml_service.storage.core.lists import OneOf
 from mcml_service.storage.core.moments import there
-from mcml_service.storage.core.seals import checked
+from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import body, content, document, revision
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.documents.shown import Shown, moves
 
-_ROWS = checked(
+_ROWS = Prepared(
     select(body.c.document, body.c.revision, body.c.block, body.c.facts, body.c.data)
     .where(OneOf(body.c.document, "keys"))
     .order_by(body.c.document, body.c.revision, body.c.block),
@@ -32,10 +33,10 @@ _KEPT = (
     .where(~exists().where(revision.c.document == body.c.document, revision.c.number > body.c.revision, moves()))
     .exists()
 )
-_WITHOUT = select(document.c.id).where(there(), ~_KEPT)
+_WITHOUT = Prepared(select(document.c.id).where(there(), ~_KEPT))
 
 
-_OF_SKELETON = (
+_OF_SKELETON = Prepared(
     select(body.c.facts)
     .join(content, content.c.document == body.c.document)
     .where(content.c.skeleton == bindparam("skeleton", type_=BigInteger), body.c.block == 0)
@@ -69,12 +70,12 @@ class Bodies:
     def add(self, made: Sequence[tuple[AtRevision, StoredBody]]) -> None:
         """Keep bodies of revisions, in the place of what was kept of them."""
         # Another process may derive the same: who waits for it finds what it made.
-        self._tx.dialect.order_commits(self._tx.connection)
+        self._tx.order()
         there = _SHOWN.of(self._tx, {one.key: one.revision for one, _ in made})
         for one, _ in made:
             if one.key in there:
                 mine = and_(body.c.document == one.key, body.c.revision == one.revision)
-                self._tx.connection.execute(delete(body).where(mine))
+                self._tx.run(delete(body).where(mine))
         rows = [
             (one.key, one.revision, place, "" if place else orjson.dumps(found.facts).decode(), data)
             for one, found in made
@@ -87,7 +88,10 @@ class Bodies:
         numbers = _SHOWN.of(self._tx, {stored.key: stored.revision for stored in documents})
         if not numbers:
             return {}
-        rows, _ = _ROWS.check(self._tx.rows(_ROWS.statement, {"keys": list(numbers)}))
+        try:
+            rows = self._tx.fetch_all(_ROWS, {"keys": list(numbers)})
+        except DamageError:
+            return {}
         facts: dict[int, dict[str, Any]] = {}
         blocks: dict[int, list[bytes]] = {}
         for key, number, place, told, data in rows:
@@ -100,8 +104,8 @@ class Bodies:
 
     def facts_of_skeleton(self, skeleton_key: int, most: int) -> list[dict[str, Any]]:
         """The facts of the first bodies of clips that have, or had, a skeleton."""
-        rows = self._tx.rows(_OF_SKELETON, {"skeleton": skeleton_key, "most": most})
-        return [orjson.loads(row[0]) for row in rows]
+        rows = self._tx.fetch_column(_OF_SKELETON, {"skeleton": skeleton_key, "most": most})
+        return [orjson.loads(facts) for facts in rows]
 
     def missing(self, documents: Sequence[AtRevision], made: int) -> list[int]:
         """The keys of those that have none that is sound and was made in this way."""
@@ -111,9 +115,8 @@ class Bodies:
     def without(self, made: int) -> list[int]:
         """The keys of all documents that have none that was made in this way, sound or not."""
         # Their facts end with it (`Body.facts`): databases read JSON each in a way of its own.
-        rows = self._tx.rows(_WITHOUT, {"at": self._tx.at, "made": f'%"made":{made}}}'})
-        return [row[0] for row in rows]
+        return self._tx.fetch_column(_WITHOUT, {"at": self._tx.at, "made": f'%"made":{made}}}'})
 
     def forget(self, document_key: int, before: int) -> None:
         """Remove the bodies of revisions before one."""
-        self._tx.connection.execute(delete(body).where(and_(body.c.document == document_key, body.c.revision < before)))
+        self._tx.run(delete(body).where(and_(body.c.document == document_key, body.c.revision < before)))

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 import orjson
 from numpy.typing import NDArray
-from sqlalchemy import ColumnElement, Select, and_, bindparam, func, select
+from sqlalchemy import ColumnElement, and_, bindparam, func, select
 
 from mcml_service.storage.core.lists import OneOf
 from mcml_service.storage.core.moments import there, valid
 from mcml_service.storage.core.schema import CHANNEL_ENDS, CURRENT
-from mcml_service.storage.core.seals import PRIME, Checked, checked, track_checksums, unsound
+from mcml_service.storage.core.seals import PRIME, damage, track_checksums, unsound
+from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import (
     bone,
     commit,
@@ -33,7 +34,6 @@ from mcml_service.storage.core.tables import (
     track,
 )
 from mcml_service.storage.core.transaction import BaseTransaction
-from mcml_service.storage.core.words import damage
 from mcml_service.storage.documents.damage import describe_track_damage
 from mcml_service.storage.documents.encoding import unpack_shape
 from mcml_service.storage.documents.rows import to_elements, to_skeleton
@@ -64,29 +64,29 @@ class Listed(NamedTuple):
 
 
 # Made once: to make a statement takes longer than to run a short one.
-_TIMELINES = checked(
+_TIMELINES = Prepared(
     select(timeline.c.document, timeline.c.first, timeline.c.slot, timeline.c.count)
     .where(OneOf(timeline.c.document, "keys"), valid(timeline))
     .order_by(timeline.c.document, timeline.c.first),
     timeline,
 )
-_SHAPE_RUNS = checked(
+_SHAPE_RUNS = Prepared(
     select(shape_run.c.document, shape_run.c.slot, shape_run.c.count, shape_run.c.shape)
     .where(OneOf(shape_run.c.document, "keys"), valid(shape_run))
     .order_by(shape_run.c.document, shape_run.c.slot),
     shape_run,
 )
-_SHAPES = checked(select(shape.c.document, shape.c.shape, shape.c.bones).where(OneOf(shape.c.document, "keys")), shape)
-_BONE_NAMES = checked(
+_SHAPES = Prepared(select(shape.c.document, shape.c.shape, shape.c.bones).where(OneOf(shape.c.document, "keys")), shape)
+_BONE_NAMES = Prepared(
     select(bone.c.document, bone.c.bone, bone.c.name).where(OneOf(bone.c.document, "keys"), valid(bone)), bone
 )
-_SPANS = checked(
+_SPANS = Prepared(
     select(span.c.document, span.c.first, span.c.last, span.c.name)
     .where(OneOf(span.c.document, "keys"), valid(span))
     .order_by(span.c.document, span.c.rank, span.c.id),
     span,
 )
-_FRAME_RUNS = checked(
+_FRAME_RUNS = Prepared(
     select(
         frame_run.c.document,
         frame_run.c.first,
@@ -102,27 +102,31 @@ _FRAME_RUNS = checked(
 _TRACK_KEY = (track.c.document, track.c.chunk, track.c.bone, track.c.from_commit)
 _IN_CHUNKS = and_(track.c.chunk >= bindparam("low"), track.c.chunk <= bindparam("high"))
 _OF_BONES = OneOf(track.c.bone, "bones")
-_TRACKS = select(*_TRACK_KEY, track.c.channels).where(OneOf(track.c.document, "keys"), valid(track), _IN_CHUNKS)
+_TRACKS = Prepared(
+    select(*_TRACK_KEY, track.c.channels).where(OneOf(track.c.document, "keys"), valid(track), _IN_CHUNKS)
+)
 _TRACKS_OF_BONES = _TRACKS.where(_OF_BONES)
-_ZONES = select(
-    *_TRACK_KEY,
-    track.c.channels,
-    track.c.has_missing,
-    track.c.count,
-    *(track.c[end] for end in CHANNEL_ENDS),
-    track.c.codec,
-    track.c.data_checksum,
-    track.c.to_commit,
-    track.c.checksum,
-).where(OneOf(track.c.document, "keys"), valid(track))
+_ZONES = Prepared(
+    select(
+        *_TRACK_KEY,
+        track.c.channels,
+        track.c.has_missing,
+        track.c.count,
+        *(track.c[end] for end in CHANNEL_ENDS),
+        track.c.codec,
+        track.c.data_checksum,
+        track.c.to_commit,
+        track.c.checksum,
+    ).where(OneOf(track.c.document, "keys"), valid(track))
+)
 _ZONES_OF_BONES = _ZONES.where(_OF_BONES)
-_HEADERS = checked(
+_HEADERS = Prepared(
     select(header.c.document, header.c.level, header.c.tag, header.c.attributes, header.c.text)
     .where(OneOf(header.c.document, "keys"), valid(header))
     .order_by(header.c.document, header.c.pre),
     header,
 )
-_SKELETONS = (
+_SKELETONS = Prepared(
     select(
         skeleton_element.c.skeleton,
         skeleton_element.c.level,
@@ -140,11 +144,15 @@ _SKELETONS = (
 _NAMED: dict[str, ColumnElement[bool]] = {
     table.name: and_(table.c.document == document.c.id, valid(table), there()) for table in (bone, span)
 }
-_NAMES = {table.name: select(table.c.name).where(_NAMED[table.name]).distinct() for table in (bone, span)}
-_HELD_BY = {table.name: select(table.c.name, func.count(table.c.document.distinct())) for table in (bone, span)}
-_COUNTS = {table.name: _HELD_BY[table.name].where(_NAMED[table.name]).group_by(table.c.name) for table in (bone, span)}
+_NAMES = {table.name: Prepared(select(table.c.name).where(_NAMED[table.name]).distinct()) for table in (bone, span)}
+_COUNTS = {
+    table.name: Prepared(
+        select(table.c.name, func.count(table.c.document.distinct())).where(_NAMED[table.name]).group_by(table.c.name)
+    )
+    for table in (bone, span)
+}
 _HOLDERS = {
-    table.name: select(document.c.id).where(_NAMED[table.name], table.c.name == bindparam("name")).limit(1)
+    table.name: Prepared(select(document.c.id).where(_NAMED[table.name], table.c.name == bindparam("name")).limit(1))
     for table in (bone, span)
 }
 _OF_KEYS = OneOf(document.c.id, "keys")
@@ -152,9 +160,9 @@ _NAMES_OF_KEYS = {kind: query.where(_OF_KEYS) for kind, query in _NAMES.items()}
 _COUNTS_OF_KEYS = {kind: query.where(_OF_KEYS) for kind, query in _COUNTS.items()}
 _HOLDERS_OF_KEYS = {kind: query.where(_OF_KEYS) for kind, query in _HOLDERS.items()}
 _ZONE_WIDTH = 7 + len(CHANNEL_ENDS)
-_DOCUMENTS = {past: checked(listed_documents(past=past), document, content) for past in (False, True)}
-_COMMIT = select(commit.c.time, commit.c.author).where(commit.c.number == bindparam("number"))
-_CHANGED = select(revision.c.document).where(revision.c.commit > bindparam("number"))
+_DOCUMENTS = {past: Prepared(listed_documents(past=past), document, content) for past in (False, True)}
+_COMMIT = Prepared(select(commit.c.time, commit.c.author).where(commit.c.number == bindparam("number")))
+_CHANGED = Prepared(select(revision.c.document).where(revision.c.commit > bindparam("number")))
 _DOCUMENTS_OF_KEYS = {past: query.where(OneOf(document.c.id, "keys")) for past, query in _DOCUMENTS.items()}
 
 
@@ -169,7 +177,7 @@ class Columns:
         past = self._tx.at < CURRENT - 1
         found: Iterable[Any]
         if keys is None:
-            found = self._tx.checked(_DOCUMENTS[past], {"at": self._tx.at})
+            found = self._tx.fetch_all(_DOCUMENTS[past], {"at": self._tx.at})
         else:
             found = self._rows(_DOCUMENTS_OF_KEYS[past], keys)
         listed = list(map(Listed._make, found))
@@ -178,12 +186,12 @@ class Columns:
     def changed_since(self, number: int) -> list[int]:
         """The documents of which there are revisions after a commit."""
         # Not DISTINCT, for which SQLite would read all revisions in the order of documents.
-        return sorted({row[0] for row in self._tx.rows(_CHANGED, {"number": number})})
+        return sorted(set(self._tx.fetch_column(_CHANGED, {"number": number})))
 
     def commit_facts(self, number: int) -> str:
         """What tells a commit from the one of the same number in another store, "" where there is none."""
-        rows = self._tx.rows(_COMMIT, {"number": number})
-        return " ".join(map(str, rows[0])) if rows else ""
+        row = self._tx.fetch_one(_COMMIT, {"number": number})
+        return "" if row is None else " ".join(map(str, row))
 
     def timelines(self, keys: Sequence[int]) -> list[Any]:
         """Rows (document, first, slot, count) in order of document and position."""
@@ -204,14 +212,14 @@ class Columns:
     def used_names(self, kind: Literal["bone", "span"], keys: Sequence[int] | None) -> list[str]:
         """The different names of bones, or motion names of spans, in the documents (in all, if no keys are given)."""
         if keys is None:
-            return sorted(row[0] for row in self._tx.rows(_NAMES[kind], {"at": self._tx.at}))
+            return sorted(self._tx.fetch_column(_NAMES[kind], {"at": self._tx.at}))
         return sorted({row[0] for row in self._rows(_NAMES_OF_KEYS[kind], keys)})
 
     def used_counts(self, kind: Literal["bone", "span"], keys: Sequence[int] | None) -> dict[str, int]:
         """The different names, by code point, with how many documents have each (of all, if no keys are given)."""
         counts: Counter[str] = Counter()
         if keys is None:
-            counts.update(dict(self._tx.rows(_COUNTS[kind], {"at": self._tx.at})))
+            counts.update(dict(self._tx.fetch_all(_COUNTS[kind], {"at": self._tx.at})))
         else:
             for name, count in self._rows(_COUNTS_OF_KEYS[kind], keys):
                 counts[name] += count
@@ -220,7 +228,7 @@ class Columns:
     def is_used(self, kind: Literal["bone", "span"], name: str, keys: Sequence[int] | None) -> bool:
         """Whether a bone has the name, or a frame the motion name, in one of the documents."""
         if keys is None:
-            return bool(self._tx.rows(_HOLDERS[kind], {"at": self._tx.at, "name": name}))
+            return bool(self._tx.fetch_all(_HOLDERS[kind], {"at": self._tx.at, "name": name}))
         return any(True for _ in self._rows(_HOLDERS_OF_KEYS[kind], keys, name=name))
 
     def spans(self, keys: Sequence[int]) -> list[Any]:
@@ -273,7 +281,7 @@ class Columns:
         their first four."""
         for start in range(0, len(keys), TRACKS_AT_A_TIME):
             given = {"keys": orjson.dumps(keys[start : start + TRACKS_AT_A_TIME]).decode()}
-            rows = self._tx.rows(self._tx.dialect.tracks_by_key, given)
+            rows = self._tx.fetch_all(self._tx.dialect.tracks_by_key, given)
             if (wrong := unsound(rows, codec=4)) is not None:
                 raise describe_track_damage(self._tx, *wrong[:3])
             yield from rows
@@ -283,17 +291,16 @@ class Columns:
         chunks (document, chunk), those of a chunk by bone."""
         for start in range(0, len(chunks), CHUNKS_AT_A_TIME):
             keys = orjson.dumps(chunks[start : start + CHUNKS_AT_A_TIME]).decode()
-            rows = self._tx.rows(self._tx.dialect.tracks_over_chunks, {"keys": keys, "at": self._tx.at})
+            rows = self._tx.fetch_all(self._tx.dialect.tracks_over_chunks, {"keys": keys, "at": self._tx.at})
             if (wrong := unsound(rows, codec=5)) is not None:
                 raise describe_track_damage(self._tx, *wrong[:3])
             yield from sorted(rows, key=itemgetter(0, 1, 2))
 
-    def _rows(self, query: Select[Any] | Checked, keys: Sequence[int], **given: Any) -> Iterator[Any]:
+    def _rows(self, query: Prepared, keys: Sequence[int], **given: Any) -> Iterator[Any]:
         given["at"] = self._tx.at
-        read = self._tx.checked if isinstance(query, Checked) else self._tx.rows
         for start in range(0, len(keys), KEYS_AT_A_TIME):
             given["keys"] = list(keys[start : start + KEYS_AT_A_TIME])
-            yield from read(query, given)  # type: ignore[arg-type]
+            yield from self._tx.fetch_all(query, given)
 
 
 def _zones(rows: Sequence[Any]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:

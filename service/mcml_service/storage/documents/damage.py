@@ -9,9 +9,8 @@ from sqlalchemy import Table, select
 from mcml.errors import DamageError
 from mcml_service.storage.core import tables
 from mcml_service.storage.core.schema import CHUNK
-from mcml_service.storage.core.seals import SEALS
+from mcml_service.storage.core.seals import REMEDY, SEALS, damage
 from mcml_service.storage.core.transaction import BaseTransaction
-from mcml_service.storage.core.words import REMEDY, damage
 
 _WHAT = {
     "content": "its frames, skeleton or frame time",
@@ -52,19 +51,19 @@ def describe_track_damage(tx: BaseTransaction, document: int, chunk: int, bone: 
 def named(tx: BaseTransaction, key: int) -> str:
     """A document as users know it."""
     query = select(tables.document.c.name, tables.document.c.uuid).where(tables.document.c.id == key)
-    row = tx.connection.execute(query).one_or_none()
+    row = tx.fetch_one(query)
     return "A document that is not there" if row is None else f"The document {row.name!r} ({row.uuid})"
 
 
 def files_of(tx: BaseTransaction, upload: int) -> str:
     """The names under which a file was uploaded."""
     query = select(tables.document_upload.c.file_name).where(tables.document_upload.c.upload == upload).distinct()
-    return " or ".join(map(repr, sorted(tx.connection.execute(query).scalars()))) or "of no document"
+    return " or ".join(map(repr, sorted(tx.fetch_column(query)))) or "of no document"
 
 
 def bone_named(tx: BaseTransaction, document: int, number: int) -> str:
     query = select(tables.bone.c.name).where(tables.bone.c.document == document, tables.bone.c.bone == number)
-    name = tx.connection.execute(query.limit(1)).scalar_one_or_none()
+    name = tx.fetch_value(query.limit(1))
     return f"bone {number}" if name is None else f"bone {name!r}"
 
 
@@ -72,7 +71,7 @@ def frames_of(tx: BaseTransaction, document: int, chunk: int) -> str:
     """The positions of the frames whose samples lie in a chunk."""
     first, end = chunk * CHUNK, (chunk + 1) * CHUNK
     query = select(tables.timeline.c.first, tables.timeline.c.slot, tables.timeline.c.count)
-    pieces = tx.connection.execute(query.where(tables.timeline.c.document == document, tx.valid(tables.timeline)))
+    pieces = tx.fetch_all(query.where(tables.timeline.c.document == document, tx.valid(tables.timeline)))
     ranges = []
     for start, slot, count in sorted(pieces):
         low, high = max(first, slot), min(end, slot + count)

@@ -16,11 +16,11 @@ from mcml_service.storage.core.identifiers import new_uuid, stored_form
 from mcml_service.storage.core.lists import OneOf
 from mcml_service.storage.core.moments import imported, there
 from mcml_service.storage.core.schema import CURRENT, metadata
-from mcml_service.storage.core.seals import SEALS, Checked, checked, closing
+from mcml_service.storage.core.seals import SEALS, checked, closing, damage
+from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import content, document, property_, revision
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import seen
-from mcml_service.storage.core.words import damage
 from mcml_service.storage.documents.damage import named
 from mcml_service.storage.documents.selected import CONTENT, all_documents, one_document
 from mcml_service.storage.documents.uploads import LEASE_SECONDS
@@ -30,23 +30,25 @@ from mcml_service.storage.projects.activity import Activity
 from mcml_service.storage.projects.terms import ProjectTerms
 
 # Made once: to build a statement takes four times as long as to run it.
-_WHOLE = checked(
+_WHOLE = Prepared(
     select(*(document.c[name] for name in SEALS[document].columns)).where(document.c.id == bindparam("key")), document
 )
 _IMPORTING = update(document).where(document.c.id == bindparam("key"), document.c.state == "importing")
-_RENEW = _IMPORTING.values(lease=bindparam("until"))
+_RENEW = Prepared(_IMPORTING.values(lease=bindparam("until")))
 _MADE = ("document", "number", "commit", "parent", "operation", "message")
-_BEGUN = select(document.c.uuid, document.c.name, document.c.format).where(document.c.id == bindparam("key"))
-_COUNT = select(func.count()).select_from(document).where(there())
-_PROJECT = select(document.c.project).where(document.c.id == bindparam("key"))
-_NAMED = select(document.c.name, document.c.project).where(document.c.id == bindparam("key"))
-_PUBLISH = _IMPORTING.values(
-    state="ready",
-    lease=None,
-    created_commit=bindparam("commit"),
-    next_slot=bindparam("slot"),
-    receipt=bindparam("packed"),
-    checksum=bindparam("sum"),
+_BEGUN = Prepared(select(document.c.uuid, document.c.name, document.c.format).where(document.c.id == bindparam("key")))
+_COUNT = Prepared(select(func.count()).select_from(document).where(there()))
+_PROJECT = Prepared(select(document.c.project).where(document.c.id == bindparam("key")))
+_NAMED = Prepared(select(document.c.name, document.c.project).where(document.c.id == bindparam("key")))
+_PUBLISH = Prepared(
+    _IMPORTING.values(
+        state="ready",
+        lease=None,
+        created_commit=bindparam("commit"),
+        next_slot=bindparam("slot"),
+        receipt=bindparam("packed"),
+        checksum=bindparam("sum"),
+    )
 )
 
 
@@ -109,7 +111,7 @@ class Documents:
         having = query.where(
             seen(self._tx.view), property_.c.name == name, start.startswith(beginning, autoescape=True)
         )
-        return [(row[0], row[1]) for row in self._tx.connection.execute(having)]
+        return [(row[0], row[1]) for row in self._tx.fetch_all(having)]
 
     def begin(self, project_key: int, name: str, format_name: str) -> tuple[int, str]:
         """A document in state "importing", which no read sees. Returns (key, uuid). AccessError."""
@@ -130,20 +132,20 @@ class Documents:
 
     def renew_lease(self, key: int) -> None:
         """Say that the import goes on; NotFoundError where it was swept away."""
-        if self._tx.run(_RENEW, {"key": key, "until": time.time() + LEASE_SECONDS}).rowcount != 1:
+        if self._tx.run(_RENEW, {"key": key, "until": time.time() + LEASE_SECONDS}) != 1:
             raise _swept()
 
     def publish(self, key: int, name: str, project_key: int, *, next_slot: int, receipt: str, message: str) -> None:
         """Make an imported document visible, as revision 1 of this transaction's commit. name, project_key: its own."""
         number = self._tx.commit
-        begun = self._tx.rows(_BEGUN, {"key": key})
+        begun = self._tx.fetch_all(_BEGUN, {"key": key})
         if not begun:
             raise _swept()
         uuid, begun_as, format_name = begun[0]
         row = (uuid, project_key, "ready", begun_as, format_name, number, CURRENT, next_slot)
         values = {"key": key, "commit": number, "slot": next_slot, "packed": _packed(receipt)}
         values["sum"] = SEALS[document].of(row)
-        if self._tx.dialect.changed(self._tx.connection, _PUBLISH, values) != 1:
+        if self._tx.run(_PUBLISH, values) != 1:
             raise _swept()
         made = (key, 1, number, None, "import", message, stored_form(name), project_key)
         self._tx.insert_tuples(revision, (*_MADE, "name", "project"), [made])
@@ -156,12 +158,13 @@ class Documents:
         touches three pages less. given: all of them where `from_commit` is 0, of an import."""
         if from_commit:
             current = (content.c.document == key, content.c.to_commit == CURRENT)
-            held = self._tx.connection.execute(select(*_CONTENT).where(*current)).mappings().one()
+            (row,) = self._tx.fetch_all(select(*_CONTENT).where(*current))
+            held = row._mapping
             if all(held[name] == value for name, value in given.items()):
                 return
             given = {**held, **given}
-            self._tx.connection.execute(delete(content).where(*current, content.c.from_commit == from_commit))
-            self._tx.connection.execute(update(content).where(*current).values(closing(content, from_commit)))
+            self._tx.run(delete(content).where(*current, content.c.from_commit == from_commit))
+            self._tx.run(update(content).where(*current).values(closing(content, from_commit)))
         self._tx.insert_rows(content, [{"document": key, "from_commit": from_commit, "to_commit": CURRENT, **given}])
 
     def add_revision(self, stored: StoredDocument, operation: str, message: str = "") -> int:
@@ -170,7 +173,7 @@ class Documents:
         self.require(stored.key)
         number = stored.revision + 1
         values = (stored.key, number, self._tx.commit, stored.revision, operation, message)
-        (named,) = self._tx.rows(_NAMED, {"key": stored.key})
+        (named,) = self._tx.fetch_all(_NAMED, {"key": stored.key})
         self._tx.insert_tuples(revision, (*_MADE, "name", "project"), [(*values, *named)])
         about = {"project_key": named[1], "document": stored.uuid, "revision": number}
         self._activity.note("document", operation, **about)
@@ -186,23 +189,23 @@ class Documents:
 
     def _project(self, key: int) -> int:
         """The project that a document is in now."""
-        return int(self._tx.rows(_PROJECT, {"key": key})[0][0])
+        return int(self._tx.fetch_value(_PROJECT, {"key": key}))
 
     def seen(self) -> frozenset[int] | None:
         """Keys of the documents that are seen, None for all."""
         if self._tx.view.is_whole:
             return None
-        return frozenset(self._tx.connection.execute(select(document.c.id).where(seen(self._tx.view))).scalars())
+        return frozenset(self._tx.fetch_column(select(document.c.id).where(seen(self._tx.view))))
 
     def lock(self, key: int) -> None:
         """Let no other transaction change this document until this one ends."""
-        self._tx.connection.execute(select(document.c.id).where(document.c.id == key).with_for_update())
+        self._tx.fetch_value(select(document.c.id).where(document.c.id == key).with_for_update())
 
     def find(self, uuid: str, *, deleted: bool = False) -> StoredDocument | None:
         """The document as it is at the transaction's commit; `deleted` lets a deleted one be found."""
         statement = one_document(past=self._past, deleted=deleted)
-        rows = self._tx.checked(statement, {"uuid": uuid, "at": self._tx.at})
-        found = _stored(rows[0]) if rows else None
+        row = self._tx.fetch_one(statement, {"uuid": uuid, "at": self._tx.at})
+        found = None if row is None else _stored(row)
         if found is None or self._tx.view.is_whole:
             return found
         # Of the past too it is the project of now that decides.
@@ -238,41 +241,41 @@ class Documents:
         value = value_in(order.column, self._tx)
         query = ordered(chosen(value, wanted, self._tx), value, order, after)
         query = query.add_columns(document.c.name, document.c.id).limit(limit).offset(offset)
-        return [Place(*row) for row in self._tx.connection.execute(query)]
+        return [Place(*row) for row in self._tx.fetch_all(query)]
 
     def told(self, keys: list[int]) -> list[StoredDocument]:
         """What is told of documents, in this order; deleted ones too."""
-        found = self._tx.checked(_told(past=self._past), {"at": self._tx.at, "keys": keys})
+        found = self._tx.fetch_all(_told(past=self._past), {"at": self._tx.at, "keys": keys})
         place = {key: number for number, key in enumerate(keys)}
         return sorted(map(_stored, found), key=lambda stored: place[stored.key])
 
     def count(self, wanted: DocumentFilter) -> int:
         if wanted == DocumentFilter() and self._tx.view.is_whole:
             # An index alone answers this one.
-            return int(self._tx.rows(_COUNT, {"at": self._tx.at})[0][0])
-        return int(self._tx.connection.execute(chosen(func.count(), wanted, self._tx)).scalar_one())
+            return int(self._tx.fetch_value(_COUNT, {"at": self._tx.at}))
+        return int(self._tx.fetch_value(chosen(func.count(), wanted, self._tx)))
 
     def everything(self) -> list[tuple[int, str, str]]:
         """(key, uuid, name) of all documents whose import was complete, deleted ones too."""
         query = select(document.c.id, document.c.uuid, document.c.name).where(
             imported(self._tx.at), seen(self._tx.view)
         )
-        return [(key, uuid, name) for key, uuid, name in self._tx.connection.execute(query.order_by(document.c.id))]
+        return [(key, uuid, name) for key, uuid, name in self._tx.fetch_all(query.order_by(document.c.id))]
 
     def uuids(self, wanted: DocumentFilter) -> list[str]:
         """Of documents, by name and key."""
         query = chosen(document.c.uuid, wanted, self._tx).order_by(document.c.name, document.c.id)
-        return list(self._tx.connection.execute(query).scalars())
+        return self._tx.fetch_column(query)
 
     def keys_of(self, uuids: Collection[str]) -> list[int]:
         """Keys of documents whose import was complete, deleted ones too."""
         if len(uuids) > FEW:
             return [key for key, uuid, _ in self.everything() if uuid in uuids]
         query = select(document.c.id).where(document.c.uuid.in_(uuids), imported(self._tx.at), seen(self._tx.view))
-        return sorted(self._tx.connection.execute(query).scalars())
+        return sorted(self._tx.fetch_column(query))
 
     def receipt(self, key: int) -> str:
-        packed = self._tx.connection.execute(select(document.c.receipt).where(document.c.id == key)).scalar_one()
+        packed = self._tx.fetch_value(select(document.c.receipt).where(document.c.id == key))
         try:
             return zstandard.ZstdDecompressor().decompress(packed).decode()
         except (zstandard.ZstdError, UnicodeDecodeError):
@@ -303,22 +306,20 @@ class Documents:
 
     def _change(self, key: int, **values: Any) -> None:
         """Give the row of a document other values. DamageError where it is not what was written."""
-        (held,) = self._tx.checked(_WHOLE, {"key": key})
+        (held,) = self._tx.fetch_all(_WHOLE, {"key": key})
         row = dict(zip(SEALS[document].columns, held, strict=True)) | values
-        self._tx.connection.execute(
+        self._tx.run(
             update(document).where(document.c.id == key).values(**values, checksum=SEALS[document].of((*row.values(),)))
         )
 
     def commit_of(self, key: int, number: int) -> int:
         """The commit that made a revision; NotFoundError."""
         query = select(revision.c.commit).where(revision.c.document == key, revision.c.number == number)
-        found = self._tx.checked_once(checked(query, revision))
+        found = self._tx.fetch_all(checked(query, revision))
         if not found:
-            kept = self._tx.connection.execute(
-                select(func.min(revision.c.number), func.max(revision.c.number)).where(revision.c.document == key)
-            ).one()
-            pruned = kept[0] is not None and 1 <= number < kept[0]
-            what = f"Revision {number} was pruned: those from {kept[0]} on are kept."
+            oldest = self._tx.fetch_value(select(func.min(revision.c.number)).where(revision.c.document == key))
+            pruned = oldest is not None and 1 <= number < oldest
+            what = f"Revision {number} was pruned: those from {oldest} on are kept."
             raise NotFoundError(
                 what if pruned else f"The document has no revision {number}.", remedy="List its revisions."
             )
@@ -327,7 +328,7 @@ class Documents:
     def remove_broken_imports(self, lease_before: float) -> int:
         """Delete all rows of imports that never became visible and whose lease has ended."""
         query = select(document.c.id).where(document.c.state == "importing", document.c.lease < lease_before)
-        keys = list(self._tx.connection.execute(query).scalars())
+        keys = self._tx.fetch_column(query)
         self._remove(keys)
         return len(keys)
 
@@ -337,24 +338,24 @@ class Documents:
     def remove_purged(self, key: int) -> None:
         """Delete all rows of a document that is being purged."""
         query = select(document.c.id).where(document.c.state == "purging", document.c.id == key)
-        self._remove(list(self._tx.connection.execute(query).scalars()))
+        self._remove(self._tx.fetch_column(query))
 
     def remove_import(self, key: int) -> None:
         """Delete all rows of an import that failed; those of a document that is ready stay."""
         query = select(document.c.id).where(document.c.state == "importing", document.c.id == key)
-        self._remove(list(self._tx.connection.execute(query).scalars()))
+        self._remove(self._tx.fetch_column(query))
 
     def _remove(self, keys: list[int]) -> None:
         for key in keys:
             for table in reversed(metadata.sorted_tables):
                 if "document" in table.c and table is not document:
-                    self._tx.connection.execute(delete(table).where(table.c.document == key))
-            self._tx.connection.execute(delete(document).where(document.c.id == key))
+                    self._tx.run(delete(table).where(table.c.document == key))
+            self._tx.run(delete(document).where(document.c.id == key))
 
 
 @cache
-def _told(*, past: bool) -> Checked:
-    return checked(all_documents(past=past), document, content).where(OneOf(document.c.id, "keys"))
+def _told(*, past: bool) -> Prepared:
+    return Prepared(all_documents(past=past).where(OneOf(document.c.id, "keys")), document, content)
 
 
 def _swept() -> NotFoundError:

@@ -10,11 +10,11 @@ from sqlalchemy import BigInteger, and_, bindparam, delete, func, or_, select, u
 from mcml.language.elements import Element, mcml_attributes
 from mcml_service.storage.core.moments import of_document
 from mcml_service.storage.core.schema import CURRENT
-from mcml_service.storage.core.seals import checked, closing
+from mcml_service.storage.core.seals import checked, closing, damage
+from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import bone, content, document, header, property_, skeleton, skeleton_element
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import seen
-from mcml_service.storage.core.words import damage
 from mcml_service.storage.documents.damage import named
 from mcml_service.storage.documents.rows import ELEMENT_COLUMNS, SkeletonRows, to_elements, to_rows, to_skeleton
 
@@ -23,21 +23,21 @@ if TYPE_CHECKING:
     from mcml_service.storage.documents.documents import StoredDocument
 
 # Made once: to make a statement takes longer than to run a short one.
-_HEADER = checked(
+_HEADER = Prepared(
     select(header.c.level, header.c.tag, header.c.attributes, header.c.text)
     .where(of_document(header))
     .order_by(header.c.pre),
     header,
 )
 _ELEMENTS = skeleton_element.c
-_SKELETON = (
+_SKELETON = Prepared(
     select(_ELEMENTS.level, _ELEMENTS.tag, _ELEMENTS.attributes, _ELEMENTS.text, skeleton.c.hash)
     .join(skeleton, skeleton.c.id == _ELEMENTS.skeleton)
     .where(skeleton_element.c.skeleton == bindparam("skeleton", type_=BigInteger))
     .order_by(skeleton_element.c.pre)
 )
-_BONE_NAMES = checked(select(bone.c.bone, bone.c.name).where(of_document(bone)).order_by(bone.c.bone), bone)
-_CLIPS_OF_SKELETON = (
+_BONE_NAMES = Prepared(select(bone.c.bone, bone.c.name).where(of_document(bone)).order_by(bone.c.bone), bone)
+_CLIPS_OF_SKELETON = Prepared(
     select(
         content.c.from_commit, document.c.id, document.c.uuid, document.c.name, content.c.version, content.c.skeleton,
         content.c.frames, content.c.frame_time, document.c.project,
@@ -47,8 +47,8 @@ _CLIPS_OF_SKELETON = (
     .order_by(document.c.id, content.c.from_commit)
     .limit(bindparam("most", type_=BigInteger))
 )  # fmt: skip
-_EQUAL_SKELETON = select(skeleton.c.id).where(
-    skeleton.c.project == bindparam("project"), skeleton.c.hash == bindparam("hash")
+_EQUAL_SKELETON = Prepared(
+    select(skeleton.c.id).where(skeleton.c.project == bindparam("project"), skeleton.c.hash == bindparam("hash"))
 )
 
 
@@ -58,14 +58,14 @@ class Heads:
 
     def header(self, document_key: int) -> Element:
         """The `header` element."""
-        rows = self._tx.checked(_HEADER, {"document": document_key, "at": self._tx.at})
+        rows = self._tx.fetch_all(_HEADER, {"document": document_key, "at": self._tx.at})
         if not rows:
             raise damage(named(self._tx, document_key), "it has no header")
         return to_elements(rows)[0]
 
     def skeleton(self, skeleton_key: int) -> list[Element]:
         """The `root` element, if there is one, and the `skeleton` element."""
-        rows = self._tx.rows(_SKELETON, {"skeleton": skeleton_key})
+        rows = self._tx.fetch_all(_SKELETON, {"skeleton": skeleton_key})
         return to_skeleton([row[:-1] for row in rows], rows[0][-1] if rows else "")
 
     def document(self, stored: StoredDocument | Listed) -> Element:
@@ -79,20 +79,20 @@ class Heads:
             header.c.document.in_(documents), header.c.tag.in_(tags), self._tx.valid(header)
         )
         found: dict[int, dict[str, str]] = {}
-        for key, tag, text in self._tx.checked_once(checked(query, header)):
+        for key, tag, text in self._tx.fetch_all(checked(query, header)):
             found.setdefault(key, {})[tag] = text
         return found
 
     def joints(self, skeletons: list[int]) -> dict[int, int]:
         """How many joints skeletons have."""
         query = select(skeleton.c.id, skeleton.c.joints).where(skeleton.c.id.in_(set(skeletons)))
-        return {int(key): int(count) for key, count in self._tx.connection.execute(query)}
+        return {int(key): int(count) for key, count in self._tx.fetch_all(query)}
 
     def clips_of_skeleton(self, skeleton_key: int, most: int) -> list[tuple[int, Listed]]:
         """The first clips of a skeleton, deleted or not, each as it was when it came to have it: (commit, clip)."""
         from mcml_service.storage.documents.columns import Listed
 
-        rows = self._tx.rows(_CLIPS_OF_SKELETON, {"skeleton": skeleton_key, "most": most})
+        rows = self._tx.fetch_all(_CLIPS_OF_SKELETON, {"skeleton": skeleton_key, "most": most})
         return [
             (commit, Listed(key, uuid, name, version, own, frames, frame_time, revision=0, project=project))
             for commit, key, uuid, name, version, own, frames, frame_time, project in rows
@@ -100,14 +100,14 @@ class Heads:
 
     def bone_names(self, document_key: int) -> dict[int, str]:
         """Name of each bone number, the root's among them."""
-        return dict(self._tx.checked(_BONE_NAMES, {"document": document_key, "at": self._tx.at}))
+        return dict(self._tx.fetch_all(_BONE_NAMES, {"document": document_key, "at": self._tx.at}))
 
     def write_header(self, document_key: int, element: Element, from_commit: int) -> None:
         """Make this the header from a commit on; the one before it is closed there. The last call in a commit wins."""
         if from_commit:
             current = (header.c.document == document_key, header.c.to_commit == CURRENT)
-            self._tx.connection.execute(delete(header).where(*current, header.c.from_commit == from_commit))
-            self._tx.connection.execute(update(header).where(*current).values(closing(header, from_commit)))
+            self._tx.run(delete(header).where(*current, header.c.from_commit == from_commit))
+            self._tx.run(update(header).where(*current).values(closing(header, from_commit)))
         names = ("document", "from_commit", "to_commit", *ELEMENT_COLUMNS)
         rows = [(document_key, from_commit, CURRENT, *row) for row in to_rows([element], level=1)]
         self._tx.insert_tuples(header, names, rows)
@@ -120,25 +120,25 @@ class Heads:
         """Make these rows the header from this transaction's commit on."""
         current = (header.c.document == document_key, header.c.to_commit == CURRENT)
         commit = self._tx.commit
-        self._tx.connection.execute(delete(header).where(*current, header.c.from_commit == commit))
-        self._tx.connection.execute(update(header).where(*current).values(closing(header, commit)))
+        self._tx.run(delete(header).where(*current, header.c.from_commit == commit))
+        self._tx.run(update(header).where(*current).values(closing(header, commit)))
         made = {"document": document_key, "from_commit": commit, "to_commit": CURRENT}
         self._tx.insert_rows(header, [row | made for row in rows])
         self.refresh_properties(document_key, self.header(document_key))
 
     def refresh_properties(self, document_key: int, element: Element) -> None:
         """Make the searchable properties those of the current header."""
-        self._tx.connection.execute(delete(property_).where(property_.c.document == document_key))
+        self._tx.run(delete(property_).where(property_.c.document == document_key))
         self._tx.insert_rows(property_, properties_of(document_key, element))
 
     def add_skeleton(self, project_key: int, made: SkeletonRows, joints: int) -> int:
         """The key of this skeleton in the project: the stored one where an equal one is stored."""
         wanted = {"project": project_key, "hash": made.hash}
-        found = self._tx.rows(_EQUAL_SKELETON, wanted)
+        found = self._tx.fetch_all(_EQUAL_SKELETON, wanted)
         if not found:
             # Another import may be storing an equal one: who waited for it finds it.
-            self._tx.dialect.order_commits(self._tx.connection)
-            found = self._tx.rows(_EQUAL_SKELETON, wanted)
+            self._tx.order()
+            found = self._tx.fetch_all(_EQUAL_SKELETON, wanted)
         if found:
             return int(found[0][0])
         key = self._tx.insert_row(skeleton, project=project_key, hash=made.hash, joints=joints)
@@ -160,14 +160,14 @@ class Heads:
     def add_bone(self, document_key: int, name: str) -> None:
         """A bone more, from this transaction's commit on, under a number that no bone of the document ever had."""
         newest = select(func.coalesce(func.max(bone.c.bone), -1)).where(bone.c.document == document_key)
-        number = int(self._tx.connection.execute(newest).scalar_one()) + 1
+        number = int(self._tx.fetch_value(newest)) + 1
         row = {"document": document_key, "bone": number, "from_commit": self._tx.commit, "to_commit": CURRENT}
         self._tx.insert_rows(bone, [row | {"name": name}])
 
     def close_bone(self, document_key: int, number: int) -> None:
         """The document has this bone no more, from this transaction's commit on."""
         valid = and_(bone.c.document == document_key, bone.c.bone == number, bone.c.to_commit == CURRENT)
-        self._tx.connection.execute(update(bone).where(valid).values(closing(bone, self._tx.commit)))
+        self._tx.run(update(bone).where(valid).values(closing(bone, self._tx.commit)))
 
     def skeletons(self, project_key: int | None, after: int, limit: int) -> list[Any]:
         """Rows (id, hash, joints, project, documents) of skeletons in use, by key, after a key."""
@@ -189,7 +189,7 @@ class Heads:
             .order_by(skeleton.c.id)
             .limit(limit)
         )
-        return list(self._tx.connection.execute(query))
+        return self._tx.fetch_all(query)
 
 
 def properties_of(document_key: int, element: Element) -> list[dict[str, Any]]:

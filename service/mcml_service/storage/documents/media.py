@@ -40,7 +40,7 @@ class MediaOfDocuments:
             .join(upload, upload.c.id == own.upload)
             .where(own.document == document_key, upload.c.complete)
         )
-        rows = self._tx.checked_once(checked(query, document_media))
+        rows = self._tx.fetch_all(checked(query, document_media))
         return StoredMedia(*rows[0]) if rows else None
 
     def put(self, document_key: int, key: int, file_name: str, media_type: str, offset: float) -> None:
@@ -58,7 +58,7 @@ class MediaOfDocuments:
 
     def _remove(self, document_key: int) -> None:
         self._documents.require(document_key)
-        self._tx.connection.execute(delete(document_media).where(document_media.c.document == document_key))
+        self._tx.run(delete(document_media).where(document_media.c.document == document_key))
 
     def read(self, media: StoredMedia, start: int = 0) -> Iterator[bytes]:
         """Its bytes from one on, in blocks. DamageError where they are damaged."""

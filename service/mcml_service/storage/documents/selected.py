@@ -8,7 +8,7 @@ from typing import Any
 from sqlalchemy import Select, and_, bindparam, func, select
 
 from mcml_service.storage.core.moments import AT, imported, there, valid
-from mcml_service.storage.core.seals import Checked, checked
+from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import commit, content, document, header, project, revision
 
 CONTENT = tuple(
@@ -24,10 +24,10 @@ _NEWEST = (
 
 
 @cache
-def one_document(*, past: bool, deleted: bool) -> Checked:
+def one_document(*, past: bool, deleted: bool) -> Prepared:
     """The document of a `uuid`. deleted: a deleted one too."""
     query = all_documents(past=past).where(document.c.uuid == bindparam("uuid"))
-    return checked(query if deleted else query.where(document.c.deleted_commit > AT), document, content)
+    return Prepared(query if deleted else query.where(document.c.deleted_commit > AT), document, content)
 
 
 @cache

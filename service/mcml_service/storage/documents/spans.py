@@ -11,6 +11,7 @@ from sqlalchemy import BigInteger, bindparam, func, select, update
 from mcml_service.storage.core.moments import DOCUMENT, of_document, there, valid
 from mcml_service.storage.core.schema import CURRENT
 from mcml_service.storage.core.seals import checked, closing
+from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import document, project, span
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import seen
@@ -38,9 +39,9 @@ _VISIBLE = (
 )
 _NAMED = checked(_VISIBLE.where(span.c.name.in_(bindparam("names", expanding=True))), span)
 _NAMED_IN = _NAMED.where(span.c.document.in_(bindparam("documents", expanding=True)))
-_OF_ONE_NAME = checked(_VISIBLE.where(span.c.name == bindparam("name")), span)
+_OF_ONE_NAME = Prepared(_VISIBLE.where(span.c.name == bindparam("name")), span, remember=True)
 _OF_ONE_NAME_IN_ONE = _OF_ONE_NAME.where(span.c.document == DOCUMENT)
-_TOUCHING = checked(
+_TOUCHING = Prepared(
     select(span.c.first, span.c.last, span.c.rank, span.c.name, span.c.id)
     .where(of_document(span))
     .where(span.c.last >= bindparam("first", type_=BigInteger), span.c.first <= bindparam("last", type_=BigInteger))
@@ -57,14 +58,14 @@ class Spans:
     def of(self, document_key: int, first: int = 1, last: int | None = None) -> list[StoredSpan]:
         """Spans of a document that touch the frames first to last, in order of their first frame and rank."""
         given = {"document": document_key, "at": self._tx.at, "first": first, "last": CURRENT if last is None else last}
-        return [StoredSpan(*row) for row in self._tx.checked(_TOUCHING, given)]
+        return [StoredSpan(*row) for row in self._tx.fetch_all(_TOUCHING, given)]
 
     def of_many(self, documents: list[int]) -> dict[int, list[tuple[int, int, str]]]:
         """(first, last, name) of the spans of each document that has some, in order of first frame and rank."""
         columns = (span.c.document, span.c.first, span.c.last, span.c.name)
         query = select(*columns).where(span.c.document.in_(documents), self._tx.valid(span))
         found: dict[int, list[tuple[int, int, str]]] = {}
-        for key, *row in self._tx.checked_once(checked(query.order_by(span.c.first, span.c.rank, span.c.id), span)):
+        for key, *row in self._tx.fetch_all(checked(query.order_by(span.c.first, span.c.rank, span.c.id), span)):
             found.setdefault(key, []).append((row[0], row[1], row[2]))
         return found
 
@@ -85,13 +86,13 @@ class Spans:
     def _named(self, names: list[str], documents: list[int] | None) -> Iterable[Any]:
         # One name, in all documents or one, is what is asked most.
         if len(names) == 1 and documents is None:
-            return self._tx.checked_again(_OF_ONE_NAME, {"name": names[0], "at": self._tx.at})
+            return self._tx.fetch_all(_OF_ONE_NAME, {"name": names[0], "at": self._tx.at})
         if len(names) == 1 and documents is not None and len(documents) == 1:
             given = {"name": names[0], "document": documents[0], "at": self._tx.at}
-            return self._tx.checked_again(_OF_ONE_NAME_IN_ONE, given)
+            return self._tx.fetch_all(_OF_ONE_NAME_IN_ONE, given)
         query = _NAMED if documents is None else _NAMED_IN
         narrowed = {} if documents is None else {"documents": documents}
-        return self._tx.checked_once(query, {"names": names, "at": self._tx.at, **narrowed})
+        return self._tx.fetch_all(query, {"names": names, "at": self._tx.at, **narrowed})
 
     def write(self, document_key: int, rows: list[dict[str, Any]], from_commit: int) -> None:
         """Add spans ({name, first, last, rank}) that hold from a commit on."""
@@ -118,7 +119,7 @@ class Spans:
     def close(self, keys: list[int]) -> None:
         """End spans with this transaction's commit."""
         if keys:
-            self._tx.connection.execute(update(span).where(span.c.id.in_(keys)).values(closing(span, self._tx.commit)))
+            self._tx.run(update(span).where(span.c.id.in_(keys)).values(closing(span, self._tx.commit)))
 
     def counts(self, project_name: str | None = None) -> list[tuple[str, int, int]]:
         """(motion name, documents, frames) of every name in use."""
@@ -135,4 +136,4 @@ class Spans:
         )
         if project_name is not None:
             query = query.join(project, project.c.id == document.c.project).where(project.c.name == project_name)
-        return [(name, int(documents), int(frames)) for name, documents, frames in self._tx.connection.execute(query)]
+        return [(name, int(documents), int(frames)) for name, documents, frames in self._tx.fetch_all(query)]

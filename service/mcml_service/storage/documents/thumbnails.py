@@ -39,7 +39,7 @@ class Thumbnails:
 
     def has(self, document_key: int, number: int) -> bool:
         query = select(thumbnail.c.revision).where(thumbnail.c.document == document_key, thumbnail.c.revision == number)
-        return self._tx.connection.execute(query).first() is not None
+        return self._tx.fetch_one(query) is not None
 
     def of(self, documents: Sequence[StoredDocument]) -> dict[int, StoredThumbnail]:
         """By the keys of documents: the pictures that show these revisions of them, as far as there are any.
@@ -50,7 +50,7 @@ class Thumbnails:
         # Not pairs of both, for which SQLite would read all pictures of the store.
         near = and_(thumbnail.c.document.in_(numbers), thumbnail.c.revision.in_(set(numbers.values())))
         columns = (thumbnail.c.document, thumbnail.c.revision, thumbnail.c.facts, thumbnail.c.data)
-        rows = self._tx.checked_once(checked(select(*columns).where(near), thumbnail)) if numbers else []
+        rows = self._tx.fetch_all(checked(select(*columns).where(near), thumbnail)) if numbers else []
         return {
             key: StoredThumbnail(bytes(data), orjson.loads(facts))
             for key, number, facts, data in rows
@@ -60,4 +60,4 @@ class Thumbnails:
     def forget(self, document_key: int, before: int) -> None:
         """Remove the pictures of revisions before one."""
         old = and_(thumbnail.c.document == document_key, thumbnail.c.revision < before)
-        self._tx.connection.execute(delete(thumbnail).where(old))
+        self._tx.run(delete(thumbnail).where(old))

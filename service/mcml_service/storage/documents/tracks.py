@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import BigInteger, Select, and_, bindparam, delete, func, select, update
+from sqlalchemy import BigInteger, and_, bindparam, delete, func, select, update
 
 from mcml.errors import NotFoundError, StoreError
 from mcml.motion.clip import FrameBlock, Shape
@@ -18,7 +18,8 @@ from mcml.motion.skeleton import Array
 from mcml_service.storage.core.lists import OneOf
 from mcml_service.storage.core.moments import of_document
 from mcml_service.storage.core.schema import CHUNK, CURRENT
-from mcml_service.storage.core.seals import Checked, checked, closing, unsound
+from mcml_service.storage.core.seals import checked, closing, unsound
+from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import frame_run, shape, shape_run, timeline, track
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.documents.blocks import Stretch, gathered, side_by_side
@@ -53,13 +54,13 @@ _TRACK_ROW = ("document", "from_commit", "to_commit", *TRACK_COLUMNS)
 _FIRST, _LAST = bindparam("first", type_=BigInteger), bindparam("last", type_=BigInteger)
 
 # Made once: to make a statement takes longer than to run a short one. Each gives what touches first to last.
-_PIECES = checked(
+_PIECES = Prepared(
     select(timeline.c.first, timeline.c.slot, timeline.c.count)
     .where(of_document(timeline), timeline.c.first <= _LAST, timeline.c.first + timeline.c.count > _FIRST)
     .order_by(timeline.c.first),
     timeline,
 )
-_SHAPE_RUNS = checked(
+_SHAPE_RUNS = Prepared(
     select(shape_run.c.slot, shape_run.c.count, shape.c.bones)
     .join(shape, and_(shape.c.document == shape_run.c.document, shape.c.shape == shape_run.c.shape))
     .where(of_document(shape_run), shape_run.c.slot <= _LAST, shape_run.c.slot + shape_run.c.count > _FIRST)
@@ -67,15 +68,17 @@ _SHAPE_RUNS = checked(
     shape_run,
     shape,
 )
-_FRAME_RUNS = checked(
+_FRAME_RUNS = Prepared(
     select(frame_run.c.first, frame_run.c.count, frame_run.c.first_id, frame_run.c.step, frame_run.c.texts)
     .where(of_document(frame_run), frame_run.c.first <= _LAST, frame_run.c.first + frame_run.c.count > _FIRST)
     .order_by(frame_run.c.first),
     frame_run,
 )
-_TRACKS = select(
-    track.c.chunk, track.c.bone, track.c.channels, track.c.count, track.c.codec, track.c.data, track.c.data_checksum
-).where(of_document(track), track.c.chunk >= _FIRST, track.c.chunk <= _LAST)
+_TRACKS = Prepared(
+    select(
+        track.c.chunk, track.c.bone, track.c.channels, track.c.count, track.c.codec, track.c.data, track.c.data_checksum
+    ).where(of_document(track), track.c.chunk >= _FIRST, track.c.chunk <= _LAST)
+)
 _TRACKS_OF_BONES = _TRACKS.where(OneOf(track.c.bone, "bones"))
 
 
@@ -117,18 +120,18 @@ class Tracks:
     def _end(self, table: Any, rows: Any) -> None:
         """Close current rows; those that this commit itself wrote were never seen, and go."""
         commit = self._tx.commit
-        self._tx.connection.execute(delete(table).where(rows, table.c.from_commit == commit))
-        self._tx.connection.execute(update(table).where(rows).values(closing(table, commit)))
+        self._tx.run(delete(table).where(rows, table.c.from_commit == commit))
+        self._tx.run(update(table).where(rows).values(closing(table, commit)))
 
     def shape_number(self, document_key: int, wanted: Shape) -> int:
         """The number of a shape in the document, a new one where it has none like it."""
         packed = pack_shape(wanted)
         query = select(shape.c.shape).where(shape.c.document == document_key, shape.c.bones == packed)
-        found = self._tx.connection.execute(query).scalar_one_or_none()
+        found = self._tx.fetch_value(query)
         if found is not None:
             return int(found)
         newest = select(func.coalesce(func.max(shape.c.shape), -1)).where(shape.c.document == document_key)
-        number = int(self._tx.connection.execute(newest).scalar_one()) + 1
+        number = int(self._tx.fetch_value(newest)) + 1
         self._tx.insert_rows(shape, [{"document": document_key, "shape": number, "bones": packed}])
         return number
 
@@ -143,7 +146,7 @@ class Tracks:
     def close_run(self, table: Any, document_key: int, start: Any, position: int) -> dict[str, Any]:
         """End the run that holds a position (or slot) with this commit, and answer its columns by name."""
         holds = and_(table.c.document == document_key, table.c.to_commit == CURRENT, start <= position)
-        run = self._tx.connection.execute(select(table).where(holds, start + table.c.count > position)).one()
+        (run,) = self._tx.fetch_all(select(table).where(holds, start + table.c.count > position))
         row = dict(run._mapping)
         holds = and_(table.c.document == document_key, start == row[start.name], table.c.to_commit == CURRENT)
         self._end(table, holds)
@@ -161,7 +164,7 @@ class Tracks:
     def shapes(self, document_key: int) -> dict[int, Shape]:
         """Every shape that a frame of the document has had, by its number."""
         query = select(shape.c.shape, shape.c.bones).where(shape.c.document == document_key)
-        return {number: unpack_shape(packed) for number, packed in self._tx.connection.execute(query)}
+        return {number: unpack_shape(packed) for number, packed in self._tx.fetch_all(query)}
 
     def shapes_in_use(self, document_key: int) -> list[Shape]:
         """Every distinct shape that a current frame has."""
@@ -171,7 +174,7 @@ class Tracks:
             .where(shape.c.document == document_key, self._tx.valid(shape_run))
             .distinct()
         )
-        return [unpack_shape(packed) for (packed,) in self._tx.checked_once(checked(query, shape))]
+        return [unpack_shape(packed) for (packed,) in self._tx.fetch_all(checked(query, shape))]
 
     def _shape_runs(self, document_key: int, start: int, end: int) -> Iterator[tuple[int, int, Shape]]:
         """(slot, count, shape) of the runs in slots start to end - 1, cut to them."""
@@ -192,14 +195,14 @@ class Tracks:
     def chunk_length(self, document_key: int, chunk: int) -> int:
         """How many slots of a chunk hold frames."""
         query = select(func.max(track.c.count)).where(track.c.document == document_key, track.c.chunk == chunk)
-        return int(self._tx.connection.execute(query).scalar_one() or CHUNK)
+        return int(self._tx.fetch_value(query) or CHUNK)
 
     def chunk(self, document_key: int, chunk: int, bone: int) -> tuple[list[int], Array] | None:
         """(channels, (k, n) columns) of one track row, None where the bone has none in that chunk."""
         query = select(track.c.channels, track.c.codec, track.c.data, track.c.data_checksum).where(
             track.c.document == document_key, track.c.chunk == chunk, track.c.bone == bone, self._tx.valid(track)
         )
-        row = self._tx.connection.execute(query).one_or_none()
+        row = self._tx.fetch_one(query)
         if row is None:
             return None
         channels = channels_of(row.channels)
@@ -318,11 +321,9 @@ class Tracks:
             return np.concatenate([*parts, np.empty(0, np.int64)])
         return [str(item) for part in parts for item in part]
 
-    def _rows(
-        self, query: Select[Any] | Checked, document_key: int, first: int, last: int, **given: Any
-    ) -> Sequence[Any]:
+    def _rows(self, query: Prepared, document_key: int, first: int, last: int, **given: Any) -> Sequence[Any]:
         given |= {"document": document_key, "at": self._tx.at, "first": first, "last": last}
-        return self._tx.checked(query, given) if isinstance(query, Checked) else self._tx.rows(query, given)
+        return self._tx.fetch_all(query, given)
 
 
 def _every(block: FrameBlock, skip: int, step: int) -> FrameBlock:

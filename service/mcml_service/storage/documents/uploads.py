@@ -11,6 +11,7 @@ import zstandard
 from sqlalchemy import and_, bindparam, delete, func, select, update
 
 from mcml_service.storage.core.seals import checked
+from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import document, document_media, document_upload, upload, upload_block
 from mcml_service.storage.core.transaction import BaseTransaction
 
@@ -19,14 +20,14 @@ LEASE_SECONDS = 120.0
 """How long an import may be silent before it counts as broken."""
 
 # Made once: to build a statement takes four times as long as to run it.
-_COMPLETE = (
+_COMPLETE = Prepared(
     select(upload.c.id)
     .where(upload.c.sha256 == bindparam("sha256"), upload.c.size == bindparam("size"), upload.c.complete)
     .limit(1)
 )
-_RENEW = update(upload).where(upload.c.id == bindparam("key")).values(lease=bindparam("until"))
+_RENEW = Prepared(update(upload).where(upload.c.id == bindparam("key")).values(lease=bindparam("until")))
 _PARTS = document_upload.alias()
-_MADE_OF = (
+_MADE_OF = Prepared(
     select(document.c.uuid)
     .join(document_upload, document_upload.c.document == document.c.id)
     .join(upload, upload.c.id == document_upload.c.upload)
@@ -39,13 +40,13 @@ _MADE_OF = (
         == bindparam("parts")
     )
 )
-_BLOCK = checked(
+_BLOCK = Prepared(
     select(upload_block.c.data).where(
         upload_block.c.upload == bindparam("key"), upload_block.c.number == bindparam("number")
     ),
     upload_block,
 )
-_MADE_COMPLETE = update(upload).where(upload.c.id == bindparam("key")).values(complete=True, lease=None)
+_MADE_COMPLETE = Prepared(update(upload).where(upload.c.id == bindparam("key")).values(complete=True, lease=None))
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ class Uploads:
 
     def find(self, sha256: str, size: int) -> int | None:
         """The key of the complete upload with these bytes, if it is kept already."""
-        found = self._tx.rows(_COMPLETE, {"sha256": sha256, "size": size})
+        found = self._tx.fetch_all(_COMPLETE, {"sha256": sha256, "size": size})
         return found[0][0] if found else None
 
     def add(self, sha256: str, size: int, blocks: list[bytes]) -> int:
@@ -105,8 +106,8 @@ class Uploads:
     def abandon(self, key: int) -> None:
         """Drop what an import that failed wrote of a file."""
         unfinished = select(upload.c.id).where(upload.c.id == key, ~upload.c.complete)
-        self._tx.connection.execute(delete(upload_block).where(upload_block.c.upload.in_(unfinished)))
-        self._tx.connection.execute(delete(upload).where(upload.c.id.in_(unfinished)))
+        self._tx.run(delete(upload_block).where(upload_block.c.upload.in_(unfinished)))
+        self._tx.run(delete(upload).where(upload.c.id.in_(unfinished)))
 
     def complete(self, key: int) -> None:
         self._tx.run(_MADE_COMPLETE, {"key": key})
@@ -122,7 +123,7 @@ class Uploads:
             .where(document_upload.c.document == document_key)
             .order_by(document_upload.c.part)
         )
-        return [StoredUpload(*row) for row in self._tx.connection.execute(query)]
+        return [StoredUpload(*row) for row in self._tx.fetch_all(query)]
 
     def twins(self, digests: dict[str, str], project_key: int) -> list[str]:
         """UUIDs of documents of the project, deleted ones aside, made from exactly these files ({part: sha256})."""
@@ -131,7 +132,7 @@ class Uploads:
         candidates: set[str] | None = None
         for part, sha256 in digests.items():
             wanted = shared | {"part": part, "sha256": sha256}
-            found = {uuid for (uuid,) in self._tx.rows(_MADE_OF, wanted)}
+            found = {uuid for (uuid,) in self._tx.fetch_all(_MADE_OF, wanted)}
             candidates = found if candidates is None else candidates & found
         return sorted(candidates or ())
 
@@ -140,13 +141,13 @@ class Uploads:
         query = select(document_upload.c.upload).where(
             document_upload.c.document == document_key, document_upload.c.part == part
         )
-        rows = self._tx.checked_once(checked(query, document_upload))
+        rows = self._tx.fetch_all(checked(query, document_upload))
         return self.blocks(rows[0][0]) if rows else None
 
     def blocks(self, key: int, number: int = 0) -> Iterator[bytes]:
         """The bytes of an upload, block by block, from a block on."""
         while True:
-            rows = self._tx.checked(_BLOCK, {"key": key, "number": number})
+            rows = self._tx.fetch_all(_BLOCK, {"key": key, "number": number})
             if not rows:
                 return
             yield zstandard.ZstdDecompressor().decompress(rows[0][0], max_output_size=BLOCK_BYTES)
@@ -154,7 +155,7 @@ class Uploads:
 
     def forget(self, document_key: int) -> None:
         """Drop the kept files of a document; exports are then written from the elements."""
-        self._tx.connection.execute(delete(document_upload).where(document_upload.c.document == document_key))
+        self._tx.run(delete(document_upload).where(document_upload.c.document == document_key))
         self.remove_orphans(0)
 
     def remove_orphans(self, lease_before: float) -> None:
@@ -163,7 +164,7 @@ class Uploads:
             upload.c.id.not_in(select(document_upload.c.upload)), upload.c.id.not_in(select(document_media.c.upload))
         )
         query = select(upload.c.id).where(orphan, upload.c.complete | (upload.c.lease < lease_before))
-        keys = list(self._tx.connection.execute(query).scalars())
+        keys = self._tx.fetch_column(query)
         for key in keys:
-            self._tx.connection.execute(delete(upload_block).where(upload_block.c.upload == key))
-            self._tx.connection.execute(delete(upload).where(upload.c.id == key))
+            self._tx.run(delete(upload_block).where(upload_block.c.upload == key))
+            self._tx.run(delete(upload).where(upload.c.id == key))

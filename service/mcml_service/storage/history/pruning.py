@@ -9,6 +9,7 @@ from sqlalchemy import and_, delete, func, insert, select
 from mcml.errors import NotFoundError
 from mcml_service.storage.core.schema import CURRENT
 from mcml_service.storage.core.seals import SEALS
+from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import (
     REVISIONED,
     commit,
@@ -40,7 +41,7 @@ class Old:
     bytes: int
 
 
-_WHOLE_SINCE = select(store.c.value).where(store.c.name == WHOLE_SINCE)
+_WHOLE_SINCE = Prepared(select(store.c.value).where(store.c.name == WHOLE_SINCE))
 
 
 class Pruning:
@@ -52,7 +53,7 @@ class Pruning:
 
     def whole_since(self) -> int:
         """The first commit whose state is whole: earlier ones lack what was pruned or purged."""
-        rows = self._tx.rows(_WHOLE_SINCE)
+        rows = self._tx.fetch_all(_WHOLE_SINCE)
         return int(rows[0][0]) if rows else 0
 
     def require_whole_since(self, commit: int) -> None:
@@ -66,13 +67,13 @@ class Pruning:
     def let_go(self, before: int) -> None:
         """Note that states before a commit are not whole any more."""
         if before > self.whole_since():
-            self._tx.connection.execute(delete(store).where(store.c.name == WHOLE_SINCE))
-            self._tx.connection.execute(insert(store).values(name=WHOLE_SINCE, value=str(before)))
+            self._tx.run(delete(store).where(store.c.name == WHOLE_SINCE))
+            self._tx.run(insert(store).values(name=WHOLE_SINCE, value=str(before)))
 
     def commit_before(self, time: str) -> int:
         """The last commit before a time, 0 for none."""
         query = select(func.coalesce(func.max(commit.c.number), 0)).where(commit.c.time < time)
-        return int(self._tx.connection.execute(query).scalar_one())
+        return int(self._tx.fetch_value(query))
 
     def older(self, cut: int) -> list[Old]:
         """Documents of which a revision stands that later ones had replaced at commit `cut`."""
@@ -89,9 +90,9 @@ class Pruning:
             .order_by(last.c.document)
         )
         found = []
-        for key, keep, at in self._tx.connection.execute(query).all():
+        for key, keep, at in self._tx.fetch_all(query):
             gone = select(func.count()).where(revision.c.document == key, revision.c.number < keep)
-            count = int(self._tx.connection.execute(gone).scalar_one())
+            count = int(self._tx.fetch_value(gone))
             if count:
                 found.append(Old(key, keep, at, count, self._bytes(key, at)))
         return found
@@ -99,27 +100,26 @@ class Pruning:
     def _bytes(self, key: int, at: int) -> int:
         closed = and_(track.c.document == key, track.c.to_commit <= at, track.c.to_commit < CURRENT)
         size = select(func.coalesce(func.sum(func.length(track.c.data)), 0)).where(closed)
-        total = int(self._tx.connection.execute(size).scalar_one())
+        total = int(self._tx.fetch_value(size))
         if self._needs_files(key, at):
             return total
         own = select(document_upload.c.upload).where(document_upload.c.document == key)
         others = select(document_upload.c.upload).where(document_upload.c.document != key)
         files = select(func.coalesce(func.sum(func.length(upload_block.c.data)), 0))
         files = files.where(upload_block.c.upload.in_(own), upload_block.c.upload.not_in(others))
-        return total + int(self._tx.connection.execute(files).scalar_one())
+        return total + int(self._tx.fetch_value(files))
 
     def _needs_files(self, key: int, at: int) -> bool:
         """Whether a revision that stays is as it was uploaded."""
         query = select(content.c.document).where(content.c.document == key, content.c.to_commit > at, content.c.intact)
-        return self._tx.connection.execute(query.limit(1)).first() is not None
+        return self._tx.fetch_one(query.limit(1)) is not None
 
     def forget(self, old: Old) -> None:
         """Remove what a document had before."""
-        connection = self._tx.connection
         self.let_go(old.at)
         for table in REVISIONED:
-            connection.execute(delete(table).where(table.c.document == old.key, table.c.to_commit <= old.at))
-        connection.execute(delete(revision).where(revision.c.document == old.key, revision.c.number < old.keep))
+            self._tx.run(delete(table).where(table.c.document == old.key, table.c.to_commit <= old.at))
+        self._tx.run(delete(revision).where(revision.c.document == old.key, revision.c.number < old.keep))
         self._thumbnails.forget(old.key, old.keep)
         self._bodies.forget(old.key, old.keep)
         self._begin_with(old)
@@ -130,6 +130,6 @@ class Pruning:
         """The oldest revision has none before it any more."""
         columns = SEALS[revision].columns
         mine = and_(revision.c.document == old.key, revision.c.number == old.keep)
-        row = self._tx.connection.execute(select(*(revision.c[name] for name in columns)).where(mine)).one()
-        self._tx.connection.execute(delete(revision).where(mine))
+        (row,) = self._tx.fetch_all(select(*(revision.c[name] for name in columns)).where(mine))
+        self._tx.run(delete(revision).where(mine))
         self._tx.insert_rows(revision, [dict(zip(columns, row, strict=True)) | {"parent": None}])

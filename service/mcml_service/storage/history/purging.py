@@ -79,10 +79,9 @@ class Purging:
         gone = and_(document.c.state == "ready", document.c.deleted_commit < CURRENT)
         query = select(document.c.uuid).join(commit, commit.c.number == document.c.deleted_commit)
         query = query.where(gone, commit.c.time < time).order_by(document.c.deleted_commit)
-        return list(self._tx.connection.execute(query).scalars())
+        return self._tx.fetch_column(query)
 
     def held(self, key: int) -> Held:
-        connection = self._tx.connection
         tracks = select(func.coalesce(func.sum(func.length(track.c.data)), 0)).where(track.c.document == key)
         others = select(document_upload.c.upload).where(document_upload.c.document != key)
         files = (
@@ -93,9 +92,9 @@ class Purging:
         revisions = select(func.count()).select_from(revision).where(revision.c.document == key)
         ended = select(commit.c.time).join(document, document.c.deleted_commit == commit.c.number)
         return Held(
-            int(connection.execute(revisions).scalar_one()),
-            int(connection.execute(tracks).scalar_one()) + int(connection.execute(files).scalar_one()),
-            connection.execute(ended.where(document.c.id == key)).scalar_one_or_none(),
+            int(self._tx.fetch_value(revisions)),
+            int(self._tx.fetch_value(tracks)) + int(self._tx.fetch_value(files)),
+            self._tx.fetch_value(ended.where(document.c.id == key)),
         )
 
     def made_from(self, uuid: str) -> tuple[list[tuple[str, str]], list[tuple[str, str]], list[int]]:
@@ -107,12 +106,12 @@ class Purging:
         own: list[int] = []
         shared: list[tuple[str, str]] = []
         query = select(result.c.id, result.c.uuid, result.c.name, result.c.inputs).where(result.c.inputs.contains(uuid))
-        for key, result_uuid, name, inputs in self._tx.connection.execute(query):
+        for key, result_uuid, name, inputs in self._tx.fetch_all(query):
             if {item["document"] for item in json.loads(inputs)} == {uuid}:
                 own.append(key)
             else:
                 shared.append((result_uuid, name))
-        return [(row.uuid, row.name) for row in self._tx.connection.execute(clips.distinct())], shared, own
+        return [(row.uuid, row.name) for row in self._tx.fetch_all(clips.distinct())], shared, own
 
     def begin(self, stored: StoredDocument) -> None:
         """Let nobody see the document any more, servers that run among them: they list documents after each commit."""
@@ -123,38 +122,37 @@ class Purging:
     def unfinished(self) -> list[tuple[int, str]]:
         """(key, uuid) of documents whose purge was interrupted."""
         query = select(document.c.id, document.c.uuid).where(document.c.state == "purging")
-        return [(key, uuid) for key, uuid in self._tx.connection.execute(query)]
+        return [(key, uuid) for key, uuid in self._tx.fetch_all(query)]
 
     def remove_tracks(self, key: int) -> bool:
         """Remove some tracks; whether there are more."""
-        first = self._tx.connection.execute(select(func.min(track.c.chunk)).where(track.c.document == key)).scalar()
+        first = self._tx.fetch_value(select(func.min(track.c.chunk)).where(track.c.document == key))
         if first is None:
             return False
         some = and_(track.c.document == key, track.c.chunk < first + CHUNKS)
-        self._tx.connection.execute(delete(track).where(some))
+        self._tx.run(delete(track).where(some))
         return True
 
     def finish(self, key: int, uuid: str) -> None:
         """Remove all other rows, and what only this document needed: files, skeletons, results, ended jobs."""
-        connection = self._tx.connection
-        self._tx.dialect.retire_keys(connection)
+        self._tx.dialect.retire_keys(self._tx.connection)
         _, _, own = self.made_from(uuid)
         for number in own:
             self._results.remove(number)
         ended = job.c.state.in_(("done", "failed", "cancelled"))
-        connection.execute(delete(job).where(or_(job.c.inputs.contains(uuid), job.c.problem.contains(uuid)), ended))
+        self._tx.run(delete(job).where(or_(job.c.inputs.contains(uuid), job.c.problem.contains(uuid)), ended))
         self._forget_clip(key)
         self._documents.remove_purged(key)
         self._uploads.remove_orphans(0)
         unused = skeleton.c.id.not_in(select(content.c.skeleton))
-        numbers = list(connection.execute(select(skeleton.c.id).where(unused)).scalars())
-        connection.execute(delete(skeleton_element).where(skeleton_element.c.skeleton.in_(numbers)))
-        connection.execute(delete(skeleton).where(skeleton.c.id.in_(numbers)))
+        numbers = self._tx.fetch_column(select(skeleton.c.id).where(unused))
+        self._tx.run(delete(skeleton_element).where(skeleton_element.c.skeleton.in_(numbers)))
+        self._tx.run(delete(skeleton).where(skeleton.c.id.in_(numbers)))
 
     def _forget_clip(self, key: int) -> None:
         """Parts of results whose clip the document is say so no more."""
         columns = SEALS[result_part].columns
         query = select(*(result_part.c[name] for name in columns)).where(result_part.c.document == key)
-        rows = [dict(zip(columns, row, strict=True)) | {"document": None} for row in self._tx.connection.execute(query)]
-        self._tx.connection.execute(delete(result_part).where(result_part.c.document == key))
+        rows = [dict(zip(columns, row, strict=True)) | {"document": None} for row in self._tx.fetch_all(query)]
+        self._tx.run(delete(result_part).where(result_part.c.document == key))
         self._tx.insert_rows(result_part, rows)

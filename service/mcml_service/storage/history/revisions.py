@@ -47,7 +47,7 @@ class Revisions:
         )
         if before is not None:
             query = query.where(revision.c.number < before)
-        return [StoredRevision(*row) for row in self._tx.checked_once(checked(query, revision, commit))]
+        return [StoredRevision(*row) for row in self._tx.fetch_all(checked(query, revision, commit))]
 
     def since(self, number: int, limit: int) -> list[tuple[int, tuple[str, StoredRevision]]]:
         """(commit, (uuid of the document, revision)) after a commit, the oldest first; all or none of one commit."""
@@ -59,9 +59,9 @@ class Revisions:
             .where(revision.c.commit > number, document.c.state == "ready", seen(self._tx.view))
             .order_by(revision.c.commit, revision.c.document)
         )
-        rows = self._tx.checked_once(checked(query.limit(limit), revision, commit))
+        rows = self._tx.fetch_all(checked(query.limit(limit), revision, commit))
         if len(rows) == limit:
             last = rows[-1][0]
             whole = query.where(revision.c.commit == last)
-            rows = [row for row in rows if row[0] < last] + [*self._tx.checked_once(checked(whole, revision, commit))]
+            rows = [row for row in rows if row[0] < last] + [*self._tx.fetch_all(checked(whole, revision, commit))]
         return [(row[0], (row[1], StoredRevision(*row[2:]))) for row in rows]

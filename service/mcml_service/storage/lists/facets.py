@@ -63,12 +63,11 @@ def facets(tx: BaseTransaction, wanted: DocumentFilter, most: int, bins: int) ->
         span.c.document.in_(chosen(document.c.id, wanted, tx)), tx.valid(span)
     )
     skeletons = chosen(content.c.skeleton, wanted, tx)
-    joints = dict(
-        tx.connection.execute(select(skeleton.c.id, skeleton.c.joints).where(skeleton.c.id.in_(skeletons))).all()
-    )
+    sizes = select(skeleton.c.id, skeleton.c.joints).where(skeleton.c.id.in_(skeletons))
+    joints = {row.id: row.joints for row in tx.fetch_all(sizes)}
     timing = chosen(content.c.frames, wanted, tx).add_columns(seconds(tx.at))
     lengths, rates, unknown = [], [], 0
-    for frames, each in tx.connection.execute(timing):
+    for frames, each in tx.fetch_all(timing):
         if each is None:
             unknown += 1
         else:
@@ -79,7 +78,7 @@ def facets(tx: BaseTransaction, wanted: DocumentFilter, most: int, bins: int) ->
         projects=_counted(tx, chosen(project.c.name, wanted, tx), project.c.name, most),
         formats=_counted(tx, chosen(document.c.format, wanted, tx), document.c.format, most),
         skeletons=[((key, joints[key]), count) for key, count in _counted(tx, skeletons, content.c.skeleton, most)],
-        motion_names=_most(tx.connection.execute(motion.group_by(span.c.name)).all(), most),
+        motion_names=_most(tx.fetch_all(motion.group_by(span.c.name)), most),
         lengths=binned(lengths, bins),
         rates=_most(Counter(rates).items(), most),
         unknown=unknown,
@@ -93,7 +92,7 @@ def rate_of(seconds: float) -> float:
 
 
 def _counted(tx: BaseTransaction, query: Select[Any], column: Any, most: int) -> Counts:
-    return _most(tx.connection.execute(query.add_columns(func.count()).group_by(column)).all(), most)
+    return _most(tx.fetch_all(query.add_columns(func.count()).group_by(column)), most)
 
 
 def _most(found: Iterable[Any], most: int) -> Counts:
@@ -108,7 +107,7 @@ def _properties(tx: BaseTransaction, wanted: DocumentFilter, most: int, bins: in
     )
     numbers: dict[str, list[float]] = {}
     texts: dict[str, Counter[str]] = {}
-    for name, number, text in tx.connection.execute(query):
+    for name, number, text in tx.fetch_all(query):
         if number is not None:
             numbers.setdefault(name, []).append(number)
         else:

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, TypeAlias
 
-from sqlalchemy import Select, and_, case, func, null, or_, select
+from sqlalchemy import and_, case, func, null, or_, select
 
 from mcml_service.storage.core.lists import OneOf
 from mcml_service.storage.core.moments import AT, imported, valid
+from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import content, document, header, project, property_, revision, span
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.lists.filtering import IS_SAID, SAID, SHORT, seconds
@@ -33,7 +34,7 @@ class Facts:
 
 
 @cache
-def _statements() -> dict[str, tuple[Select[Any], Select[Any]]]:
+def _statements() -> dict[str, tuple[Prepared, Prepared]]:
     """Of each kind of fact the statement for all documents, and that for some `keys`."""
     joined = document.join(project).join(content, and_(content.c.document == document.c.id, valid(content)))
     about = (document.c.id, document.c.uuid, document.c.name, project.c.name, document.c.format)
@@ -50,10 +51,10 @@ def _statements() -> dict[str, tuple[Select[Any], Select[Any]]]:
         "named": (select(span.c.document, span.c.name).where(valid(span)).distinct(), span.c.document),
         "having": (select(*facts).where(short_or_number), property_.c.document),
     }
-    return {name: (query, query.where(OneOf(key, "keys"))) for name, (query, key) in wanted.items()}
+    return {name: (Prepared(query), Prepared(query.where(OneOf(key, "keys")))) for name, (query, key) in wanted.items()}
 
 
-_KEYS = select(document.c.id).where(imported())
+_KEYS = Prepared(select(document.c.id).where(imported()))
 
 
 def facts_of(tx: BaseTransaction, keys: Sequence[int] | None = None) -> Facts:
@@ -70,12 +71,12 @@ def facts_of(tx: BaseTransaction, keys: Sequence[int] | None = None) -> Facts:
 def _rows(tx: BaseTransaction, kind: str, keys: Sequence[int] | None) -> Iterable[Row]:
     whole, some = _statements()[kind]
     if keys is None:
-        yield from tx.rows(whole, {"at": tx.at})
+        yield from tx.fetch_all(whole, {"at": tx.at})
         return
     for start in range(0, len(keys), KEYS_AT_A_TIME):
-        yield from tx.rows(some, {"at": tx.at, "keys": list(keys[start : start + KEYS_AT_A_TIME])})
+        yield from tx.fetch_all(some, {"at": tx.at, "keys": list(keys[start : start + KEYS_AT_A_TIME])})
 
 
 def keys_there(tx: BaseTransaction) -> list[int]:
     """The documents of `facts_of`, all of them."""
-    return [row[0] for row in tx.rows(_KEYS, {"at": tx.at})]
+    return tx.fetch_column(_KEYS, {"at": tx.at})

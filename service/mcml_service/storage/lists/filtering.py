@@ -114,7 +114,7 @@ def filtered(query: Select[Any], wanted: DocumentFilter, tx: BaseTransaction) ->
             having = having.where(property_.c.number <= greatest)
         query = query.where(document.c.id.in_(having))
     if wanted.among is not None:
-        query = query.where(OneOf(document.c.id, "among", tx.dialect.as_list(list(wanted.among))))
+        query = query.where(OneOf(document.c.id, "among", list(wanted.among)))
     for bounds, value in ((wanted.length, content.c.frames * seconds(tx.at)), (wanted.rate, 1.0 / seconds(tx.at))):
         least, greatest = bounds
         if least is not None:

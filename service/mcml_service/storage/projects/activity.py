@@ -26,6 +26,7 @@ from sqlalchemy import (
 
 from mcml_service.storage.core.identifiers import now, stored_form
 from mcml_service.storage.core.schema import KEY, NAME, metadata
+from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import document, project
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import SCOPES, View, may, seen
@@ -132,7 +133,7 @@ class Activity:
 
     def newest(self) -> int:
         """The number of the last event, 0 where there is none."""
-        return int(self._tx.rows(_NEWEST)[0][0])
+        return int(self._tx.fetch_value(_NEWEST))
 
     def after(self, number: int, limit: int, *, kind: str | None = None, project_key: int | None = None) -> list[Event]:
         """Those behind a number, the oldest first; of a kind, of a project."""
@@ -146,12 +147,12 @@ class Activity:
     def forget(self, before: str) -> int:
         """Remove events from before a time; how many. The last one stays, so that no number comes again."""
         old = (event.c.time < before, event.c.id < self.newest())
-        return self._tx.connection.execute(delete(event).where(*old)).rowcount
+        return self._tx.run(delete(event).where(*old))
 
     def _read(self, query: Select[Any]) -> list[Event]:
         view = self._tx.view
         found = []
-        for row in self._tx.connection.execute(query):
+        for row in self._tx.fetch_all(query):
             decides = may(view.everywhere if row.place is None else view.scope(row.place), "own")
             place = (row.project_name, row.about, row.document_name, row.revision, row.subject)
             said = (row.id, row.time, row.kind, row.what, row.author)
@@ -162,7 +163,7 @@ class Activity:
 _NOTED = ("time", "kind", "what", "author", "origin", "project", "about", "revision", "subject")
 _NEEDED = {"share": "edit", "webhook": "own"}
 """The scopes that the lists of these need."""
-_NEWEST = select(func.coalesce(func.max(event.c.id), 0))
+_NEWEST = Prepared(select(func.coalesce(func.max(event.c.id), 0)))
 
 
 def _shown(view: View) -> ColumnElement[bool]:

@@ -6,13 +6,14 @@ from sqlalchemy import bindparam, select
 
 from mcml.errors import AccessError, NotFoundError
 from mcml_service.storage.core.identifiers import now, stored_form
+from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import project
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import may, seen
 from mcml_service.storage.projects.terms import ProjectTerms
 
 _ALL = select(project.c.name).order_by(project.c.name)
-_BY_NAME = select(project.c.id).where(project.c.name == bindparam("name"))
+_BY_NAME = Prepared(select(project.c.id).where(project.c.name == bindparam("name")))
 
 
 class Projects:
@@ -23,10 +24,11 @@ class Projects:
 
     def names(self) -> list[str]:
         """Of those that are seen."""
-        return list(self._tx.connection.execute(_ALL.where(seen(self._tx.view, project.c.id))).scalars())
+        return self._tx.fetch_column(_ALL.where(seen(self._tx.view, project.c.id)))
 
     def name(self, key: int) -> str:
-        return str(self._tx.connection.execute(select(project.c.name).where(project.c.id == key)).scalar_one())
+        (name,) = self._tx.fetch_column(select(project.c.name).where(project.c.id == key))
+        return str(name)
 
     def find(self, name: str) -> int | None:
         """The key of one that is seen."""
@@ -34,7 +36,8 @@ class Projects:
         return found if found is not None and self._tx.view.sees(found) else None
 
     def _key(self, name: str) -> int | None:
-        return self._tx.run(_BY_NAME, {"name": stored_form(name)}).scalar_one_or_none()
+        key: int | None = self._tx.fetch_value(_BY_NAME, {"name": stored_form(name)})
+        return key
 
     def get(self, name: str) -> int:
         """The project's key; NotFoundError."""
@@ -56,7 +59,7 @@ class Projects:
         found = self._writable(name)
         if found is not None:
             return found
-        self._tx.dialect.order_commits(self._tx.connection)
+        self._tx.order()
         found = self._writable(name)
         if found is not None:
             return found

@@ -10,6 +10,7 @@ from sqlalchemy import BigInteger, Column, ForeignKey, String, Table, bindparam,
 from mcml.errors import AccessError, ConflictError
 from mcml_service.storage.core.moments import there
 from mcml_service.storage.core.schema import metadata
+from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import document, document_media, document_upload, project, upload
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import may
@@ -25,8 +26,8 @@ terms = Table(
 """`archived`: since when nothing in it changes. `most_bytes`: of the files that its documents came of, and their media,
 each counted once."""
 
-_OF = select(terms.c.archived, terms.c.most_documents, terms.c.most_bytes).where(
-    terms.c.project == bindparam("project")
+_OF = Prepared(
+    select(terms.c.archived, terms.c.most_documents, terms.c.most_bytes).where(terms.c.project == bindparam("project"))
 )
 
 
@@ -48,14 +49,14 @@ class ProjectTerms:
 
     def of(self, project: int) -> Terms:
         if project not in self._known:
-            rows = self._tx.rows(_OF, {"project": project})
+            rows = self._tx.fetch_all(_OF, {"project": project})
             self._known[project] = Terms(*rows[0]) if rows else Terms()
         return self._known[project]
 
     def put(self, project: int, chosen: Terms) -> None:
-        self._tx.connection.execute(delete(terms).where(terms.c.project == project))
+        self._tx.run(delete(terms).where(terms.c.project == project))
         if chosen != Terms():
-            self._tx.connection.execute(insert(terms).values(project=project, **vars(chosen)))
+            self._tx.run(insert(terms).values(project=project, **vars(chosen)))
         self._known[project] = chosen
 
     def held(self, project: int) -> tuple[int, int]:
@@ -67,7 +68,7 @@ class ProjectTerms:
         return self._one(shown), self._one(size)
 
     def _one(self, query: Any) -> int:
-        return int(self._tx.connection.execute(query).scalar_one())
+        return int(self._tx.fetch_value(query))
 
     def require(self, project: int, scope: str = "edit") -> None:
         """AccessError unless whoever has the transaction may do this in a project. ConflictError for changes of what is
@@ -104,4 +105,5 @@ class ProjectTerms:
                 )
 
     def _name(self, key: int) -> str:
-        return str(self._tx.connection.execute(select(project.c.name).where(project.c.id == key)).scalar_one())
+        (name,) = self._tx.fetch_column(select(project.c.name).where(project.c.id == key))
+        return str(name)

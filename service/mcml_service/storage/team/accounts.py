@@ -55,11 +55,11 @@ class Accounts:
 
     def all(self) -> list[Account]:
         """By name."""
-        rows = self._tx.connection.execute(select(account).order_by(account.c.name))
+        rows = self._tx.fetch_all(select(account).order_by(account.c.name))
         return [Account(*row) for row in rows]
 
     def find(self, name: str) -> Account | None:
-        row = self._tx.connection.execute(select(account).where(account.c.name == stored_form(name))).one_or_none()
+        row = self._tx.fetch_one(select(account).where(account.c.name == stored_form(name)))
         return None if row is None else Account(*row)
 
     def get(self, name: str) -> Account:
@@ -72,22 +72,22 @@ class Accounts:
     def identified(self, issuer: str, subject: str) -> Account | None:
         """The account of whom a provider knows, None where it has none here."""
         its = (identity.c.issuer == issuer, identity.c.subject == subject)
-        row = self._tx.connection.execute(select(account).join(identity).where(*its)).one_or_none()
+        row = self._tx.fetch_one(select(account).join(identity).where(*its))
         return None if row is None else Account(*row)
 
     def identify(self, person: Account, issuer: str, subject: str) -> None:
         """Let an account be that of whom a provider knows."""
         row = {"issuer": issuer, "subject": subject, "account": person.key}
-        self._tx.connection.execute(insert(identity).values(**row))
+        self._tx.run(insert(identity).values(**row))
 
     def exist(self) -> bool:
         """Whether there is any, a closed one too."""
-        return self._tx.connection.execute(select(account.c.id).limit(1)).first() is not None
+        return self._tx.fetch_one(select(account.c.id).limit(1)) is not None
 
     def have_owner(self) -> bool:
         """Whether an open account owns the repository."""
         its = (account.c.role == "owner", account.c.closed.is_(None))
-        return self._tx.connection.execute(select(account.c.id).where(*its).limit(1)).first() is not None
+        return self._tx.fetch_one(select(account.c.id).where(*its).limit(1)) is not None
 
     def require_owner(self) -> None:
         """Refuse what people without an owner would follow from. ConflictError."""
@@ -100,7 +100,7 @@ class Accounts:
     def add(self, name: str, role: str, password: str) -> Account:
         """A new account. password: its hash. ConflictError where the name is taken, by a token too, as revisions and
         history tell people apart by it; and where there would be accounts without an owner."""
-        self._tx.dialect.order_commits(self._tx.connection)
+        self._tx.order()
         if role != "owner":
             self.require_owner()
         if is_taken(self._tx, name):
@@ -112,9 +112,9 @@ class Accounts:
 
     def change(self, name: str, **values: str | None) -> Account:
         """Set role, password or closed. ConflictError where no owner would be left."""
-        self._tx.dialect.order_commits(self._tx.connection)
+        self._tx.order()
         found = self.get(name)
-        self._tx.connection.execute(update(account).where(account.c.name == stored_form(name)).values(**values))
+        self._tx.run(update(account).where(account.c.name == stored_form(name)).values(**values))
         if not self.have_owner():
             raise ConflictError("The repository would have no owner.", remedy="Make somebody else an owner first.")
         for field, value in values.items():
@@ -127,10 +127,10 @@ class Accounts:
         AccessError. ConflictError where nobody owns the repository."""
         self._require(project_key)
         self.require_owner()
-        self._tx.connection.execute(delete(invitation).where(invitation.c.expires < now()))
+        self._tx.run(delete(invitation).where(invitation.c.expires < now()))
         secret = secrets.token_urlsafe(32)
         row = {"sha256": digest_of(secret), "role": role, "author": author, "created": now(), "expires": now(lasts)}
-        self._tx.connection.execute(insert(invitation).values(**row, project=project_key))
+        self._tx.run(insert(invitation).values(**row, project=project_key))
         self._activity.note("account", "invite", project_key=project_key, subject=f"somebody as {role}")
         return secret
 
@@ -138,9 +138,7 @@ class Accounts:
         """Those that can be accepted still and that one may take back, the newest first."""
         told = (invitation.c.id, invitation.c.role, project.c.name, invitation.c.author, invitation.c.created)
         wanted = select(*told, invitation.c.expires, invitation.c.project).outerjoin(project)
-        rows = self._tx.connection.execute(
-            wanted.where(invitation.c.expires >= now()).order_by(invitation.c.id.desc())
-        ).all()
+        rows = self._tx.fetch_all(wanted.where(invitation.c.expires >= now()).order_by(invitation.c.id.desc()))
         return [Invitation(*row[:-1]) for row in rows if self._decides(row[-1])]
 
     def take_back(self, number: int) -> None:
@@ -150,16 +148,16 @@ class Accounts:
             raise NotFoundError(f"There is no invitation {number}.", remedy="It was used, or taken back.")
         project_key = None if found.project is None else self._projects.get(found.project)
         self._activity.note("account", "uninvite", project_key=project_key, subject=f"somebody as {found.role}")
-        self._tx.connection.execute(delete(invitation).where(invitation.c.id == number))
+        self._tx.run(delete(invitation).where(invitation.c.id == number))
 
     def accept(self, secret: str) -> tuple[str, int | None] | None:
         """Role of an invitation and key of the project where it is given, None for all; it is used up by this. None
         where there is none, or it is too old."""
         its = invitation.c.sha256 == digest_of(secret)
         wanted = select(invitation.c.role, invitation.c.project).where(its, invitation.c.expires >= now())
-        found = self._tx.connection.execute(wanted).one_or_none()
+        found = self._tx.fetch_one(wanted)
         # Of two that come at once one finds nothing to delete.
-        if found is None or not self._tx.connection.execute(delete(invitation).where(its)).rowcount:
+        if found is None or not self._tx.run(delete(invitation).where(its)):
             return None
         return str(found.role), found.project
 

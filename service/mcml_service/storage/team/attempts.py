@@ -36,14 +36,14 @@ class Attempts:
         for kind, what in of.items():
             its = (attempt.c.sha256 == _digest(kind, what), attempt.c.expires > at)
             kept = select(func.count(), func.min(attempt.c.expires)).where(*its)
-            number, first = self._tx.connection.execute(kept).one()
+            ((number, first),) = self._tx.fetch_all(kept)
             if number - counted >= LIMITS[kind][0]:
                 raise AttemptsError(max(1, math.ceil(first - at)))
 
     def add(self, of: dict[str, str]) -> list[int]:
         """Count one more; the keys of its rows."""
         at = time.time()
-        self._tx.connection.execute(delete(attempt).where(attempt.c.expires <= at))
+        self._tx.run(delete(attempt).where(attempt.c.expires <= at))
         return [
             self._tx.insert_row(attempt, sha256=_digest(kind, what), expires=at + LIMITS[kind][1])
             for kind, what in of.items()
@@ -51,12 +51,12 @@ class Attempts:
 
     def take_back(self, keys: Collection[int]) -> None:
         """Those that were refused do not count."""
-        self._tx.connection.execute(delete(attempt).where(attempt.c.id.in_(keys)))
+        self._tx.run(delete(attempt).where(attempt.c.id.in_(keys)))
 
     def forget(self, of: dict[str, str]) -> None:
         """Somebody got in, and begins anew."""
         its = attempt.c.sha256.in_([_digest(kind, what) for kind, what in of.items()])
-        self._tx.connection.execute(delete(attempt).where(its))
+        self._tx.run(delete(attempt).where(its))
 
 
 def _digest(kind: str, what: str) -> str:

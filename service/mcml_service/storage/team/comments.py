@@ -52,12 +52,12 @@ class Comments:
         """The oldest first, those with numbers above `after`."""
         its = (comment.c.document == stored.key, comment.c.deleted.is_(None), comment.c.id > after)
         query = select(*_TOLD).where(*its).order_by(comment.c.id).limit(limit)
-        return [Comment(*row) for row in self._tx.checked_once(checked(query, comment))]
+        return [Comment(*row) for row in self._tx.fetch_all(checked(query, comment))]
 
     def get(self, stored: StoredDocument, number: int) -> Comment:
         """NotFoundError."""
         its = (comment.c.id == number, comment.c.document == stored.key, comment.c.deleted.is_(None))
-        rows = self._tx.checked_once(checked(select(*_TOLD).where(*its), comment))
+        rows = self._tx.fetch_all(checked(select(*_TOLD).where(*its), comment))
         if not rows:
             raise NotFoundError(f"There is no comment {number} on this document.", remedy="List its comments.")
         return Comment(*rows[0])
@@ -108,10 +108,10 @@ class Comments:
 
     def _set(self, number: int, **values: Any) -> None:
         query = select(*(comment.c[name] for name in _COLUMNS)).where(comment.c.id == number).with_for_update()
-        (held,) = self._tx.checked_once(checked(query, comment))
+        (held,) = self._tx.fetch_all(checked(query, comment))
         row = dict(zip(_COLUMNS, held, strict=True)) | values
         changed = update(comment).where(comment.c.id == number)
-        self._tx.connection.execute(changed.values(**values, checksum=SEALS[comment].of((*row.values(),))))
+        self._tx.run(changed.values(**values, checksum=SEALS[comment].of((*row.values(),))))
 
     def _told(self, stored: StoredDocument, number: int, what: str) -> Comment:
         self._note(stored, number, what)

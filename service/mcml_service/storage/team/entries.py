@@ -60,7 +60,7 @@ def entry_of(tx: BaseTransaction, author: str, rows: Sequence[Any]) -> Entry | N
 def scopes_of(tx: BaseTransaction, account_key: int) -> frozenset[tuple[int, str]]:
     """(key of a project, scope there) of the projects that an account belongs to."""
     wanted = select(membership.c.project, membership.c.role).where(membership.c.account == account_key)
-    rows = tx.connection.execute(wanted)
+    rows = tx.fetch_all(wanted)
     return frozenset((key, PROJECT_ROLES[role]) for key, role in rows if role in PROJECT_ROLES)
 
 
@@ -68,4 +68,4 @@ def is_taken(tx: BaseTransaction, name: str) -> bool:
     """Whether an account or a token has a name: revisions and history tell who did something by it."""
     named = select(account.c.id).where(account.c.name == stored_form(name))
     called = select(token.c.id).where(token.c.name == name)
-    return any(tx.connection.execute(query.limit(1)).first() is not None for query in (named, called))
+    return any(tx.fetch_one(query.limit(1)) is not None for query in (named, called))

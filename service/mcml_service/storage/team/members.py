@@ -39,7 +39,7 @@ class Members:
             account.outerjoin(membership, own & (membership.c.project == project_key))
         )
         found = []
-        for row in self._tx.connection.execute(wanted.where(account.c.closed.is_(None)).order_by(account.c.name)):
+        for row in self._tx.fetch_all(wanted.where(account.c.closed.is_(None)).order_by(account.c.name)):
             here, all_over = PROJECT_ROLES.get(row.here or ""), ROLES.get(row.role)
             scope = greatest(here, all_over)
             if scope is not None:
@@ -53,7 +53,7 @@ class Members:
         person = self._accounts.get(name)
         self._remove(project_key, person.key)
         row = {"account": person.key, "project": project_key, "role": role}
-        self._tx.connection.execute(insert(membership).values(**row))
+        self._tx.run(insert(membership).values(**row))
         self._activity.note("member", "set", project_key=project_key, subject=f"{person.name} as {role}")
 
     def remove(self, project_key: int, name: str) -> None:
@@ -69,7 +69,7 @@ class Members:
 
     def _remove(self, project_key: int, account_key: int) -> int:
         its = (membership.c.account == account_key, membership.c.project == project_key)
-        return self._tx.connection.execute(delete(membership).where(*its)).rowcount
+        return self._tx.run(delete(membership).where(*its))
 
 
 _ROLE_OF = {scope: role for role, scope in PROJECT_ROLES.items()}

@@ -41,7 +41,7 @@ class Presence:
         its = (presence.c.document == stored.key, presence.c.expires > _time(at), account.c.closed.is_(None))
         query = select(account.c.name, presence.c.doing, presence.c.since).join(account).where(*its)
         found: dict[str, Present] = {}
-        for row in self._tx.connection.execute(query.order_by(presence.c.doing, presence.c.since, presence.c.id)):
+        for row in self._tx.fetch_all(query.order_by(presence.c.doing, presence.c.since, presence.c.id)):
             found.setdefault(row.name, Present(*row))
         return sorted((one for one in found.values() if one.name != but), key=lambda one: one.name)
 
@@ -50,14 +50,14 @@ class Presence:
         key = self._accounts.get(name).key
         its_own = _own(stored, key, tab)
         same = and_(its_own, presence.c.doing == doing, presence.c.expires > _time(at))
-        since = self._tx.connection.execute(select(presence.c.since).where(same)).scalars().first()
-        self._tx.connection.execute(delete(presence).where(its_own | (presence.c.expires <= _time(at))))
+        since = self._tx.fetch_value(select(presence.c.since).where(same))
+        self._tx.run(delete(presence).where(its_own | (presence.c.expires <= _time(at))))
         row = {"document": stored.key, "account": key, "tab": tab, "doing": doing, "since": since or now()}
-        self._tx.connection.execute(insert(presence).values(**row, expires=_time(at) + LASTS))
+        self._tx.run(insert(presence).values(**row, expires=_time(at) + LASTS))
 
     def end(self, stored: StoredDocument, name: str, tab: str) -> None:
         """Say that a window of a person is there no more."""
-        self._tx.connection.execute(delete(presence).where(_own(stored, self._accounts.get(name).key, tab)))
+        self._tx.run(delete(presence).where(_own(stored, self._accounts.get(name).key, tab)))
 
 
 def _own(stored: StoredDocument, account_key: int, tab: str) -> ColumnElement[bool]:

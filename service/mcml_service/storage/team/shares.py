@@ -102,7 +102,7 @@ class Shares:
         number = self._tx.insert_row(share, **row, author=author, created=now(), expires=now(lasts))
         for one in stored:
             about = {"share": number, "document": one.key, "revision": one.revision, "latest": latest}
-            self._tx.connection.execute(insert(shared_document).values(**about))
+            self._tx.run(insert(shared_document).values(**about))
         self._activity.note("share", "add", project_key=key, subject=stored_form(name))
         (made,) = self._found(share.c.id == number)
         return secret, made
@@ -119,9 +119,9 @@ class Shares:
         if found is None:
             raise NotFoundError(f"There is no link {number}.", remedy="It has ended, or was taken back.")
         self._activity.note("share", "revoke", project_key=self._projects.get(found.project), subject=found.name)
-        self._tx.connection.execute(delete(session).where(session.c.share == number))
-        self._tx.connection.execute(delete(shared_document).where(shared_document.c.share == number))
-        self._tx.connection.execute(delete(share).where(share.c.id == number))
+        self._tx.run(delete(session).where(session.c.share == number))
+        self._tx.run(delete(shared_document).where(shared_document.c.share == number))
+        self._tx.run(delete(share).where(share.c.id == number))
 
     def find(self, secret: str) -> Share | None:
         """By its secret, None where it has ended or there is none."""
@@ -151,11 +151,11 @@ class Shares:
         return found
 
     def _found(self, wanted: ColumnElement[bool]) -> list[Share]:
-        rows = self._tx.connection.execute(_ROWS.where(wanted).order_by(share.c.id.desc())).all()
+        rows = self._tx.fetch_all(_ROWS.where(wanted).order_by(share.c.id.desc()))
         inside = select(shared_document, document.c.uuid).join(document, document.c.id == shared_document.c.document)
         inside = inside.where(shared_document.c.share.in_([row.id for row in rows]))
         held: dict[int, dict[str, SharedDocument]] = {row.id: {} for row in rows}
-        for one in self._tx.connection.execute(inside):
+        for one in self._tx.fetch_all(inside):
             held[one.share][one.uuid] = SharedDocument(one.revision, bool(one.latest))
         return [
             Share(

@@ -6,11 +6,13 @@ import secrets
 from collections.abc import Collection
 from dataclasses import dataclass
 from datetime import timedelta
+from typing import NamedTuple
 
 from sqlalchemy import bindparam, delete, insert, select, update
 
 from mcml.errors import ConflictError, NotFoundError
 from mcml_service.storage.core.identifiers import digest_of, now
+from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import project, token
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import SCOPES
@@ -19,9 +21,9 @@ from mcml_service.storage.team.accounts import Account
 from mcml_service.storage.team.entries import Entry, entry_of, is_taken
 from mcml_service.storage.team.tables import account, grant, granted_project, session
 
-_ANY = select(token.c.name).limit(1)
+_ANY = Prepared(select(token.c.name).limit(1))
 _GRANTED = token.join(grant).outerjoin(account, grant.c.account == account.c.id)
-_COMING = (
+_COMING = Prepared(
     select(
         token.c.id.label("token"),
         token.c.name,
@@ -37,6 +39,23 @@ _COMING = (
     .select_from(_GRANTED.outerjoin(granted_project, granted_project.c.token == token.c.id))
     .where(token.c.sha256 == bindparam("digest"))
 )
+
+
+class _Coming(NamedTuple):
+    """A row of `_COMING`."""
+
+    token: int
+    name: str
+    expires: str | None
+    scope: str
+    used: str | None
+    person: int | None
+    account: str | None
+    role: str | None
+    closed: str | None
+    project: int | None
+
+
 USED_HOURS = 1
 """How precisely it is told when a token was used: reading is no writing."""
 
@@ -80,9 +99,9 @@ class Tokens:
         row = {"name": name, "sha256": digest_of(secret), "hint": secret[:9], "created": now(), "expires": expires}
         key = self._tx.insert_row(token, **row)
         whose = None if owner is None else owner.key
-        self._tx.connection.execute(insert(grant).values(token=key, scope=scope, account=whose))
+        self._tx.run(insert(grant).values(token=key, scope=scope, account=whose))
         for each in projects:
-            self._tx.connection.execute(insert(granted_project).values(token=key, project=each))
+            self._tx.run(insert(granted_project).values(token=key, project=each))
         self._activity.note("token", "add", subject=name)
         return secret
 
@@ -90,25 +109,25 @@ class Tokens:
         """By name."""
         columns = (token.c.name, token.c.hint, token.c.created, token.c.expires, grant.c.scope)
         wanted = select(*columns, account.c.name.label("account"), grant.c.used).select_from(_GRANTED)
-        rows = self._tx.connection.execute(wanted.order_by(token.c.name)).all()
+        rows = self._tx.fetch_all(wanted.order_by(token.c.name))
         named = select(token.c.name, project.c.name).select_from(granted_project.join(token).join(project))
         where: dict[str, tuple[str, ...]] = {}
-        for whose, name in self._tx.connection.execute(named.order_by(project.c.name)):
+        for whose, name in self._tx.fetch_all(named.order_by(project.c.name)):
             where[whose] = (*where.get(whose, ()), name)
-        return [TokenSummary(*row, where.get(row.name, ())) for row in rows]
+        return [TokenSummary(**row._mapping, projects=where.get(row.name, ())) for row in rows]
 
     def exist(self) -> bool:
         """Whether there is any token, an expired one too."""
-        return bool(self._tx.rows(_ANY))
+        return bool(self._tx.fetch_all(_ANY))
 
     def remove(self, name: str) -> None:
         """NotFoundError."""
         # Sessions that it was exchanged for end with it.
         its = select(token.c.id).where(token.c.name == name).scalar_subquery()
-        self._tx.connection.execute(delete(session).where(session.c.token == its))
+        self._tx.run(delete(session).where(session.c.token == its))
         for table in (grant, granted_project):
-            self._tx.connection.execute(delete(table).where(table.c.token == its))
-        if not self._tx.connection.execute(delete(token).where(token.c.name == name)).rowcount:
+            self._tx.run(delete(table).where(table.c.token == its))
+        if not self._tx.run(delete(token).where(token.c.name == name)):
             raise NotFoundError(f"There is no token {name!r}.", remedy="See `mcml token list`.")
         self._activity.note("token", "revoke", subject=name)
 
@@ -118,7 +137,7 @@ class Tokens:
 
     def came(self, secret: str) -> tuple[Entry | None, bool]:
         """As `entry`, and whether it is noted that the token was used within the last hour."""
-        rows = self._tx.run(_COMING, {"digest": digest_of(secret)}).all()
+        rows = [_Coming(*row) for row in self._tx.fetch_all(_COMING, {"digest": digest_of(secret)})]
         if not rows or (rows[0].expires is not None and rows[0].expires < now()):
             return None, False
         used = rows[0].used
@@ -127,9 +146,10 @@ class Tokens:
     def name(self, secret: str) -> str | None:
         """The name of the token with this secret."""
         wanted = select(token.c.name).where(token.c.sha256 == digest_of(secret))
-        return self._tx.connection.execute(wanted).scalar_one_or_none()
+        name: str | None = self._tx.fetch_value(wanted)
+        return name
 
     def note_use(self, secret: str) -> None:
         """Note that it was used now."""
         its = select(token.c.id).where(token.c.sha256 == digest_of(secret)).scalar_subquery()
-        self._tx.connection.execute(update(grant).where(grant.c.token == its).values(used=now()))
+        self._tx.run(update(grant).where(grant.c.token == its).values(used=now()))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import secrets
 from dataclasses import dataclass
 from datetime import timedelta
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import (
     and_,
@@ -24,6 +24,7 @@ from sqlalchemy.exc import IntegrityError
 from sqlalchemy.sql import ColumnElement
 
 from mcml_service.storage.core.identifiers import digest_of, now
+from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import token
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.team.accounts import Account
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
     from mcml_service.storage.team.shares import Share
 
 _PERSON = func.coalesce(session.c.account, grant.c.account)
-_VISITING = (
+_VISITING = Prepared(
     select(
         session.c.author,
         session.c.token,
@@ -59,6 +60,21 @@ _VISITING = (
     )
 )
 
+
+class _Visit(NamedTuple):
+    """A row of `_VISITING`."""
+
+    author: str
+    token: int | None
+    person: int | None
+    until: str | None
+    scope: str | None
+    account: str | None
+    role: str | None
+    closed: str | None
+    project: int | None
+
+
 SESSION_HOURS, LINK_MINUTES, KEY_HOURS = 12, 15, 24
 
 
@@ -73,7 +89,7 @@ class Sessions:
         """A new session of an author; its secret. token_name: of the token that it was exchanged for."""
         key = None
         if token_name is not None:
-            key = self._tx.connection.execute(select(token.c.id).where(token.c.name == token_name)).scalar_one()
+            key = self._tx.fetch_value(select(token.c.id).where(token.c.name == token_name))
         return self._add("session", author, timedelta(hours=SESSION_HOURS), token=key)
 
     def open_for(self, person: Account) -> str:
@@ -89,7 +105,7 @@ class Sessions:
         found = self._find("link", secret)
         used = delete(session).where(session.c.sha256 == digest_of(secret))
         # Of two that come at once one finds nothing to delete.
-        if found is None or not self._tx.connection.execute(used).rowcount:
+        if found is None or not self._tx.run(used):
             return None
         return found.author
 
@@ -104,7 +120,7 @@ class Sessions:
     def share_entry(self, secret: str) -> Entry | None:
         """Who comes by a link, None where it has ended."""
         its = (session.c.sha256 == digest_of(secret), session.c.kind == "share", session.c.expires >= now())
-        row = self._tx.connection.execute(select(session.c.share, session.c.author).where(*its)).one_or_none()
+        row = self._tx.fetch_one(select(session.c.share, session.c.author).where(*its))
         shown = None if row is None or row.share is None else self._shares.numbered(row.share)
         if row is None or shown is None:
             return None
@@ -112,24 +128,24 @@ class Sessions:
 
     def close(self, secret: str) -> None:
         """End a session."""
-        self._tx.connection.execute(delete(session).where(session.c.sha256 == digest_of(secret)))
+        self._tx.run(delete(session).where(session.c.sha256 == digest_of(secret)))
 
     def end_all(self, account_key: int) -> None:
         """End all sessions of an account, those that its tokens were exchanged for too."""
         its_tokens = select(grant.c.token).where(grant.c.account == account_key)
         its_own = or_(session.c.account == account_key, session.c.token.in_(its_tokens))
-        self._tx.connection.execute(delete(session).where(its_own))
+        self._tx.run(delete(session).where(its_own))
 
     def _add(self, kind: str, author: str, lasts: timedelta, **whose: int | None) -> str:
-        self._tx.connection.execute(delete(session).where(session.c.expires < now()))
+        self._tx.run(delete(session).where(session.c.expires < now()))
         secret = secrets.token_urlsafe(32)
         row = {"sha256": digest_of(secret), "kind": kind, "author": author, **whose}
-        self._tx.connection.execute(insert(session).values(**row, created=now(), expires=now(lasts)))
+        self._tx.run(insert(session).values(**row, created=now(), expires=now(lasts)))
         return secret
 
     def _find(self, kind: str, secret: str) -> Entry | None:
         given = {"digest": digest_of(secret), "of": kind, "at": now()}
-        rows = self._tx.run(_VISITING, given).all()
+        rows = [_Visit(*row) for row in self._tx.fetch_all(_VISITING, given)]
         if not rows or (rows[0].until is not None and rows[0].until < given["at"]):
             return None
         row = rows[0]
@@ -158,24 +174,24 @@ class Requests:
 
     def begin(self, author: str, key: str, operation: str, digest: str) -> Remembered | None:
         """Note a request; None, or what is known of one that had this key before."""
-        self._tx.connection.execute(delete(request).where(request.c.created < now(-timedelta(hours=KEY_HOURS))))
+        self._tx.run(delete(request).where(request.c.created < now(-timedelta(hours=KEY_HOURS))))
         values = {"author": author, "key": key, "operation": operation, "digest": digest, "created": now()}
         try:
-            with self._tx.connection.begin_nested():
-                self._tx.connection.execute(insert(request).values(**values))
+            with self._tx.savepoint():
+                self._tx.run(insert(request).values(**values))
         except IntegrityError:
-            found = self._tx.connection.execute(select(request).where(_named(author, key))).one()
+            (found,) = self._tx.fetch_all(select(request).where(_named(author, key)))
             return Remembered(found.operation, found.digest, found.status, found.location, found.answer)
         return None
 
     def end(self, author: str, key: str, status: int, location: str | None, answer: str) -> None:
         """Keep what was answered."""
         values = {"status": status, "location": location, "answer": answer}
-        self._tx.connection.execute(update(request).where(_named(author, key)).values(**values))
+        self._tx.run(update(request).where(_named(author, key)).values(**values))
 
     def forget(self, author: str, key: str) -> None:
         """The request failed: nothing was done, and it may be sent again."""
-        self._tx.connection.execute(delete(request).where(_named(author, key)))
+        self._tx.run(delete(request).where(_named(author, key)))
 
 
 def _named(author: str, key: str) -> ColumnElement[bool]:

@@ -94,7 +94,7 @@ class Webhooks:
         query = _TOLD.order_by(webhook.c.id.desc())
         if project_key is not None:
             query = query.where(webhook.c.project == project_key)
-        rows = [row for row in self._tx.connection.execute(query) if self._decides(row.key)]
+        rows = [row for row in self._tx.fetch_all(query) if self._decides(row.key)]
         return [
             Webhook(row.id, row.name, row.url, tuple(row.kinds.split()), row.author, row.created, row.ended)
             for row in rows
@@ -124,8 +124,8 @@ class Webhooks:
     def remove(self, number: int) -> None:
         """Nothing is sent there any more. NotFoundError."""
         found = self.get(number)
-        self._tx.connection.execute(delete(delivery).where(delivery.c.webhook == number))
-        self._tx.connection.execute(delete(webhook).where(webhook.c.id == number))
+        self._tx.run(delete(delivery).where(delivery.c.webhook == number))
+        self._tx.run(delete(webhook).where(webhook.c.id == number))
         key = None if found.project is None else self._projects.get(found.project)
         self._activity.note("webhook", "remove", project_key=key, subject=str(number))
 
@@ -134,16 +134,17 @@ class Webhooks:
         query = select(*_LOGGED).where(delivery.c.webhook == number).order_by(delivery.c.id.desc()).limit(limit)
         if before is not None:
             query = query.where(delivery.c.id < before)
-        return [Delivery(*row) for row in self._tx.connection.execute(query)]
+        return [Delivery(*row) for row in self._tx.fetch_all(query)]
 
     def send_again(self, number: int, message: int) -> Delivery:
         """Let a message be sent once more, at once, as if for the first time. NotFoundError."""
         self.get(number)
         its = and_(delivery.c.id == message, delivery.c.webhook == number)
         anew = {"state": "waiting", "attempts": 0, "due": time.time()}
-        if not self._tx.connection.execute(update(delivery).where(its).values(**anew)).rowcount:
+        if not self._tx.run(update(delivery).where(its).values(**anew)):
             raise NotFoundError(f"Webhook {number} has no message {message}.", remedy="See its log.")
-        return Delivery(*self._tx.connection.execute(select(*_LOGGED).where(its)).one())
+        (row,) = self._tx.fetch_all(select(*_LOGGED).where(its))
+        return Delivery(*row)
 
     def _decides(self, project_key: int | None) -> bool:
         view = self._tx.view
@@ -154,19 +155,19 @@ class Webhooks:
     def any_due(self) -> bool:
         """Whether `queue` or `claim` would find anything; a cheap read."""
         news = exists().where(webhook.c.ended.is_(None), webhook.c.after < self._activity.newest())
-        return bool(self._tx.connection.execute(select(news | exists().where(_due()))).scalar_one())
+        return bool(self._tx.fetch_value(select(news | exists().where(_due()))))
 
     def queue(self) -> None:
         """Make messages of the events that webhooks have not heard of."""
         newest = self._activity.newest()
         behind = select(webhook).where(webhook.c.ended.is_(None), webhook.c.after < newest)
-        for row in self._tx.connection.execute(behind.with_for_update(skip_locked=True)).all():
+        for row in self._tx.fetch_all(behind.with_for_update(skip_locked=True)):
             found = self._activity.after(row.after, AT_A_TIME, project_key=row.project)
             heard = found[-1].number if len(found) == AT_A_TIME else newest
             wanted = [event for event in found if not row.kinds or event.kind in row.kinds.split()]
             if wanted:
-                self._tx.connection.execute(insert(delivery), [_message(row.id, event) for event in wanted])
-            self._tx.connection.execute(update(webhook).where(webhook.c.id == row.id).values(after=heard))
+                self._tx.run(insert(delivery), [_message(row.id, event) for event in wanted])
+            self._tx.run(update(webhook).where(webhook.c.id == row.id).values(after=heard))
 
     def claim(self, most: int) -> list[Claimed]:
         """Take up to so many messages that are to be sent now, the first ones first."""
@@ -178,10 +179,10 @@ class Webhooks:
             .order_by(delivery.c.due)
             .limit(most)
         )
-        rows = self._tx.connection.execute(query.with_for_update(skip_locked=True, of=delivery)).all()
+        rows = self._tx.fetch_all(query.with_for_update(skip_locked=True, of=delivery))
         for row in rows:
             begun = {"attempts": row[-1], "due": time.time() + LEASE_SECONDS}
-            self._tx.connection.execute(update(delivery).where(delivery.c.id == row[0]).values(**begun))
+            self._tx.run(update(delivery).where(delivery.c.id == row[0]).values(**begun))
         return [Claimed(*row) for row in rows]
 
     def told(self, claimed: Claimed, status: int | None, problem: str | None, patience: float = 0.0) -> None:
@@ -196,17 +197,17 @@ class Webhooks:
         else:
             pause = RETRY_SECONDS[claimed.attempt - 1] * random.uniform(1, 1.2)
             values["due"] = time.time() + max(pause, min(patience, RETRY_SECONDS[-1]))
-        changed = self._tx.connection.execute(update(delivery).where(its).values(**values)).rowcount
+        changed = self._tx.run(update(delivery).where(its).values(**values))
         if changed and status == GONE:
             whose = select(delivery.c.webhook).where(its).scalar_subquery()
-            self._tx.connection.execute(update(webhook).where(webhook.c.id == whose).values(ended=now()))
+            self._tx.run(update(webhook).where(webhook.c.id == whose).values(ended=now()))
             rest = and_(delivery.c.webhook == whose, delivery.c.state == "waiting")
-            self._tx.connection.execute(update(delivery).where(rest).values(state="failed", problem="gone"))
+            self._tx.run(update(delivery).where(rest).values(state="failed", problem="gone"))
 
     def forget(self, before: str) -> None:
         """Remove messages from before a time that wait no more."""
         old = and_(delivery.c.created < before, delivery.c.state != "waiting")
-        self._tx.connection.execute(delete(delivery).where(old))
+        self._tx.run(delete(delivery).where(old))
 
 
 _TOLD: Select[Any] = select(

@@ -60,8 +60,8 @@ def changed_chunks(before: Transaction, after: Transaction, document_key: int) -
         came = (table.c.from_commit > first, table.c.from_commit <= last, table.c.to_commit > last)
         went = (table.c.to_commit > first, table.c.to_commit <= last, table.c.from_commit <= first)
         closed = (CLOSED_TRACK,) if table is track else ()
-        yield from after.connection.execute(of_document.where(*came).distinct())
-        yield from after.connection.execute(of_document.where(*closed, *went).distinct())
+        yield from after.fetch_all(of_document.where(*came).distinct())
+        yield from after.fetch_all(of_document.where(*closed, *went).distinct())
 
     chunks = {row[0] for row in differing(track, track.c.chunk)}
     for slot, count in differing(shape_run, shape_run.c.slot, shape_run.c.count):

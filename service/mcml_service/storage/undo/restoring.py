@@ -23,13 +23,13 @@ def copy_rows(tx: Transaction, table: Table, *which: ColumnElement[bool]) -> Non
     made = {"from_commit": literal(tx.commit), "to_commit": literal(-1), "checksum": carried(table, tx.commit)}
     names = [column.name for column in table.columns if column.name not in (*made, "id")]
     copies = select(*(table.c[name] for name in names), *made.values()).where(*which)
-    tx.connection.execute(insert(table).from_select([*names, *made], copies))
+    tx.run(insert(table).from_select([*names, *made], copies))
 
 
 def show_copies(tx: Transaction, table: Table, stored: StoredDocument) -> None:
     """Make the copied rows of a document current."""
     copied = and_(table.c.document == stored.key, table.c.to_commit == -1)
-    tx.connection.execute(update(table).where(copied).values(to_commit=CURRENT))
+    tx.run(update(table).where(copied).values(to_commit=CURRENT))
 
 
 def reopen_rows(tx: Transaction, stored: StoredDocument, at: int) -> None:
@@ -44,7 +44,7 @@ def reopen_rows(tx: Transaction, stored: StoredDocument, at: int) -> None:
         # Rows that were closed since are copied first, so that closing the present ones cannot catch the copies.
         copy_rows(tx, table, of_document, valid(table, at), table.c.to_commit != CURRENT)
         later = and_(of_document, current, table.c.from_commit > at)
-        tx.connection.execute(update(table).where(later).values(closing(table, now)))
+        tx.run(update(table).where(later).values(closing(table, now)))
         show_copies(tx, table, stored)
     header_now = tx.heads.header(stored.key)
     tx.heads.refresh_properties(stored.key, header_now)

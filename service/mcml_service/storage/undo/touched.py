@@ -39,7 +39,7 @@ def touched_frames(tx: Transaction, document_key: int, commit: int, before: int,
     changed = or_(span.c.from_commit == commit, span.c.to_commit == commit)
     names = select(span.c.first, span.c.last).where(span.c.document == document_key, changed)
     if [run.count for run in runs] == [before] == [after]:
-        for first, last in tx.connection.execute(names):
+        for first, last in tx.fetch_all(names):
             marked[first : last + 1] = True
     places = np.flatnonzero(marked)
     return [(int(first), int(last)) for first, last in find_consecutive(places)] if len(places) else []
@@ -50,7 +50,7 @@ def _slots(tx: Transaction, document_key: int, commit: int, chunks: set[int]) ->
     came = track.c.from_commit == commit
     query = select(track.c.chunk, track.c.bone).where(track.c.document == document_key)
     went = query.where(CLOSED_TRACK, track.c.to_commit == commit)
-    rows = {(row[0], row[1]) for found in (query.where(came), went) for row in tx.connection.execute(found)}
+    rows = {(row[0], row[1]) for found in (query.where(came), went) for row in tx.fetch_all(found)}
     if len(rows) > MOST_COMPARED:
         return np.concatenate([np.arange(chunk * CHUNK, (chunk + 1) * CHUNK) for chunk in sorted(chunks)])
     old, new = tx.at_commit(commit - 1), tx.at_commit(commit)

@@ -73,7 +73,7 @@ def _touched(what: str) -> ConflictError:
 def _rows(tx: Transaction, table: Table, stored: StoredDocument, *conditions: Any) -> list[Row]:
     # Numbers of tracks are not needed here, only which they are.
     columns = [column for column in table.columns if column.name != "data"]
-    found = tx.connection.execute(select(*columns).where(table.c.document == stored.key, *conditions))
+    found = tx.fetch_all(select(*columns).where(table.c.document == stored.key, *conditions))
     return [dict(row._mapping) for row in found]
 
 
@@ -97,7 +97,7 @@ def _touches(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> 
 def _changed_since(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> bool:
     later = (table.c.from_commit > at) | ((table.c.to_commit > at) & (table.c.to_commit != CURRENT))
     query = select(literal(1)).where(table.c.document == stored.key, later).limit(1)
-    return tx.connection.execute(query).first() is not None
+    return tx.fetch_one(query) is not None
 
 
 def _take_back(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> None:
@@ -115,7 +115,7 @@ def _take_back(tx: Transaction, table: Table, stored: StoredDocument, at: int) -
     of_document = table.c.document == stored.key
     copy_rows(tx, table, of_document, *_closed_at(table, at))
     mine = and_(of_document, table.c.from_commit == at, table.c.to_commit == CURRENT)
-    tx.connection.execute(update(table).where(mine).values(closing(table, tx.commit)))
+    tx.run(update(table).where(mine).values(closing(table, tx.commit)))
     show_copies(tx, table, stored)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Collection, Iterable, Iterator
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -55,7 +56,7 @@ def faults(tx: Transaction, *, past: bool = False) -> list[str]:
     for one in _rows(tx.documents.everything, found):
         found += _document_faults(tx, *one, past=past)
     files = select(upload.c.id, upload.c.sha256, upload.c.size).where(_NAMED)
-    for key, sha256, size in _rows(lambda: tx.connection.execute(files).all(), found):
+    for key, sha256, size in _rows(lambda: tx.fetch_all(files), found):
         found += _told("An upload", lambda key=key, sha256=sha256, size=size: _upload_faults(tx, key, sha256, size))  # type: ignore[misc]
     return list(dict.fromkeys(found))
 
@@ -113,11 +114,11 @@ def _states(tx: Transaction, key: int, *, past: bool) -> list[Transaction]:
     if not past:
         return [tx]
     query = select(revision.c.commit).where(revision.c.document == key).distinct().order_by(revision.c.commit)
-    return [tx.at_commit(number) for number in tx.connection.execute(query).scalars().all()]
+    return [tx.at_commit(number) for number in tx.fetch_column(query)]
 
 
 def _layout_faults(tx: Transaction) -> Iterator[str]:
-    require_layout(tx.connection)
+    require_layout(tx)
     yield from ()
 
 
@@ -126,15 +127,14 @@ def _layout_faults(tx: Transaction) -> Iterator[str]:
 
 def _sealed_faults(tx: Transaction, table: Table) -> Iterator[str]:
     seal = SEALS[table]
-    for row in tx.connection.execute(select(*seal.read).execution_options(yield_per=ROWS)):
+    for row in chain.from_iterable(tx.stream(select(*seal.read), ROWS)):
         if not seal.holds(tuple(row)):
             yield describe_damage(tx, table, tuple(row)).what
 
 
 def _track_faults(tx: Transaction) -> Iterator[str]:
     read = (*TRACK_FACTS, "from_commit", "to_commit", "checksum", "data")
-    query = select(*(track.c[name] for name in read)).execution_options(yield_per=ROWS)
-    for block in tx.connection.execute(query).partitions(ROWS):
+    for block in tx.stream(select(*(track.c[name] for name in read)), ROWS):
         rows = [tuple(row) for row in block]
         for (key, chunk, bone, *_), sound in zip(rows, _sound_tracks(rows), strict=True):
             if not sound:
@@ -157,10 +157,10 @@ def _sound_tracks(rows: list[tuple[Any, ...]]) -> list[bool]:
 
 
 def _skeleton_faults(tx: Transaction) -> Iterator[str]:
-    for key, hashed in tx.connection.execute(select(skeleton.c.id, skeleton.c.hash)).all():
+    for key, hashed in tx.fetch_all(select(skeleton.c.id, skeleton.c.hash)):
         columns = [skeleton_element.c[name] for name in ELEMENT_COLUMNS]
         query = select(*columns).where(skeleton_element.c.skeleton == key).order_by(skeleton_element.c.pre)
-        rows = [tuple(row) for row in tx.connection.execute(query)]
+        rows = [tuple(row) for row in tx.fetch_all(query)]
         used = f"skeleton {key}, used by {', '.join(_users(tx, key)) or 'no document'}"
         try:
             if to_rows(to_skeleton([row[2:] for row in rows], hashed), level=1) != rows:
@@ -171,7 +171,7 @@ def _skeleton_faults(tx: Transaction) -> Iterator[str]:
 
 def _users(tx: Transaction, key: int) -> list[str]:
     query = select(document.c.name).join(content, content.c.document == document.c.id)
-    return sorted(set(tx.connection.execute(query.where(content.c.skeleton == key).limit(5)).scalars()))
+    return sorted(set(tx.fetch_column(query.where(content.c.skeleton == key).limit(5))))
 
 
 # -- documents ---------------------------------------------------------------------------------------------------------
@@ -180,26 +180,26 @@ def _users(tx: Transaction, key: int) -> list[str]:
 def _head_faults(tx: Transaction, key: int) -> Iterator[str]:
     tx.documents.receipt(key)
     query = select(*(property_.c[name] for name in ("name", "number", "text", "unit")))
-    held = {tuple(row) for row in tx.connection.execute(query.where(property_.c.document == key))}
+    held = {tuple(row) for row in tx.fetch_all(query.where(property_.c.document == key))}
     rows = properties_of(key, tx.heads.header(key))
     if held != {(row["name"], row["number"], row["text"], row["unit"]) for row in rows}:
         yield "its properties are not those of its header"
     joined = and_(upload.c.id == document_upload.c.upload, document_upload.c.document == key)
-    if tx.connection.execute(select(upload.c.id).join(document_upload, joined).where(~upload.c.complete)).first():
+    if tx.fetch_one(select(upload.c.id).join(document_upload, joined).where(~upload.c.complete)):
         yield "a file it came from is not whole"
 
 
 def _motion_faults(tx: Transaction, key: int) -> Iterator[str]:
-    rows = tx.connection.execute(select(content).where(content.c.document == key, tx.valid(content))).all()
+    rows = tx.fetch_all(select(content).where(content.c.document == key, tx.valid(content)))
     if len(rows) != 1:
         yield f"{len(rows)} {'current ' if tx.at >= CURRENT - 1 else ''}contents where one belongs"
         return
     frames = int(rows[0].frames)
     tx.heads.header(key)
     tx.heads.skeleton(rows[0].skeleton)
-    covered = tx.connection.execute(
+    covered = tx.fetch_value(
         select(func.coalesce(func.sum(timeline.c.count), 0)).where(timeline.c.document == key, tx.valid(timeline))
-    ).scalar_one()
+    )
     if covered != frames:
         yield f"the timeline has {covered} frames of {frames}"
     read = 0
@@ -231,7 +231,7 @@ def _is_whole(block: FrameBlock) -> bool:
 
 def _upload_faults(tx: Transaction, key: int, sha256: str, size: int) -> Iterator[str]:
     hashed, length = hashlib.sha256(), 0
-    rows = tx.connection.execute(
+    rows = tx.fetch_all(
         select(upload_block.c.number, upload_block.c.data)
         .where(upload_block.c.upload == key)
         .order_by(upload_block.c.number)

@@ -125,7 +125,7 @@ class ProjectRows:
         found: dict[str, list[int]] = {}
         for part in _parts(skeletons):
             query = select(tables.skeleton.c.hash, tables.skeleton.c.id).where(tables.skeleton.c.id.in_(part))
-            for hashed, key in self._tx.connection.execute(query.order_by(tables.skeleton.c.id)):
+            for hashed, key in self._tx.fetch_all(query.order_by(tables.skeleton.c.id)):
                 found.setdefault(hashed, []).append(key)
         return found
 
@@ -135,14 +135,14 @@ class ProjectRows:
         return self._among["upload"]
 
     def _keys(self, query: Any) -> list[int]:
-        return sorted(key for key in self._tx.connection.execute(query).scalars() if key is not None)
+        return sorted(key for key in self._tx.fetch_column(query) if key is not None)
 
     def of(self, table: Table) -> Iterator[Row]:
         """The rows of a table, in order."""
         for condition in self._conditions(table):
             names = [str(column.name) for column in table.columns]
             query = select(table).where(condition).order_by(*table.primary_key)
-            for block in self._tx.connection.execute(query.execution_options(yield_per=ROWS)).partitions(ROWS):
+            for block in self._tx.stream(query, ROWS):
                 self._require_sound(table, names, block)
                 for row in block:
                     yield self._told(table, {str(name): value for name, value in row._mapping.items()})
@@ -151,8 +151,8 @@ class ProjectRows:
         """(SHA-256, content) of the kept files."""
         for key in self.uploads:
             query = select(tables.upload.c.sha256).where(tables.upload.c.id == key)
-            sha256 = str(self._tx.connection.execute(query).scalar_one())
-            yield sha256, lambda key=key: self._tx.uploads.blocks(key)  # type: ignore[misc]
+            (sha256,) = self._tx.fetch_column(query)
+            yield str(sha256), lambda key=key: self._tx.uploads.blocks(key)  # type: ignore[misc]
 
     def _conditions(self, table: Table) -> Iterator[ColumnElement[bool]]:
         if "project" in table.c and table not in (tables.document, tables.skeleton, tables.revision):
@@ -278,7 +278,8 @@ class ProjectWriter:
     def _equal_skeleton(self, row: Row) -> int | None:
         """The key of a skeleton that the project has."""
         its_own = (tables.skeleton.c.project == self.project_key, tables.skeleton.c.hash == row["hash"])
-        return self.tx.connection.execute(select(tables.skeleton.c.id).where(*its_own)).scalar_one_or_none()
+        key: int | None = self.tx.fetch_value(select(tables.skeleton.c.id).where(*its_own))
+        return key
 
     def _here(self, table: Table, row: Row) -> Row:
         """A row as this store has it."""
@@ -308,7 +309,7 @@ class ProjectWriter:
 
     def _uuid(self, table: Table, uuid: str) -> str:
         """The same, or a new one where it is taken here."""
-        taken = self.tx.connection.execute(select(table.c.id).where(table.c.uuid == uuid)).first()
+        taken = self.tx.fetch_one(select(table.c.id).where(table.c.uuid == uuid))
         if taken is None:
             return uuid
         self.uuids[uuid] = new_uuid()
@@ -329,7 +330,7 @@ def copied(tx: Transaction, document_key: int, project_key: int) -> str:
     """The id of a copy of a document with its whole history, in a project."""
     rows = ProjectRows(tx, None, document_key)
     writer = ProjectWriter(tx, project_key)
-    for sha256, size in tx.connection.execute(
+    for sha256, size in tx.fetch_all(
         select(tables.upload.c.sha256, tables.upload.c.size).where(tables.upload.c.id.in_(rows.uploads))
     ):
         writer.uploads[sha256] = tx.uploads.find(sha256, size) or 0

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import zstandard
-from sqlalchemy import Connection, Table, bindparam, inspect, select, tuple_, update
+from sqlalchemy import Table, bindparam, inspect, select, tuple_, update
 
 from mcml_service.storage.core import tables
 from mcml_service.storage.core.seals import SEALS, Row, sealed
@@ -17,30 +17,29 @@ ROWS = 2000
 
 def seal_rows(tx: Transaction) -> None:
     """Give each row the checksum of what stands there, whatever that is. Receipts are packed anew."""
-    connection = tx.connection
-    held = set(inspect(connection).get_table_names())
+    held = set(inspect(tx.connection).get_table_names())
     for table in (*SEALS, tables.track):
         if table.name in held:
-            _seal(connection, table)
-    _pack_receipts(connection)
+            _seal(tx, table)
+    _pack_receipts(tx)
 
 
 def spoil(tx: Transaction, table: Table, **key: Any) -> None:
     """Let no program read these rows again as if they were sound."""
     chosen = update(table).where(*(table.c[name] == value for name, value in key.items()))
-    tx.connection.execute(chosen.values({"data_checksum" if table is tables.track else "checksum": -1}))
+    tx.run(chosen.values({"data_checksum" if table is tables.track else "checksum": -1}))
 
 
-def _seal(connection: Connection, table: Table) -> None:
+def _seal(tx: Transaction, table: Table) -> None:
     keys = [column.name for column in table.primary_key]
     names = tuple(column.name for column in table.columns if "checksum" not in column.name)
-    for rows in _batches(connection, table, names, keys):
+    for rows in _batches(tx, table, names, keys):
         made, values = sealed(table, names, rows)
         sums = made[len(names) :]
         places = [names.index(key) for key in keys]
         statement = update(table).where(*(table.c[key] == bindparam(f"key_{key}") for key in keys))
         statement = statement.values({name: bindparam(f"new_{name}") for name in sums})
-        connection.execute(
+        tx.run(
             statement,
             [
                 {f"key_{key}": row[place] for key, place in zip(keys, places, strict=True)}
@@ -50,24 +49,23 @@ def _seal(connection: Connection, table: Table) -> None:
         )
 
 
-def _batches(connection: Connection, table: Table, names: Sequence[str], keys: Sequence[str]) -> Iterator[list[Row]]:
+def _batches(tx: Transaction, table: Table, names: Sequence[str], keys: Sequence[str]) -> Iterator[list[Row]]:
     """All rows by their primary key, some at a time: what is read is not what is being changed."""
     key = tuple_(*(table.c[name] for name in keys))
     query = select(*(table.c[name] for name in names)).order_by(*(table.c[name] for name in keys)).limit(ROWS)
     last: tuple[Any, ...] | None = None
     while True:
-        found = connection.execute(query if last is None else query.where(key > last)).all()
-        rows = [tuple(row) for row in found]
+        rows = [tuple(row) for row in tx.fetch_all(query if last is None else query.where(key > last))]
         if not rows:
             return
         yield rows
         last = tuple(rows[-1][list(names).index(name)] for name in keys)
 
 
-def _pack_receipts(connection: Connection) -> None:
-    for rows in _batches(connection, tables.document, ("id", "receipt"), ["id"]):
+def _pack_receipts(tx: Transaction) -> None:
+    for rows in _batches(tx, tables.document, ("id", "receipt"), ["id"]):
         for key, receipt in rows:
             if receipt:
                 text = zstandard.ZstdDecompressor().decompress(receipt)
                 made = zstandard.ZstdCompressor(level=3, write_checksum=True).compress(text)
-                connection.execute(update(tables.document).where(tables.document.c.id == key).values(receipt=made))
+                tx.run(update(tables.document).where(tables.document.c.id == key).values(receipt=made))

@@ -41,9 +41,7 @@ class Aliases:
         """What a project has, nothing for one that does not exist yet."""
         key = self._projects.find(project_name)
         rows = (
-            []
-            if key is None
-            else self._tx.checked_once(checked(_HELD.where(joint_alias.c.project == key), joint_alias))
+            [] if key is None else self._tx.fetch_all(checked(_HELD.where(joint_alias.c.project == key), joint_alias))
         )
         if not rows:
             return StoredAliases(project_name)
@@ -56,7 +54,7 @@ class Aliases:
         values = {"pairs": json.dumps(pairs, ensure_ascii=False), "author": author, "changed": now()}
         key = self._projects.get_or_add(project_name)
         found = self.of(project_name)
-        self._tx.connection.execute(delete(joint_alias).where(joint_alias.c.project == key))
+        self._tx.run(delete(joint_alias).where(joint_alias.c.project == key))
         self._tx.insert_rows(joint_alias, [{"project": key, "version": found.version + 1, **values}])
         return self.of(project_name)
 
@@ -64,4 +62,4 @@ class Aliases:
         """AccessError."""
         key = self._projects.get(project_name)
         self._terms.require(key)
-        self._tx.connection.execute(delete(joint_alias).where(joint_alias.c.project == key))
+        self._tx.run(delete(joint_alias).where(joint_alias.c.project == key))

@@ -101,7 +101,7 @@ class Jobs:
 
     def get(self, uuid: str) -> StoredJob:
         """NotFoundError."""
-        row = self._tx.connection.execute(self._seen().where(job.c.uuid == uuid)).one_or_none()
+        row = self._tx.fetch_one(self._seen().where(job.c.uuid == uuid))
         if row is None:
             raise NotFoundError(f"There is no job {uuid}.", remedy="List the jobs to see their ids.")
         return _stored(row)
@@ -115,20 +115,20 @@ class Jobs:
             query = query.where(job.c.state == state)
         if before is not None:
             query = query.where(job.c.id < before)
-        return [_stored(row) for row in self._tx.connection.execute(query)]
+        return [_stored(row) for row in self._tx.fetch_all(query)]
 
     def active_or_ended_since(self, time: str) -> list[StoredJob]:
         """Jobs that wait or run, and those that ended at a time or later; the oldest first."""
         going = job.c.state.not_in(ENDED)
         query = self._seen().where(going | (job.c.ended >= time)).order_by(job.c.id)
-        return [_stored(row) for row in self._tx.connection.execute(query)]
+        return [_stored(row) for row in self._tx.fetch_all(query)]
 
     def _seen(self) -> Select[Any]:
         return _LISTED.where(seen(self._tx.view, job.c.project))
 
     def any_claimable(self, of_project: int = 0) -> bool:
         """Whether `claim` would find a job; a cheap read."""
-        return self._tx.connection.execute(_claimable(of_project).limit(1)).first() is not None
+        return self._tx.fetch_one(_claimable(of_project).limit(1)) is not None
 
     def claim(self, runner: str, most: int, of_project: int = 0) -> list[StoredJob]:
         """Take up to so many jobs that wait, or whose runner has been silent for too long; the oldest first.
@@ -137,12 +137,12 @@ class Jobs:
         """
         if of_project:
             # Of two runners the second one sees what the first one took.
-            self._tx.dialect.order_commits(self._tx.connection)
+            self._tx.order()
         query = _claimable(of_project).order_by(job.c.id).limit(most).with_for_update(skip_locked=True)
-        keys = list(self._tx.connection.execute(query).scalars())
-        taken = []
+        keys = self._tx.fetch_column(query)
+        taken: list[StoredJob] = []
         for key in keys:
-            self._tx.connection.execute(
+            self._tx.run(
                 update(job)
                 .where(job.c.id == key)
                 .values(
@@ -153,7 +153,7 @@ class Jobs:
                     started=func.coalesce(job.c.started, now()),
                 )
             )
-            taken.append(_stored(self._tx.connection.execute(_LISTED.where(job.c.id == key)).one()))
+            taken += map(_stored, self._tx.fetch_all(_LISTED.where(job.c.id == key)))
         return taken
 
     def renew(self, uuid: str, runner: str) -> None:
@@ -167,11 +167,11 @@ class Jobs:
     def is_wanted(self, uuid: str, runner: str) -> bool:
         """Whether the job shall go on: it is this runner's, and nobody has cancelled it."""
         mine = select(job.c.cancel).where(job.c.uuid == uuid, job.c.state == "running", job.c.runner == runner)
-        return self._tx.connection.execute(mine.where(~job.c.cancel)).first() is not None
+        return self._tx.fetch_one(mine.where(~job.c.cancel)) is not None
 
     def _change(self, uuid: str, runner: str, **values: Any) -> None:
         mine = update(job).where(job.c.uuid == uuid, job.c.state == "running", job.c.runner == runner)
-        if not self._tx.connection.execute(mine.values(**values)).rowcount:
+        if not self._tx.run(mine.values(**values)):
             raise ConflictError(f"Job {uuid} is no longer this runner's.", remedy="Let the other one go on.")
 
     def end(
@@ -196,7 +196,7 @@ class Jobs:
             **done,
         )
         whose = select(job.c.project, job.c.name, job.c.owner).where(job.c.uuid == uuid)
-        project_key, name, owner = self._tx.connection.execute(whose).one()
+        ((project_key, name, owner),) = self._tx.fetch_all(whose)
         self._activity.note("job", state, project_key=project_key, subject=name, author=owner)
 
     def cancel(self, uuid: str) -> StoredJob:
@@ -204,19 +204,19 @@ class Jobs:
         found = self.get(uuid)
         self._terms.require(found.project_key)
         waiting = update(job).where(job.c.uuid == uuid, job.c.state == "waiting")
-        if self._tx.connection.execute(waiting.values(state="cancelled", ended=now(), cancel=True)).rowcount:
+        if self._tx.run(waiting.values(state="cancelled", ended=now(), cancel=True)):
             self._activity.note("job", "cancelled", project_key=found.project_key, subject=found.name)
-        self._tx.connection.execute(update(job).where(job.c.uuid == uuid, job.c.state == "running").values(cancel=True))
+        self._tx.run(update(job).where(job.c.uuid == uuid, job.c.state == "running").values(cancel=True))
         return found if found.state in ENDED else self.get(uuid)
 
     def give_back(self, uuid: str, runner: str) -> None:
         """Let a job wait again that its runner could not have done."""
         mine = update(job).where(job.c.uuid == uuid, job.c.state == "running", job.c.runner == runner)
-        self._tx.connection.execute(mine.values(state="waiting", runner=None, lease=None))
+        self._tx.run(mine.values(state="waiting", runner=None, lease=None))
 
     def release(self, runner: str) -> None:
         """Give back what a runner that stops in order has not finished; the attempt does not count."""
-        self._tx.connection.execute(
+        self._tx.run(
             update(job)
             .where(job.c.runner == runner, job.c.state == "running")
             .values(state="waiting", runner=None, lease=None, attempt=job.c.attempt - 1)

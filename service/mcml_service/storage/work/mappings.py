@@ -49,13 +49,13 @@ class Mappings:
             query = query.where(joint_mapping.c.project == self._projects.get(project_name))
         if after is not None:
             query = query.where(tuple_(project.c.name, joint_mapping.c.name) > after)
-        return [_stored(row) for row in self._tx.connection.execute(query)]
+        return [_stored(row) for row in self._tx.fetch_all(query)]
 
     def find(self, project_name: str, name: str) -> StoredMapping | None:
         query = self._seen().where(
             project.c.name == stored_form(project_name), joint_mapping.c.name == stored_form(name)
         )
-        row = self._tx.connection.execute(query).one_or_none()
+        row = self._tx.fetch_one(query)
         return None if row is None else _stored(row)
 
     def get(self, project_name: str, name: str) -> StoredMapping:
@@ -79,7 +79,7 @@ class Mappings:
             row = {"project": key, "name": found.name, "version": found.version + 1, **values}
             checksum = SEALS[joint_mapping].of(tuple(row[name] for name in SEALS[joint_mapping].columns))
             chosen = update(joint_mapping).where(joint_mapping.c.id == found.key)
-            self._tx.connection.execute(chosen.values(**row, checksum=checksum))
+            self._tx.run(chosen.values(**row, checksum=checksum))
         return self.get(project_name, name)
 
     def _seen(self) -> Select[Any]:
@@ -88,7 +88,7 @@ class Mappings:
     def remove(self, stored: StoredMapping) -> None:
         """AccessError."""
         self._terms.require(self._projects.get(stored.project))
-        self._tx.connection.execute(delete(joint_mapping).where(joint_mapping.c.id == stored.key))
+        self._tx.run(delete(joint_mapping).where(joint_mapping.c.id == stored.key))
 
 
 def _stored(row: Row[tuple[object, ...]]) -> StoredMapping:

@@ -16,12 +16,10 @@ from sqlalchemy import Row, Select, delete, select, update
 
 from mcml.errors import NotFoundError
 from mcml_service.storage.core.identifiers import new_uuid, now, stored_form
-from mcml_service.storage.core.seals import checked
+from mcml_service.storage.core.seals import checked, damage
 from mcml_service.storage.core.tables import document, project
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import seen
-from mcml_service.storage.core.words import damage
-from mcml_service.storage.documents.damage import describe_damage
 from mcml_service.storage.projects.terms import ProjectTerms
 from mcml_service.storage.work.tables import job, result, result_block, result_part
 
@@ -135,7 +133,7 @@ class Results:
 
     def get(self, uuid: str) -> StoredResult:
         """NotFoundError."""
-        row = self._tx.connection.execute(self._seen().where(result.c.uuid == uuid)).one_or_none()
+        row = self._tx.fetch_one(self._seen().where(result.c.uuid == uuid))
         if row is None:
             raise NotFoundError(f"There is no result {uuid}.", remedy="List the results to see their ids.")
         return _stored(row)
@@ -159,7 +157,7 @@ class Results:
             query = query.where(_PARENT.c.uuid == parent)
         if before is not None:
             query = query.where(result.c.id < before)
-        return [_stored(row) for row in self._tx.connection.execute(query)]
+        return [_stored(row) for row in self._tx.fetch_all(query)]
 
     def _seen(self) -> Select[Any]:
         return _LISTED.where(seen(self._tx.view, result.c.project))
@@ -175,7 +173,7 @@ class Results:
             StoredPart(
                 name, kind, orjson.loads(zstandard.ZstdDecompressor().decompress(data)), json.loads(arrays), uuid
             )
-            for name, kind, data, arrays, uuid in self._tx.checked_once(checked(query, result_part))
+            for name, kind, data, arrays, uuid in self._tx.fetch_all(checked(query, result_part))
         ]
 
     def array(self, key: int, part: StoredPart, name: str) -> NDArray[Any]:
@@ -225,27 +223,19 @@ class Results:
         )
         if numbers is not None:
             query = query.where(result_block.c.number.in_(numbers))
-        sealed = checked(query, result_block)
-        rows = self._tx.connection.execute(sealed.statement.execution_options(yield_per=4))
-        for row in rows:
-            found, damaged = sealed.check([tuple(row)])
-            if damaged is not None:
-                raise describe_damage(self._tx, *damaged)
-            ((data,),) = found
-            yield np.frombuffer(zstandard.ZstdDecompressor().decompress(data), np.uint8)
+        for block in self._tx.stream(checked(query, result_block), 4):
+            for (data,) in block:
+                yield np.frombuffer(zstandard.ZstdDecompressor().decompress(data), np.uint8)
 
     def remove(self, key: int) -> None:
         """Drop a result and all that was made from it; documents that came of them stay. AccessError."""
-        self._terms.require(
-            self._tx.connection.execute(select(result.c.project).where(result.c.id == key)).scalar_one()
-        )
-        for child in list(self._tx.connection.execute(select(result.c.id).where(result.c.parent == key)).scalars()):
+        self._terms.require(self._tx.fetch_value(select(result.c.project).where(result.c.id == key)))
+        for child in self._tx.fetch_column(select(result.c.id).where(result.c.parent == key)):
             self.remove(child)
-        connection = self._tx.connection
-        connection.execute(update(job).where(job.c.result == key).values(result=None))
+        self._tx.run(update(job).where(job.c.result == key).values(result=None))
         for table in (result_block, result_part):
-            connection.execute(delete(table).where(table.c.result == key))
-        connection.execute(delete(result).where(result.c.id == key))
+            self._tx.run(delete(table).where(table.c.result == key))
+        self._tx.run(delete(result).where(result.c.id == key))
 
 
 def _about(part: StoredPart, name: str) -> tuple[np.dtype[Any], tuple[int, ...]]:

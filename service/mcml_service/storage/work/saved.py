@@ -61,13 +61,13 @@ class Saved:
             query = query.where(project.c.name == stored_form(project_name))
         if after is not None:
             query = query.where(tuple_(project.c.name, saved.c.name) > after)
-        return [_stored(row) for row in self._tx.checked_once(checked(query, saved))]
+        return [_stored(row) for row in self._tx.fetch_all(checked(query, saved))]
 
     def find(self, kind: Kind, project_name: str, name: str) -> StoredThing | None:
         query = self._seen().where(
             saved.c.kind == kind, project.c.name == stored_form(project_name), saved.c.name == stored_form(name)
         )
-        rows = self._tx.checked_once(checked(query, saved))
+        rows = self._tx.fetch_all(checked(query, saved))
         return _stored(rows[0]) if rows else None
 
     def get(self, kind: Kind, project_name: str, name: str) -> StoredThing:
@@ -104,7 +104,7 @@ class Saved:
         key = self._projects.get(thing.project)
         self._terms.require(key)
         chosen = (saved.c.project == key, saved.c.kind == kind)
-        self._tx.connection.execute(delete(saved).where(*chosen, saved.c.name == thing.name))
+        self._tx.run(delete(saved).where(*chosen, saved.c.name == thing.name))
 
     def expand(self, documents: Sequence[str]) -> list[str]:
         """Ids of documents, in the place of collections those that are in them. NotFoundError."""

@@ -7,19 +7,11 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, cast
+from typing import Any, ClassVar
 
-from sqlalchemy import ClauseElement, Connection, CursorResult, Engine, Table, TextClause
-from sqlalchemy.sql.compiler import SQLCompiler
+from sqlalchemy import Connection, Engine, Table
 
-
-@dataclass(frozen=True, slots=True)
-class _Text:
-    """A statement in SQL. values: those that it brings itself. places: the names of all in order, where that counts."""
-
-    text: str
-    values: dict[str, Any]
-    places: Sequence[str] | None
+from mcml_service.storage.core.statements import Prepared
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,50 +34,15 @@ class Dialect(ABC):
     personal: ClassVar[bool]
     """Whether a store is a file of one person, as opposed to a server's for several."""
 
-    tracks_by_key: ClassVar[TextClause]
+    tracks_by_key: ClassVar[Prepared]
     """Reads the tracks whose keys are in a JSON array `keys` of [document, chunk, bone, from_commit]: one by one from
     the index, however many documents they lie in."""
 
-    tracks_over_chunks: ClassVar[TextClause]
+    tracks_over_chunks: ClassVar[Prepared]
     """Reads all tracks valid `at` a commit over the chunks that are in a JSON array `keys` of [document, chunk]."""
 
     def __init__(self, engine: Engine) -> None:
         self.engine = engine
-        self._texts: dict[ClauseElement, _Text] = {}
-        self.known_sound: set[int] = set()
-
-    def run(self, connection: Connection, statement: ClauseElement, values: dict[str, Any]) -> CursorResult[Any]:
-        """Execute a statement that was made once: its text is made once too. Lists are for `OneOf`.
-
-        SQLAlchemy takes several times as long to look for that text as SQLite takes for what it says.
-        """
-        return connection.exec_driver_sql(*self._given(statement, values))
-
-    def rows(self, connection: Connection, statement: ClauseElement, values: dict[str, Any]) -> list[tuple[Any, ...]]:
-        """What such a statement reads, from the driver itself: SQLAlchemy's own rows take longer than short reads."""
-        driver: Any = connection.connection.driver_connection
-        found: list[tuple[Any, ...]] = driver.execute(*self._given(statement, values)).fetchall()
-        return found
-
-    def changed(self, connection: Connection, statement: ClauseElement, values: dict[str, Any]) -> int:
-        """How many rows such a statement changes, which it does now."""
-        driver: Any = connection.connection.driver_connection
-        return int(driver.execute(*self._given(statement, values)).rowcount)
-
-    def _given(self, statement: ClauseElement, values: dict[str, Any]) -> tuple[str, Any]:
-        """The text of a statement, and the values as the driver takes them."""
-        made = self._texts.get(statement)
-        if made is None:
-            compiled = cast(SQLCompiler, statement.compile(dialect=self.engine.dialect))
-            made = self._texts[statement] = _Text(compiled.string, compiled.params, compiled.positiontup)
-        given = made.values | {
-            name: self.as_list(value) if isinstance(value, list) else value for name, value in values.items()
-        }
-        return made.text, given if made.places is None else tuple([given[name] for name in made.places])
-
-    @abstractmethod
-    def as_list(self, values: list[int]) -> Any:
-        """A list of integers as `OneOf` takes it."""
 
     @abstractmethod
     def writing(self) -> AbstractContextManager[Connection]:

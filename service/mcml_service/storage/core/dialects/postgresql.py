@@ -15,6 +15,7 @@ from sqlalchemy.sql.dml import ReturningInsert
 
 from mcml_service.storage.core.dialects.base import Compaction, Dialect
 from mcml_service.storage.core.schema import metadata
+from mcml_service.storage.core.statements import Prepared, Statements
 
 COMMIT_LOCK = 0x4D434D4C
 """Key of the advisory lock that orders commits: "MCML" in ASCII."""
@@ -40,18 +41,22 @@ class PostgreSQL(Dialect):
 
     personal = False
 
-    tracks_by_key = text(
-        "SELECT t.document, t.chunk, t.bone, t.from_commit, t.codec, t.data, t.data_checksum "
-        "FROM jsonb_array_elements(CAST(:keys AS jsonb)) AS k JOIN track AS t "
-        "ON t.document = CAST(k ->> 0 AS bigint) AND t.chunk = CAST(k ->> 1 AS bigint) "
-        "AND t.bone = CAST(k ->> 2 AS bigint) AND t.from_commit = CAST(k ->> 3 AS bigint)"
+    tracks_by_key = Prepared(
+        text(
+            "SELECT t.document, t.chunk, t.bone, t.from_commit, t.codec, t.data, t.data_checksum "
+            "FROM jsonb_array_elements(CAST(:keys AS jsonb)) AS k JOIN track AS t "
+            "ON t.document = CAST(k ->> 0 AS bigint) AND t.chunk = CAST(k ->> 1 AS bigint) "
+            "AND t.bone = CAST(k ->> 2 AS bigint) AND t.from_commit = CAST(k ->> 3 AS bigint)"
+        )
     )
 
-    tracks_over_chunks = text(
-        "SELECT t.document, t.chunk, t.bone, t.channels, t.count, t.codec, t.data, t.data_checksum "
-        "FROM jsonb_array_elements(CAST(:keys AS jsonb)) AS k JOIN track AS t "
-        "ON t.document = CAST(k ->> 0 AS bigint) AND t.chunk = CAST(k ->> 1 AS bigint) "
-        "WHERE t.from_commit <= :at AND t.to_commit > :at"
+    tracks_over_chunks = Prepared(
+        text(
+            "SELECT t.document, t.chunk, t.bone, t.channels, t.count, t.codec, t.data, t.data_checksum "
+            "FROM jsonb_array_elements(CAST(:keys AS jsonb)) AS k JOIN track AS t "
+            "ON t.document = CAST(k ->> 0 AS bigint) AND t.chunk = CAST(k ->> 1 AS bigint) "
+            "WHERE t.from_commit <= :at AND t.to_commit > :at"
+        )
     )
 
     @classmethod
@@ -61,9 +66,6 @@ class PostgreSQL(Dialect):
         event.listen(engine, "checkin", _note_rest)
         event.listen(engine, "checkout", partial(_look_after_rest, engine))
         return engine
-
-    def as_list(self, values: list[int]) -> list[int]:
-        return values
 
     def writing(self) -> AbstractContextManager[Connection]:
         return self._connected()
@@ -88,7 +90,7 @@ class PostgreSQL(Dialect):
                 raise
 
     def order_commits(self, connection: Connection) -> None:
-        connection.execute(_ORDER, {"key": COMMIT_LOCK})
+        Statements(connection).fetch_value(_ORDER, {"key": COMMIT_LOCK})
 
     def insert(
         self, connection: Connection, table: Table, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]]
@@ -100,11 +102,12 @@ class PostgreSQL(Dialect):
                 copy.write_row(row)
 
     def insert_one(self, connection: Connection, table: Table, row: dict[str, Any]) -> int:
-        return int(connection.execute(_insertion(table), row).scalar_one())
+        return int(Statements(connection).fetch_value(_insertion(table), row))
 
     def size(self, connection: Connection) -> dict[str, int]:
-        total = connection.execute(text("SELECT pg_database_size(current_database())")).scalar_one()
-        uploads = connection.execute(text("SELECT pg_total_relation_size('upload_block')")).scalar_one()
+        store = Statements(connection)
+        total = store.fetch_value("SELECT pg_database_size(current_database())")
+        uploads = store.fetch_value("SELECT pg_total_relation_size('upload_block')")
         return {"total": int(total), "uploads": int(uploads)}
 
     def retire_keys(self, connection: Connection) -> None:
@@ -115,19 +118,19 @@ class PostgreSQL(Dialect):
 
     def settle(self) -> None:
         with self.engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
-            connection.exec_driver_sql("VACUUM")
+            Statements(connection).run("VACUUM")
 
     def compaction(self) -> Compaction:
         query = "SELECT COALESCE(SUM(n_dead_tup * pg_relation_size(relid) / GREATEST(n_live_tup + n_dead_tup, 1)), 0) "
         with self.engine.connect() as connection:
-            dead = connection.exec_driver_sql(query + "FROM pg_stat_user_tables").scalar_one()
+            dead = Statements(connection).fetch_value(query + "FROM pg_stat_user_tables")
         return Compaction(int(dead))
 
     def compact(self, progress: Callable[[int], None]) -> None:
         with self.engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
             for table in metadata.sorted_tables:
                 progress(self.compaction().bytes)
-                connection.exec_driver_sql(f'VACUUM (ANALYZE) "{table.name}"')
+                Statements(connection).run(f'VACUUM (ANALYZE) "{table.name}"')
 
     def is_full(self, error: BaseException | None) -> bool:
         return getattr(error, "sqlstate", None) == DISK_FULL
@@ -147,25 +150,28 @@ class PostgreSQL(Dialect):
 
     def faults(self, connection: Connection) -> Iterator[str]:
         # The server checks its pages by their checksums, where they were turned on when it was set up.
-        if connection.exec_driver_sql("SHOW data_checksums").scalar_one() == "on":
+        store = Statements(connection)
+        if store.fetch_value("SHOW data_checksums") == "on":
             query = "SELECT checksum_failures FROM pg_stat_database WHERE datname = current_database()"
-            failures = connection.exec_driver_sql(query).scalar_one_or_none()
+            failures = store.fetch_value(query)
             if failures:
                 yield f"PostgreSQL: {failures} pages had another checksum"
 
     def last_keys(self, connection: Connection) -> dict[str, int]:
+        store = Statements(connection)
         given = "SELECT COALESCE(pg_sequence_last_value(CAST(CAST(:sequence AS text) AS regclass)), 0)"
         return {
-            table.name: int(connection.execute(text(given), {"sequence": sequence}).scalar_one())
-            for table, _, sequence in _numbered(connection)
+            table.name: int(store.fetch_value(text(given), {"sequence": sequence}))
+            for table, _, sequence in _numbered(store)
         }
 
     def after_copy(self, connection: Connection, last: dict[str, int]) -> None:
-        for table, key, sequence in _numbered(connection):
-            greatest = connection.execute(select(func.max(key))).scalar_one() or 0
+        store = Statements(connection)
+        for table, key, sequence in _numbered(store):
+            greatest = store.fetch_value(select(func.max(key))) or 0
             newest = max(greatest, last.get(table.name, 0))
             # The third value says whether the number was given: the first key is 1.
-            connection.execute(
+            store.fetch_value(
                 text("SELECT setval(CAST(CAST(:sequence AS text) AS regclass), :value, :given)"),
                 {"sequence": sequence, "value": max(newest, 1), "given": newest > 0},
             )
@@ -186,14 +192,14 @@ def _look_after_rest(engine: Engine, connection: Any, record: Any, _: Any) -> No
         raise InvalidatePoolError from error
 
 
-def _numbered(connection: Connection) -> Iterator[tuple[Table, Column[Any], str]]:
+def _numbered(store: Statements) -> Iterator[tuple[Table, Column[Any], str]]:
     """Tables whose rows get their keys from a sequence: the table, its key, and the sequence's name."""
     asked = text("SELECT pg_get_serial_sequence(:table, :key)")
     for table in metadata.sorted_tables:
         key = table.autoincrement_column
         if key is not None:
             named = {"table": f'"{table.name}"', "key": key.name}
-            sequence = connection.execute(asked, named).scalar_one()
+            sequence = store.fetch_value(asked, named)
             if sequence is not None:
                 yield table, key, sequence
 

@@ -6,16 +6,16 @@ import os
 import sqlite3
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-import orjson
 from sqlalchemy import Connection, Engine, Table, create_engine, event, text
 from sqlalchemy.pool import QueuePool
 
 from mcml_service.storage.core.dialects.base import Compaction, Dialect
+from mcml_service.storage.core.statements import Prepared, Statements, execute_on_driver
 
 BUSY_SECONDS = 60
 INCREMENTAL = 2
@@ -35,18 +35,22 @@ class SQLite(Dialect):
     personal = True
 
     # Of a cross join SQLite keeps the order: for each key, look for its track.
-    tracks_by_key = text(
-        "SELECT t.document, t.chunk, t.bone, t.from_commit, t.codec, t.data, t.data_checksum "
-        "FROM json_each(:keys) AS k CROSS JOIN track AS t "
-        "WHERE t.document = json_extract(k.value, '$[0]') AND t.chunk = json_extract(k.value, '$[1]') "
-        "AND t.bone = json_extract(k.value, '$[2]') AND t.from_commit = json_extract(k.value, '$[3]')"
+    tracks_by_key = Prepared(
+        text(
+            "SELECT t.document, t.chunk, t.bone, t.from_commit, t.codec, t.data, t.data_checksum "
+            "FROM json_each(:keys) AS k CROSS JOIN track AS t "
+            "WHERE t.document = json_extract(k.value, '$[0]') AND t.chunk = json_extract(k.value, '$[1]') "
+            "AND t.bone = json_extract(k.value, '$[2]') AND t.from_commit = json_extract(k.value, '$[3]')"
+        )
     )
 
-    tracks_over_chunks = text(
-        "SELECT t.document, t.chunk, t.bone, t.channels, t.count, t.codec, t.data, t.data_checksum "
-        "FROM json_each(:keys) AS k CROSS JOIN track AS t "
-        "WHERE t.document = json_extract(k.value, '$[0]') AND t.chunk = json_extract(k.value, '$[1]') "
-        "AND t.from_commit <= :at AND t.to_commit > :at"
+    tracks_over_chunks = Prepared(
+        text(
+            "SELECT t.document, t.chunk, t.bone, t.channels, t.count, t.codec, t.data, t.data_checksum "
+            "FROM json_each(:keys) AS k CROSS JOIN track AS t "
+            "WHERE t.document = json_extract(k.value, '$[0]') AND t.chunk = json_extract(k.value, '$[1]') "
+            "AND t.from_commit <= :at AND t.to_commit > :at"
+        )
     )
 
     def __init__(self, engine: Engine) -> None:
@@ -73,10 +77,10 @@ class SQLite(Dialect):
         def _configure(connection: sqlite3.Connection, _record: Any) -> None:
             # The driver's own transaction handling would begin deferred transactions, which cannot be upgraded safely.
             connection.isolation_level = None
-            if connection.execute("PRAGMA page_count").fetchone() == (0,):
+            if execute_on_driver(connection, "PRAGMA page_count").fetchone() == (0,):
                 # Pages that are freed can be given back. It is said before anything is written; later it is a write.
-                connection.execute(f"PRAGMA page_size={PAGE_BYTES}")
-                connection.execute("PRAGMA auto_vacuum=INCREMENTAL")
+                execute_on_driver(connection, f"PRAGMA page_size={PAGE_BYTES}")
+                execute_on_driver(connection, "PRAGMA auto_vacuum=INCREMENTAL")
             for pragma in (
                 "journal_mode=WAL",
                 "synchronous=FULL",
@@ -85,17 +89,14 @@ class SQLite(Dialect):
                 "temp_store=MEMORY",
                 "journal_size_limit=67108864",
             ):
-                connection.execute(f"PRAGMA {pragma}")
+                execute_on_driver(connection, f"PRAGMA {pragma}")
 
         @event.listens_for(engine, "begin")
         def _begin(connection: Connection) -> None:
             writes = connection.get_execution_options().get("writes", False)
-            connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+            Statements(connection).run("BEGIN IMMEDIATE" if writes else "BEGIN")
 
         return engine
-
-    def as_list(self, values: list[int]) -> str:
-        return orjson.dumps(values).decode()
 
     @contextmanager
     def writing(self) -> Iterator[Connection]:
@@ -114,39 +115,41 @@ class SQLite(Dialect):
         self, connection: Connection, table: Table, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]]
     ) -> None:
         # The driver's own executemany: SQLAlchemy's handling of parameters takes three times as long as SQLite.
-        connection.exec_driver_sql(_insertion(table.name, names), rows)
+        Statements(connection).run(_insertion(table.name, names), rows)
 
     def insert_one(self, connection: Connection, table: Table, row: dict[str, Any]) -> int:
         # The driver itself, as above.
         driver: Any = connection.connection.driver_connection
         if table.name in RETIRING:
-            row = {"id": driver.execute(_next_key(table.name)).fetchone()[0], **row}
-        return int(driver.execute(_insertion(table.name, tuple(row)), tuple(row.values())).lastrowid)
+            row = {"id": execute_on_driver(driver, _next_key(table.name)).fetchone()[0], **row}
+        cursor = execute_on_driver(driver, _insertion(table.name, tuple(row)), tuple(row.values()))
+        return int(cursor.lastrowid)
 
     def retire_keys(self, connection: Connection) -> None:
         for table in RETIRING:
             # SQLite gives the number behind the highest that there is.
             last = f"SELECT '{LAST}{table}', ({_next_key(table)}) - 1"
-            connection.exec_driver_sql(f"INSERT OR REPLACE INTO store (name, value) {last}")
+            Statements(connection).run(f"INSERT OR REPLACE INTO store (name, value) {last}")
 
     def size(self, connection: Connection) -> dict[str, int]:
-        pages = connection.execute(text("SELECT page_count * page_size FROM pragma_page_count, pragma_page_size"))
-        uploads = connection.execute(
-            text("SELECT COALESCE(SUM(pgsize), 0) FROM dbstat WHERE name = 'upload_block'")
-            if _has_dbstat(connection)
-            else text("SELECT COALESCE(SUM(LENGTH(data)), 0) FROM upload_block")
+        store = Statements(connection)
+        total = store.fetch_value("SELECT page_count * page_size FROM pragma_page_count, pragma_page_size")
+        uploads = store.fetch_value(
+            "SELECT COALESCE(SUM(pgsize), 0) FROM dbstat WHERE name = 'upload_block'"
+            if "ENABLE_DBSTAT_VTAB" in store.fetch_column("PRAGMA compile_options")
+            else "SELECT COALESCE(SUM(LENGTH(data)), 0) FROM upload_block"
         )
-        return {"total": int(pages.scalar_one()), "uploads": int(uploads.scalar_one())}
+        return {"total": int(total), "uploads": int(uploads)}
 
     def erase_what_goes(self, connection: Connection) -> None:
         # It holds for the connection, whose next user loses nothing by it but a little time.
-        connection.exec_driver_sql("PRAGMA secure_delete=ON")
+        Statements(connection).run("PRAGMA secure_delete=ON")
 
     def settle(self) -> None:
         # The log holds pages as they were: it is emptied, unless somebody reads an old state just now.
         with self.engine.connect() as connection:
             driver: Any = connection.connection.driver_connection
-            driver.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
+            execute_on_driver(driver, "PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
 
     @property
     def file(self) -> Path | None:
@@ -156,7 +159,7 @@ class SQLite(Dialect):
     def compaction(self) -> Compaction:
         with self.engine.connect() as connection:
             size, free, pages, kind = (
-                int(connection.exec_driver_sql(f"PRAGMA {name}").scalar_one())
+                int(Statements(connection).fetch_value(f"PRAGMA {name}"))
                 for name in ("page_size", "freelist_count", "page_count", "auto_vacuum")
             )
         whole = kind != INCREMENTAL
@@ -167,8 +170,8 @@ class SQLite(Dialect):
             with self._writer, self.engine.connect() as connection:
                 driver: Any = connection.connection.driver_connection
                 # From then on, pages can be given back some at a time.
-                driver.execute("PRAGMA auto_vacuum=INCREMENTAL")
-                driver.execute("VACUUM")
+                execute_on_driver(driver, "PRAGMA auto_vacuum=INCREMENTAL")
+                execute_on_driver(driver, "VACUUM")
         else:
             while free := self.compaction().bytes:
                 progress(free)
@@ -176,7 +179,7 @@ class SQLite(Dialect):
                     driver = connection.connection.driver_connection
                     # Of several pages the driver would free the first one alone.
                     for _ in range(min(PAGES_AT_A_TIME, free // PAGE_BYTES + 1)):
-                        driver.execute("PRAGMA incremental_vacuum(1)")
+                        execute_on_driver(driver, "PRAGMA incremental_vacuum(1)")
         self.settle()
 
     def is_full(self, error: BaseException | None) -> bool:
@@ -198,21 +201,34 @@ class SQLite(Dialect):
         return isinstance(error, sqlite3.Error) and code in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
 
     def faults(self, connection: Connection) -> Iterator[str]:
-        for (said,) in connection.exec_driver_sql("PRAGMA integrity_check"):
-            if said != "ok":
-                yield f"SQLite: {said}"
-        for table, *_ in connection.exec_driver_sql("PRAGMA foreign_key_check"):
+        store = Statements(connection)
+        for message in store.fetch_column("PRAGMA integrity_check"):
+            if message != "ok":
+                yield f"SQLite: {message}"
+        for table in store.fetch_column("PRAGMA foreign_key_check"):
             yield f"SQLite: a row of {table} refers to one that is not there"
 
     def last_keys(self, connection: Connection) -> dict[str, int]:
-        return {table: connection.exec_driver_sql(f"{_next_key(table)} - 1").scalar_one() for table in RETIRING}
+        return {table: Statements(connection).fetch_value(f"{_next_key(table)} - 1") for table in RETIRING}
 
     def after_copy(self, connection: Connection, last: dict[str, int]) -> None:
         # SQLite numbers on from the greatest key by itself.
         for table in RETIRING:
-            connection.exec_driver_sql(
-                "INSERT OR REPLACE INTO store (name, value) VALUES (?, ?)", (f"{LAST}{table}", str(last.get(table, 0)))
-            )
+            key = (f"{LAST}{table}", str(last.get(table, 0)))
+            Statements(connection).run("INSERT OR REPLACE INTO store (name, value) VALUES (?, ?)", key)
+
+
+def copy_file(source: Path, target: Path) -> None:
+    """Copy a store as it is, while others use it, into an empty file. sqlite3.Error."""
+    with closing(sqlite3.connect(source)) as old, closing(sqlite3.connect(target)) as new:
+        old.backup(new)
+    fold_log(target)
+
+
+def fold_log(path: Path) -> None:
+    """Make one file of a store that nobody uses, which can be moved: without a log beside it."""
+    with closing(sqlite3.connect(path)) as connection:
+        execute_on_driver(connection, "PRAGMA journal_mode=DELETE")
 
 
 def _make_private(path: str) -> None:
@@ -240,8 +256,3 @@ def _insertion(table: str, names: tuple[str, ...]) -> str:
     places = ", ".join("?" * len(names))
     quoted = ", ".join(f'"{name}"' for name in names)
     return f'INSERT INTO "{table}" ({quoted}) VALUES ({places})'
-
-
-def _has_dbstat(connection: Connection) -> bool:
-    options = connection.execute(text("PRAGMA compile_options")).scalars()
-    return "ENABLE_DBSTAT_VTAB" in set(options)
