@@ -20,7 +20,7 @@ from benchmarks.basex_client import BaseXClient
 from benchmarks.library import clips, load, load_together, longer, served, write_plain
 from benchmarks.timing import median_seconds, report
 from mcml.language.writer import write_document
-from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.editing.single_element import Change
 from mcml_service.clips.read_clip import read_clip
 from mcml_service.storage.database import Database
 from mcml_service.storage.lists.filtering import DocumentFilter

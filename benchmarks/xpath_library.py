@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks.library import clips, labels, longer, write_plain
 from mcml.files.import_options import ImportOptions, Label
 from mcml.formats.format import SourceFile
-from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.editing.single_element import Change
 from mcml_service.actions.importing.import_motion import import_files
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database

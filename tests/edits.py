@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from mcml_service.actions.editing.edit_element import Change
-from mcml_service.actions.editing.edit_elements import Deletion, ElementEdit, edit_elements
+from mcml_service.actions.editing.element_edits import Deletion, ElementEdit, edit_elements
+from mcml_service.actions.editing.single_element import Change
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 

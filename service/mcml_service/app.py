@@ -23,10 +23,10 @@ from mcml_service.actions.importing.import_pool import ImportPool
 from mcml_service.actions.keeping.keep_room import forget_activity
 from mcml_service.actions.keeping.purge_documents import finish_purges
 from mcml_service.api import description, events, health, openid, page, problems, sessions, studio
-from mcml_service.api.doors import Doors
+from mcml_service.api.admission import Admission
+from mcml_service.api.authentication import Authentication
 from mcml_service.api.file_names import read_names_in_forms
-from mcml_service.api.guard import Guard
-from mcml_service.api.lanes import Lanes
+from mcml_service.api.middleware import Guard
 from mcml_service.api.parameters import known_parameters
 from mcml_service.api.routes import PREFIX, add_routes
 from mcml_service.api.traffic import Traffic
@@ -127,14 +127,14 @@ def create_app(
     repository.wake = app.state.runner.wake
     repository.import_pool = ImportPool()
     repository.register.patience = 0
-    app.state.lanes = Lanes(settings)
+    app.state.lanes = Admission(settings)
     app.state.requests = {}
     # Streams of events, and requests that wait, look at it; connections set it.
     app.state.stopping = asyncio.Event()
     problems.install(app, studio.unknown_page)
     description.install(app)
     app.add_middleware(GZipMiddleware, minimum_size=2048, compresslevel=1, exclude_content_types=AS_THEY_ARE)
-    app.state.doors = doors = Doors(settings, store, secret)
+    app.state.doors = doors = Authentication(settings, store, secret)
     app.add_middleware(Guard, settings=settings, doors=doors, counts=app.state.requests, traffic=traffic)
     if settings.friends:
         # Outside all others: a browser asks first whether it may ask, and sends no token then.

@@ -10,9 +10,9 @@ from fastapi.testclient import TestClient
 from scipy.spatial.transform import Rotation
 
 from mcml.motion.skeleton import CHANNELS
-from mcml_service.actions.editing.change_document import add_labels, change_document
-from mcml_service.actions.editing.change_frames import delete_frames, insert_frames, write_values
-from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.editing.frame_ranges import delete_frames, insert_frames, write_values
+from mcml_service.actions.editing.single_element import Change
+from mcml_service.actions.editing.whole_document import add_labels, change_document
 from mcml_service.actions.reading.compare_revisions import compare_revisions
 from mcml_service.clips.read_clip import read_clip
 from mcml_service.operations.arguments import at_revision

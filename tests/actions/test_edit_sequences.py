@@ -9,11 +9,11 @@ import pytest
 from lxml import etree
 
 from mcml.errors import McmlError
-from mcml_service.actions.editing.change_document import restore_revision
-from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.editing.single_element import Change
+from mcml_service.actions.editing.whole_document import restore_revision
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.storage.database import Database
-from tests.actions.test_edit_element import PARSER, addresses, canonical
+from tests.actions.test_single_element import PARSER, addresses, canonical
 from tests.builders import MCML, bvh, store
 from tests.edits import OTHER_SEEDS, change_element, delete_element
 

@@ -12,8 +12,8 @@ import pytest
 from typer.testing import CliRunner
 
 from mcml.errors import ConflictError, NotFoundError, SpaceError
-from mcml_service.actions.editing.change_document import restore_revision, undo_revision
-from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.editing.single_element import Change
+from mcml_service.actions.editing.whole_document import restore_revision, undo_revision
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.actions.keeping.check_uploads import compare_all
 from mcml_service.actions.keeping.keep_room import compact_store, prune_history

@@ -14,7 +14,7 @@ from sqlalchemy import func, insert, select, text
 
 from mcml.errors import ConflictError, StoreError
 from mcml_schemas.querying.queries import QueryRequest
-from mcml_service.actions.editing.change_document import add_labels
+from mcml_service.actions.editing.whole_document import add_labels
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.actions.keeping.keep_store import backup, restore
 from mcml_service.actions.keeping.purge_documents import purge_documents
@@ -24,7 +24,7 @@ from mcml_service.storage.core.tables import document, skeleton
 from mcml_service.storage.core.tables import store as about_itself
 from mcml_service.storage.database import Database
 from mcml_service.storage.documents.bodies import StoredBody
-from mcml_service.storage.projects.terms import Terms
+from mcml_service.storage.projects.quotas import Quota
 from mcml_service.storage.team.tables import delivery
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.queries import Queries
@@ -74,7 +74,7 @@ def fill_every_table(database: Database) -> None:
         tx.presence.keep(stored, "kim", "a tab", "viewing")
         tx.requests.begin("kim", "once", "upload", "0" * 64)
         tx.attempts.add({"address": "10.0.0.1"})
-        tx.terms.put(project, Terms(most_bytes=1 << 40))
+        tx.quotas.put(project, Quota(most_bytes=1 << 40))
         hook = tx.webhooks.add("https://lab.example/hook", ["document"], project)[1]
         message = {"webhook": hook.number, "message": "m", "type": "document.add", "payload": "{}", "created": "2026"}
         tx.connection.execute(insert(delivery).values(**message, state="waiting", attempts=0, due=0.5))

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from mcml.errors import ConflictError, NotFoundError
 from mcml_schemas.querying.queries import QueryRequest
 from mcml_service.actions.analysing.use_result import Results
-from mcml_service.actions.editing.change_document import add_labels, delete_document
+from mcml_service.actions.editing.whole_document import add_labels, delete_document
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.actions.keeping.keep_room import prune_history
 from mcml_service.actions.keeping.keep_store import backup, restore

@@ -16,7 +16,7 @@ from mcml.formats import FORMATS
 from mcml.formats.format import ReadOptions, SourceFile
 from mcml.language.dtd import violations
 from mcml.motion.clip import ClipStream, FrameBlock
-from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.editing.single_element import Change
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.actions.importing.import_motion import import_files
 from mcml_service.actions.reading.read_element import read_element
@@ -209,7 +209,7 @@ def test_ranges_are_frames_of_the_whole(database: Database) -> None:
 
 
 def test_labels_do_not_break_byte_identity_and_restore_regains_it(database: Database) -> None:
-    from mcml_service.actions.editing.change_document import add_labels, change_document, restore_revision
+    from mcml_service.actions.editing.whole_document import add_labels, change_document, restore_revision
 
     content = bvh(20)
     (uuid,) = store(database, {"chain.bvh": content})

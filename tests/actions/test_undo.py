@@ -9,8 +9,7 @@ import pytest
 from fastapi.testclient import TestClient
 
 from mcml.errors import ConflictError, McmlError
-from mcml_service.actions.editing.change_document import add_labels, change_document, remove_labels, undo_revision
-from mcml_service.actions.editing.change_frames import (
+from mcml_service.actions.editing.frame_ranges import (
     delete_frames,
     insert_frames,
     move_frames,
@@ -18,11 +17,12 @@ from mcml_service.actions.editing.change_frames import (
     trim,
     write_values,
 )
-from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.editing.single_element import Change
+from mcml_service.actions.editing.whole_document import add_labels, change_document, remove_labels, undo_revision
 from mcml_service.storage.database import Database
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
-from tests.actions.test_change_frames import content
+from tests.actions.test_frame_ranges import content
 from tests.builders import bvh, store
 from tests.edits import OTHER_SEEDS, change_element, delete_element
 

@@ -26,7 +26,7 @@ from mcml_service.storage.database import Database
 from mcml_service.xpath.limits import Limits
 from mcml_service.xpath.query_pool import PooledQueries as Queries
 from tests.actions.test_import_failures import rows
-from tests.api.test_lanes import until
+from tests.api.test_admission import until
 from tests.builders import SECRET, bvh, one_kind, store
 
 API = "/api/v1"

@@ -11,7 +11,7 @@ import pytest
 from fastapi.testclient import TestClient
 from sqlalchemy import text
 
-from mcml_service.api.doors import SHARED
+from mcml_service.api.authentication import SHARED
 from mcml_service.app import create_app
 from mcml_service.operations import all_operations
 from mcml_service.settings import Settings
@@ -83,7 +83,7 @@ def test_a_link_shows_its_documents_and_nothing_else(scene: Scene) -> None:
             else:
                 assert below.status_code == 200, (operation.name, below.text)
                 seen.add(operation.name)
-    assert seen == SHOWN == {operation.name for operation in all_operations() if operation.shared}
+    assert seen == SHOWN == {operation.name for operation in all_operations() if operation.open_to_links}
 
 
 def test_exports_are_those_that_are_named_and_never_the_file_itself(scene: Scene) -> None:

@@ -9,7 +9,7 @@ import pytest
 from fastapi.testclient import TestClient
 
 from mcml_service.api import events
-from mcml_service.api.doors import SHARED
+from mcml_service.api.authentication import SHARED
 from mcml_service.app import create_app
 from mcml_service.settings import Settings
 from mcml_service.storage.core.identifiers import now

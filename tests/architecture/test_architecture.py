@@ -41,7 +41,7 @@ def test_layers() -> None:
 PLANTS = {
     "service/mcml_service/storage/documents/rows.py": (
         "mcml_service.settings",
-        "mcml_service.actions.editing.edit_names",
+        "mcml_service.actions.editing.frame_labels",
     ),
     "mcml/motion/clip.py": ("sqlalchemy", "mcml.formats"),
     "mcml/numerics/runs.py": ("mcml.motion.clip", "pydantic"),
@@ -50,7 +50,7 @@ PLANTS = {
     "service/mcml_service/analysis/dance/bars.py": ("pydantic", "mcml_service.analysis.reach_blending.fit", "fastapi"),
     "mcml/language/element.py": ("mcml_schemas.problem", "mcml_service.storage.documents.rows"),
     "service/mcml_service/jobs/worker.py": ("fastapi", "mcml_service.api.problems"),
-    "service/mcml_service/actions/reading/read_clip.py": ("mcml_service.actions.editing.edit_names",),
+    "service/mcml_service/actions/reading/read_clip.py": ("mcml_service.actions.editing.frame_labels",),
     "service/mcml_service/actions/labelling/edit_labels.py": ("mcml_service.actions.exporting.export_motion",),
     "schemas/mcml_schemas/problem.py": ("mcml.errors",),
     "mcml/files/open_clip.py": ("mcml.client.client", "mcml_service.settings"),

@@ -17,7 +17,7 @@ from mcml_service.demo.dance_clips import dance_clip
 from mcml_service.demo.reach_clips import reach_clips
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from tests.api.test_doors import listening
+from tests.api.test_authentication import listening
 
 Run = Callable[..., tuple[int, str, str]]
 WISH = ("attributes.age=40", "attributes.height=172", "attributes.hbp=320")

@@ -14,13 +14,13 @@ from sqlalchemy import text
 from mcml.errors import StoreError
 from mcml.motion.bodies.positions import UNSEEN, clip_positions, filled, rounded
 from mcml.motion.units import reading_of
-from mcml_service.actions.editing.change_document import add_labels, change_document, delete_document
+from mcml_service.actions.editing.whole_document import add_labels, change_document, delete_document
 from mcml_service.actions.keeping.keep_room import prune_history
 from mcml_service.clips.bodies import Body, read_bodies
 from mcml_service.clips.derive import derive_missing
 from mcml_service.clips.read_clip import read_clip
 from mcml_service.storage.database import Database
-from mcml_service.storage.documents import steps
+from mcml_service.storage.documents import packed_positions
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from tests.builders import TRC, bvh, one_kind, store
@@ -234,15 +234,16 @@ def test_properties_that_are_no_calibration_are_passed_over(database: Database, 
 
 
 @pytest.mark.parametrize(
-    ("frames", "joints"), [(0, 0), (0, 3), (1, 1), (300, 5), (steps.BLOCK, 1), (steps.BLOCK + 1, 2)]
+    ("frames", "joints"),
+    [(0, 0), (0, 3), (1, 1), (300, 5), (packed_positions.BLOCK, 1), (packed_positions.BLOCK + 1, 2)],
 )
 def test_steps_come_back(frames: int, joints: int) -> None:
     rng = np.random.default_rng(1)
     made = rng.integers(-(2**31) + 1, 2**31 - 1, (frames, joints, 3)).astype(np.int32)
     made[rng.random((frames, joints)) < 0.1] = UNSEEN
-    blocks = tuple(steps.pack(made))
+    blocks = tuple(packed_positions.pack(made))
     for joint in range(joints):
-        assert np.array_equal(steps.unpack(blocks, [joint])[0], made[:, joint])
+        assert np.array_equal(packed_positions.unpack(blocks, [joint])[0], made[:, joint])
 
 
 CHANGES: Sequence[Callable[[bytes], bytes]] = (
@@ -256,6 +257,6 @@ CHANGES: Sequence[Callable[[bytes], bytes]] = (
 
 @pytest.mark.parametrize("change", CHANGES)
 def test_damaged_steps_are_an_error(change: Any) -> None:
-    (block,) = steps.pack(np.arange(600, dtype=np.int32).reshape(20, 10, 3))
+    (block,) = packed_positions.pack(np.arange(600, dtype=np.int32).reshape(20, 10, 3))
     with pytest.raises(StoreError):
-        steps.unpack((change(block),), range(10))
+        packed_positions.unpack((change(block),), range(10))

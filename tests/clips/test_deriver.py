@@ -13,8 +13,8 @@ from sqlalchemy import text
 
 from mcml.errors import UnavailableError
 from mcml_schemas.frames import FrameEdits
-from mcml_service.actions.editing.change_document import add_labels, change_document, delete_document
-from mcml_service.actions.editing.change_frames import edit_frames
+from mcml_service.actions.editing.frame_ranges import edit_frames
+from mcml_service.actions.editing.whole_document import add_labels, change_document, delete_document
 from mcml_service.api import traffic
 from mcml_service.clips import derive, deriver
 from mcml_service.clips.bodies import MADE, read_bodies

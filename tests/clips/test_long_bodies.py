@@ -8,7 +8,7 @@ from fastapi.testclient import TestClient
 from mcml.motion.bodies import clip_body
 from mcml_service.clips import bodies
 from mcml_service.storage.database import Database
-from mcml_service.storage.documents import steps
+from mcml_service.storage.documents import packed_positions
 from tests.builders import bvh, one_kind, store
 from tests.motion.bodies.made import person
 from tests.odd_documents import ODD
@@ -27,7 +27,7 @@ def test_what_is_derived_in_parts_is_the_same(
         change = {"json": {"reference": reference}, "headers": {"if-match": "*"}}
         assert client.patch(f"/api/v1/documents/{uuids[0]}/calibration", **change).status_code == 200
     # A block holds as many frames in both ways, and ends elsewhere than what is read at a time.
-    monkeypatch.setattr(steps, "BLOCK", 150)
+    monkeypatch.setattr(packed_positions, "BLOCK", 150)
     with database.read() as tx:
         whole = list(bodies.derive_bodies(tx, tx.columns.documents(), {}))
     monkeypatch.setattr(bodies, "LONG", 20)

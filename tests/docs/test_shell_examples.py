@@ -17,7 +17,7 @@ from mcml_service.app import create_app
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.storage.lists.filtering import DocumentFilter
-from tests.api.test_doors import listening
+from tests.api.test_authentication import listening
 from tests.builders import SECRET, store
 from tests.docs.generate import DOCS
 from tests.docs.starter import CLIENT

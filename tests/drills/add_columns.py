@@ -11,7 +11,7 @@ from pathlib import Path
 
 from sqlalchemy import Column, String, inspect
 
-from mcml_service.actions.editing.change_document import change_document
+from mcml_service.actions.editing.whole_document import change_document
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.actions.keeping import keep_store
 from mcml_service.resources import migrations_path

@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from mcml_service.api import doors
+from mcml_service.api import authentication
 from mcml_service.app import create_app
 from mcml_service.operations import all_operations
 from mcml_service.operations.operation import Effect
@@ -158,7 +158,7 @@ def test_secrets_are_compared_in_the_same_time(
             compared.append((one, other))
             return hmac.compare_digest(one, other)
 
-    monkeypatch.setattr(doors, "hmac", Watched)
+    monkeypatch.setattr(authentication, "hmac", Watched)
     local = TestClient(app, PLAIN, client=("127.0.0.1", 1))
     for given, status in ((SECRET, 200), (SECRET[:-1], 401), (f"{SECRET}x", 401)):
         bearer = {"authorization": f"Bearer {given}"}

@@ -17,8 +17,8 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from mcml.errors import McmlError
 from mcml_schemas.querying.queries import QueryRequest
-from mcml_service.actions.editing.change_document import add_labels, change_document, delete_document
-from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.editing.single_element import Change
+from mcml_service.actions.editing.whole_document import add_labels, change_document, delete_document
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.settings import Settings
 from mcml_service.storage.core.schema import metadata

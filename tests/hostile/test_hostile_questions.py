@@ -20,7 +20,7 @@ import pytest
 from hypothesis import settings
 
 from mcml_service.storage.database import Database
-from tests.api.test_lanes import until
+from tests.api.test_admission import until
 from tests.builders import bvh, one_kind, store
 from tests.hostile.hostile_expressions import hostile_expression
 

@@ -22,7 +22,7 @@ import pytest
 
 from mcml_service.storage.database import Database
 from mcml_service.storage.work.jobs import ENDED
-from tests.api.test_lanes import until
+from tests.api.test_admission import until
 from tests.builders import bvh, store
 from tests.motion.bodies.made import person
 

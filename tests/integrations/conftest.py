@@ -9,7 +9,7 @@ import pytest
 from mcml_service.app import create_app
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from tests.api.test_doors import listening
+from tests.api.test_authentication import listening
 from tests.integrations.addon import Blender, Served
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from mcml_service.analysis.interface import Part
-from mcml_service.jobs.apart import StoredMotions, database_of
+from mcml_service.jobs.remote_motions import StoredMotions, database_of
 from mcml_service.jobs.telling import Teller
 from mcml_service.jobs.worker import Task
 from mcml_service.jobs.workers import Crew

@@ -9,7 +9,7 @@ from random import Random
 import pytest
 
 from mcml.errors import McmlError
-from mcml_service.actions.editing import change_document as changes
+from mcml_service.actions.editing import whole_document as changes
 from mcml_service.actions.keeping.purge_documents import purge_documents
 from mcml_service.listing import register as registers
 from mcml_service.listing.register import Register

@@ -9,8 +9,8 @@ from sqlalchemy import text, update
 
 from mcml.errors import DamageError, StoreError
 from mcml_schemas.querying.queries import QueryRequest
-from mcml_service.actions.editing.change_document import add_labels, restore_revision
-from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.editing.single_element import Change
+from mcml_service.actions.editing.whole_document import add_labels, restore_revision
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.actions.keeping import keep_store
 from mcml_service.actions.keeping.check_uploads import compare_all

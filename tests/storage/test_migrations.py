@@ -11,7 +11,7 @@ from alembic import command
 from alembic.config import Config
 from sqlalchemy import text
 
-from mcml_service.actions.editing.change_document import change_document, restore_revision
+from mcml_service.actions.editing.whole_document import change_document, restore_revision
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.actions.keeping import keep_store
 from mcml_service.resources import migrations_path

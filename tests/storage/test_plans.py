@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from mcml_service.storage.database import Database
-from mcml_service.storage.lists.facts import facts_of
 from mcml_service.storage.lists.filtering import DocumentFilter
+from mcml_service.storage.lists.list_rows import read_list_rows
 from mcml_service.storage.transaction import Transaction
 from tests.builders import bvh, store
 
@@ -32,7 +32,9 @@ FOUND: dict[str, Callable[[Transaction], object]] = {
     "pictures of a page": lambda tx: tx.thumbnails.of(tx.documents.told([1])),
     "labels of a page": lambda tx: tx.spans.of_many([1]),
     "facts of a page": lambda tx: tx.heads.stated([1], ("calibration_unit", "global_axis_of_gravity")),
-    "what lists need of a document that changed": lambda tx: [list(rows) for rows in vars(facts_of(tx, [1])).values()],
+    "what lists need of a document that changed": lambda tx: [
+        list(rows) for rows in vars(read_list_rows(tx, [1])).values()
+    ],
     "documents of a collection": lambda tx: tx.documents.keys_of({tx.documents.told([1])[0].uuid}),
 }
 """What is asked of few documents."""

@@ -9,8 +9,8 @@ import pytest
 from sqlalchemy import bindparam, insert, select, text, update
 
 from mcml.errors import DamageError
-from mcml_service.storage.core.lists import OneOf
 from mcml_service.storage.core.seals import checked
+from mcml_service.storage.core.sql_expressions import OneOf
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import project
 from mcml_service.storage.database import Database

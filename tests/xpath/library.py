@@ -13,9 +13,9 @@ from typing import Any
 from lxml import etree
 
 from mcml.errors import McmlError
-from mcml_service.actions.editing.change_document import add_labels
-from mcml_service.actions.editing.change_frames import delete_frames, move_frames, reverse
-from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.editing.frame_ranges import delete_frames, move_frames, reverse
+from mcml_service.actions.editing.single_element import Change
+from mcml_service.actions.editing.whole_document import add_labels
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database

@@ -15,9 +15,9 @@ from mcml.formats import FORMATS
 from mcml.motion.skeleton import Convention
 from mcml.testing import written
 from mcml_schemas.querying.queries import NodeItem, QueryRequest, ScalarItem
-from mcml_service.actions.editing.change_document import add_labels, change_document, delete_document, restore_document
-from mcml_service.actions.editing.change_frames import delete_frames, move_frames, reverse
-from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.editing.frame_ranges import delete_frames, move_frames, reverse
+from mcml_service.actions.editing.single_element import Change
+from mcml_service.actions.editing.whole_document import add_labels, change_document, delete_document, restore_document
 from mcml_service.clips.derive import derive_missing
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database

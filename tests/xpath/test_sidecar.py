@@ -18,8 +18,8 @@ import pytest
 from mcml.files.import_options import ImportOptions
 from mcml.formats.format import SourceFile
 from mcml_schemas.querying.queries import QueryRequest
-from mcml_service.actions.editing.change_document import delete_document, restore_document
-from mcml_service.actions.editing.change_frames import delete_frames
+from mcml_service.actions.editing.frame_ranges import delete_frames
+from mcml_service.actions.editing.whole_document import delete_document, restore_document
 from mcml_service.actions.importing.import_motion import import_files
 from mcml_service.actions.keeping.keep_store import backup
 from mcml_service.actions.keeping.purge_documents import purge_documents

@@ -18,8 +18,8 @@ from mcml.errors import McmlError
 from mcml.files.import_options import ImportOptions
 from mcml.formats.format import SourceFile
 from mcml_schemas.querying.queries import NodeItem, QueryRequest
-from mcml_service.actions.editing.change_document import add_labels, delete_document, restore_document
-from mcml_service.actions.editing.change_frames import delete_frames
+from mcml_service.actions.editing.frame_ranges import delete_frames
+from mcml_service.actions.editing.whole_document import add_labels, delete_document, restore_document
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.actions.importing.import_motion import import_files
 from mcml_service.settings import Settings

@@ -11,9 +11,9 @@ import pytest
 from mcml.errors import McmlError
 from mcml.files.import_options import Label
 from mcml_schemas.querying.queries import NodeItem, QueryAnswer, QueryRequest
-from mcml_service.actions.editing.change_document import add_labels, delete_document, restore_document
-from mcml_service.actions.editing.change_frames import move_frames, reverse
-from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.editing.frame_ranges import move_frames, reverse
+from mcml_service.actions.editing.single_element import Change
+from mcml_service.actions.editing.whole_document import add_labels, delete_document, restore_document
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.storage.documents.documents import StoredDocument

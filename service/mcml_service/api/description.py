@@ -9,7 +9,7 @@ from fastapi import FastAPI
 from pydantic.json_schema import models_json_schema
 
 from mcml_schemas.problem import Problem
-from mcml_service.api.doors import COOKIE
+from mcml_service.api.authentication import COOKIE
 
 REF = "#/components/schemas/{model}"
 SECURITY = {

@@ -20,7 +20,7 @@ from mcml_schemas.examples import DOCUMENT, JOB, PROJECT
 from mcml_schemas.jobs import Job
 from mcml_service.actions.analysing.describe_job import job_answer
 from mcml_service.actions.reading.read_news import LABELLING, News
-from mcml_service.api.doors import Doors
+from mcml_service.api.authentication import Authentication
 from mcml_service.api.routes import call_of
 from mcml_service.storage.core.identifiers import now
 from mcml_service.storage.database import Database
@@ -169,7 +169,7 @@ class Stay:
 
     async def _is_let_in(self) -> bool:
         """Whether the same request would be let in now, as the same person with the same rights."""
-        doors: Doors = self._http.app.state.doors
+        doors: Authentication = self._http.app.state.doors
         scope = {name: value for name, value in self._http.scope.items() if name != "mcml.entry"}
         headers = self._http.headers
         if not doors.stand_open(scope, headers) and await run_in_threadpool(doors.refusal, scope, headers) is not None:

@@ -18,8 +18,8 @@ from mcml.answers import Content
 from mcml.errors import ClashError, ReplicaError
 from mcml.formats.format import SourceFile
 from mcml_service.actions.analysing.start_analysis import find_analysis
-from mcml_service.api.lanes import while_connected
-from mcml_service.api.once import Key, creates, done_once
+from mcml_service.api.admission import while_connected
+from mcml_service.api.idempotency import Key, creates, done_once
 from mcml_service.api.streaming import Bytes, answered, known_as, read_body
 from mcml_service.operations.call import Call, SameError
 from mcml_service.operations.operation import Argument, Body, Effect, Operation
@@ -56,7 +56,7 @@ def _unknown_analysis(name: str) -> None:
 
 
 def _add_route(router: APIRouter, operation: Operation) -> None:
-    endpoint = _heavy(operation) if operation.heavy else _plain(operation)
+    endpoint = _queued(operation) if operation.queued else _plain(operation)
     endpoint.__signature__ = _signature(operation)  # type: ignore[attr-defined]  # what inspect, and so FastAPI, reads
     endpoint.__name__ = operation.name
     plain: dict[str, Any] = {"response_class": Response} if operation.media and operation.model is None else {}
@@ -70,7 +70,7 @@ def _add_route(router: APIRouter, operation: Operation) -> None:
         tags=[operation.module],
         status_code=operation.status,
         response_model=operation.model,
-        response_model_exclude_none=operation.terse,
+        response_model_exclude_none=operation.omit_null,
         responses=_responses(operation),
         openapi_extra=_content(operation),
         **plain,
@@ -84,17 +84,17 @@ def _plain(operation: Operation) -> Callable[..., Any]:
     return endpoint
 
 
-def _heavy(operation: Operation) -> Callable[..., Any]:
+def _queued(operation: Operation) -> Callable[..., Any]:
     """An endpoint that is worked on when it is its turn."""
 
     async def endpoint(http: Request, call: Call, **given: Any) -> Response:
         def ask() -> Response:
             return respond(operation, call, http, given)
 
-        if not operation.weighs(given):
+        if not operation.is_queued(given):
             return await run_in_threadpool(ask)
         async with http.app.state.lanes.of(operation).place(http, call.client) as threads:
-            if operation.waits:
+            if operation.cancel_on_disconnect:
                 # Only now, for the time of a query begins with its limits.
                 return await while_connected(http, call.limits.cancel, ask, threads)
             return await to_thread.run_sync(ask, limiter=threads)
@@ -151,7 +151,7 @@ def _answer(operation: Operation, call: Call, http: Request, values: dict[str, A
     if following is not None and operation.method == "GET":
         headers["link"] = f'<{http.url.include_query_params(cursor=following)}>; rel="next"'
     # Here, in a thread: FastAPI would make the text of a model on the event loop, where all others wait for it.
-    text = answer.model_dump_json(exclude_none=operation.terse, by_alias=True)
+    text = answer.model_dump_json(exclude_none=operation.omit_null, by_alias=True)
     return Response(text, operation.status if call.made else 200, headers, media_type="application/json")
 
 
@@ -245,8 +245,8 @@ def _responses(operation: Operation) -> dict[int | str, dict[str, Any]]:
         if BYTES in types:
             types[BYTES]["schema"] = {"type": "string", "format": "binary"}
         said[operation.status] = {"description": operation.media.words, "content": types}
-    if operation.unmade:
-        said[200] = {"model": operation.model, "description": operation.unmade}
+    if operation.ok_description:
+        said[200] = {"model": operation.model, "description": operation.ok_description}
     return said
 
 

@@ -13,13 +13,13 @@ from fastapi.responses import HTMLResponse, RedirectResponse
 from mcml.errors import AccessError, AttemptsError, ConflictError, NotFoundError, RequestError
 from mcml_schemas.team.sessions import SessionOpened, SessionRequest
 from mcml_schemas.team.shares import Shared, SharedMotion, SharedRequest
-from mcml_service.api.doors import SHARED, cookie_name, share_cookie_name
+from mcml_service.api.authentication import SHARED, cookie_name, share_cookie_name
 from mcml_service.api.page import page
 from mcml_service.passwords import checked_name, hashed, opens
 from mcml_service.settings import Settings
 from mcml_service.storage.counting import count_attempt, forget_attempts
 from mcml_service.storage.database import Database
-from mcml_service.storage.team.visits import SESSION_HOURS
+from mcml_service.storage.team.sessions import SESSION_HOURS
 
 LOGIN_PATH = "/login"
 NOTHING_SAID = SessionRequest()

@@ -51,9 +51,9 @@ def serve(
     # Imported late: other commands need not wait for the web.
     import uvicorn
 
+    from mcml_service.api.admission import share_heaps
+    from mcml_service.api.authentication import why_closed
     from mcml_service.api.connections import BACKLOG, connections_of
-    from mcml_service.api.doors import why_closed
-    from mcml_service.api.lanes import share_heaps
     from mcml_service.api.logs import keep_log
 
     for fault in unknown_variables(os.environ):
@@ -110,7 +110,7 @@ def serve(
 
 def app_of_a_worker() -> Any:
     """The service in one of several processes, each of which keeps the log."""
-    from mcml_service.api.lanes import share_heaps
+    from mcml_service.api.admission import share_heaps
     from mcml_service.api.logs import keep_log
     from mcml_service.app import app_from_environment
 

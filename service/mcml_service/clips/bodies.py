@@ -18,7 +18,7 @@ from mcml_service.clips.read_clip import Skeletons, read_clip
 from mcml_service.storage.documents.bodies import StoredBody
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.documents.documents import StoredDocument
-from mcml_service.storage.documents.steps import pack, pack_parts, unpack
+from mcml_service.storage.documents.packed_positions import pack, pack_parts, unpack
 from mcml_service.storage.transaction import Transaction
 
 FRAMES_TOGETHER = 8192

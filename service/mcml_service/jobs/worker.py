@@ -16,7 +16,7 @@ from mcml_service.actions.analysing.start_analysis import EXTENDS, LEFT_OUT, SKE
 from mcml_service.actions.checking.describe_problem import problem_of
 from mcml_service.actions.composing.load_motions import Input, load_motions
 from mcml_service.analysis.interface import Motion, Parts, Progress
-from mcml_service.jobs.apart import StoredMotions, Urls, database_of
+from mcml_service.jobs.remote_motions import StoredMotions, Urls, database_of
 from mcml_service.jobs.telling import Teller
 from mcml_service.jobs.workers import Crew
 from mcml_service.storage.core.views import WHOLE

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml_service.listing.vocabulary import Codes, Mask, Numbering, Properties, PropertyColumns, Vocabulary
-from mcml_service.storage.lists.facts import Facts, Row
+from mcml_service.storage.lists.list_rows import ListRows, Row
 
 Column: TypeAlias = NDArray[Any]
 Numbers: TypeAlias = NDArray[np.int64]
@@ -80,7 +80,7 @@ _KINDS: dict[str, Any] = {
     "revisions": np.int64,
     "modified": np.int64,
 }
-"""What is kept of each document, in the order of `Facts.documents`."""
+"""What is kept of each document, in the order of `ListRows.documents`."""
 
 _COUNTED = {"codes of skeletons": np.int32, "codes of seconds": np.int32, "codes of lengths": np.int32}
 """What is kept beside it, to be counted."""
@@ -121,7 +121,7 @@ class Columns:
         """How many documents stand before a name and key, or there."""
         return _place(self.table["names"], self.table["keys"], (name, key + 1))
 
-    def changed(self, commit: int, whole_since: int, gone: Sequence[int], facts: Facts) -> Columns:
+    def changed(self, commit: int, whole_since: int, gone: Sequence[int], facts: ListRows) -> Columns:
         """The same as another commit left it. gone: documents that are not any more as they were. facts: of those of
         them that there still are, and of new ones."""
         rows = sorted(facts.documents, key=lambda row: (row[2], row[0]))

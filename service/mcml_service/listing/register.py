@@ -14,8 +14,8 @@ from mcml_service.listing.orders import places_of
 from mcml_service.listing.vocabulary import Mask
 from mcml_service.storage.lists import facets
 from mcml_service.storage.lists.facets import Facets
-from mcml_service.storage.lists.facts import facts_of, keys_there
 from mcml_service.storage.lists.filtering import DocumentFilter
+from mcml_service.storage.lists.list_rows import find_keys, read_list_rows
 from mcml_service.storage.lists.orders import NEWEST, Order, Place
 from mcml_service.storage.transaction import Transaction
 
@@ -89,7 +89,7 @@ class Register:
         if last is not None and last.words.values() > STALE * self._whole:
             last = None
         if last is None:
-            found = no_columns().changed(newest, whole_since, (), facts_of(tx))
+            found = no_columns().changed(newest, whole_since, (), read_list_rows(tx))
             self._whole = found.words.values() + 1000
         elif last.commit > newest:
             # An older state, which a transaction still reads.
@@ -98,8 +98,8 @@ class Register:
             changed = tx.columns.changed_since(last.commit)
             gone = set(changed)
             if whole_since != last.whole_since:
-                gone |= set(last["keys"].tolist()).difference(keys_there(tx))
-            found = last.changed(newest, whole_since, sorted(gone), facts_of(tx, changed))
+                gone |= set(last["keys"].tolist()).difference(find_keys(tx))
+            found = last.changed(newest, whole_since, sorted(gone), read_list_rows(tx, changed))
         self._is_too_large = found.words.characters() > MOST_CHARACTERS
         self._last = None if self._is_too_large else found
         return self._last

@@ -68,7 +68,7 @@ def offered() -> Iterator[Operation]:
             summary=analysis.title,
             module="analyses",
             status=202,
-            made=_starting(analysis),
+            implementation=_starting(analysis),
         )
     for analysis in ANALYSES.values():
         for name, use in analysis.operations.items():
@@ -80,8 +80,8 @@ def offered() -> Iterator[Operation]:
                 use.description,
                 summary=use.description.partition(".")[0],
                 module="results",
-                terse=True,
-                made=_using(name, use),
+                omit_null=True,
+                implementation=_using(name, use),
             )
 
 

@@ -21,7 +21,7 @@ from mcml_schemas.documents import (
 )
 from mcml_schemas.examples import DOCUMENT, MOTION_NAME, QUERY
 from mcml_schemas.revisions import Difference, FrameRange
-from mcml_service.actions.editing import change_document as changes
+from mcml_service.actions.editing import whole_document as changes
 from mcml_service.actions.reading.describe_document import detail, summary
 from mcml_service.operations.arguments import (
     MOST,
@@ -322,7 +322,7 @@ def list_revisions(
 
 def _touched(tx: Transaction, stored: StoredDocument, revision: StoredRevision) -> list[FrameRange] | None:
     """None of the first revision that is kept, before which there is none."""
-    from mcml_service.storage.undo.touched import touched_frames
+    from mcml_service.storage.undo.changed_frames import find_changed_frames
 
     then = tx.at_commit(revision.commit).documents.get(stored.uuid, deleted=True)
     before = (
@@ -330,7 +330,7 @@ def _touched(tx: Transaction, stored: StoredDocument, revision: StoredRevision) 
     )
     if before is None:
         return None
-    found = touched_frames(tx, stored.key, revision.commit, before.frames, then.frames)
+    found = find_changed_frames(tx, stored.key, revision.commit, before.frames, then.frames)
     return [FrameRange(first=first, last=last) for first, last in found]
 
 

@@ -148,11 +148,11 @@ class Operation:
     name: of the function in `mcml_service.operations`, the operationId, the Python call.
     address: method and path below /api/v1; None for what is done on the machine of the store alone.
     command: how a terminal calls it, with positional arguments in capitals; None where none is made from this row.
-    status: of a success. unmade: what an answer 200 is, of operations that need not make anything.
-    terse: answers leave out what is null. waits: the operation ends when its client leaves.
-    heavy: it takes long, so that a server works on few at a time; or the argument that makes it so.
-    shared: who has a link to a document may do it, with what the link shows.
-    summary: a title, where the words are too long for one. made: the function, where no module has it.
+    status: of a success. ok_description: of an answer 200, for operations that answer 200 where they made nothing.
+    omit_null: answers leave out values that are null. cancel_on_disconnect: the operation ends when its client leaves.
+    queued: it takes long, so a server works on few at a time; or the name of the argument that makes it long.
+    open_to_links: people who have a link to a document may ask for it, as far as the link shows.
+    summary: a title, where the words are too long for one. implementation: the function, where no module has it.
     """
 
     name: str
@@ -163,13 +163,13 @@ class Operation:
     module: str = ""
     command: str | None = None
     status: int = 200
-    terse: bool = False
-    unmade: str = ""
-    waits: bool = False
-    heavy: bool | str = False
-    shared: bool = False
+    omit_null: bool = False
+    ok_description: str = ""
+    cancel_on_disconnect: bool = False
+    queued: bool | str = False
+    open_to_links: bool = False
     summary: str = ""
-    made: Callable[..., Any] | None = None
+    implementation: Callable[..., Any] | None = None
 
     @property
     def method(self) -> str:
@@ -182,10 +182,10 @@ class Operation:
     @cached_property
     def function(self) -> Callable[..., Any]:
         """What does it: (call, arguments) to an answer. Imported when it is asked for."""
-        if self.made is not None:
-            return self.made
-        found: Callable[..., Any] = getattr(import_module(f"mcml_service.operations.{self.module}"), self.name)
-        return found
+        if self.implementation is not None:
+            return self.implementation
+        function: Callable[..., Any] = getattr(import_module(f"mcml_service.operations.{self.module}"), self.name)
+        return function
 
     @cached_property
     def description(self) -> str:
@@ -224,13 +224,13 @@ class Operation:
             found = [_in_form(argument) for argument in found]
         return tuple(found)
 
-    def weighs(self, given: Mapping[str, Any]) -> bool:
-        """Whether it is heavy with these arguments."""
-        return given.get(self.heavy) is not None if isinstance(self.heavy, str) else self.heavy
+    def is_queued(self, given: Mapping[str, Any]) -> bool:
+        """Whether it takes long with these arguments."""
+        return given.get(self.queued) is not None if isinstance(self.queued, str) else self.queued
 
     def allow(self, call: Call) -> None:
         """AccessError where whoever asks may not do this. Every call passes here."""
-        if call.share is not None and not self.shared:
+        if call.share is not None and not self.open_to_links:
             raise AccessError(
                 f"A link to some documents does not open {self.name}.", remedy="Ask whoever sent it for an account."
             )

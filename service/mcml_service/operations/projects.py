@@ -30,7 +30,7 @@ def export_project(call: Call, project: ProjectName) -> Content:
 
     # Not of a replica: a long answer without a tag could not go on, if that went away.
     tx = call.held.enter_context(call.database.for_call(call.view).read())
-    tx.terms.require(tx.projects.get(project), "own")
+    tx.quotas.require(tx.projects.get(project), "own")
     return Content(exporting(tx, project), "application/zip", f"{project}.project.zip")
 
 
@@ -46,18 +46,18 @@ def change_project(call: Call, change: ProjectChange, project: ProjectName) -> P
     with call.database.write(call.author) as tx:
         tx.order()
         key = tx.projects.get(project)
-        tx.terms.require(key, "own")
+        tx.quotas.require(key, "own")
         bounds = {name: getattr(change, name) for name in ("most_documents", "most_bytes")}
         given = {name: bound or None for name, bound in bounds.items() if bound is not None}
         if given and not may(call.view.everywhere, "operate"):
             raise AccessError(
                 "Owners of the repository say how much a project may hold.", remedy="Ask one of them for more room."
             )
-        chosen = replace(tx.terms.of(key), **given)
+        chosen = replace(tx.quotas.of(key), **given)
         if change.archived is not None:
             since = chosen.archived or now()
             chosen = replace(chosen, archived=since if change.archived else None)
-        tx.terms.put(key, chosen)
+        tx.quotas.put(key, chosen)
         tx.activity.note("project", "change", project_key=key, subject=project)
         return _view(tx, key)
 
@@ -81,5 +81,5 @@ def import_project(
 
 
 def _view(tx: Transaction, key: int) -> ProjectView:
-    documents, size = tx.terms.held(key)
-    return ProjectView(name=tx.projects.name(key), documents=documents, bytes=size, **vars(tx.terms.of(key)))
+    documents, size = tx.quotas.held(key)
+    return ProjectView(name=tx.projects.name(key), documents=documents, bytes=size, **vars(tx.quotas.of(key)))

@@ -28,7 +28,7 @@ def get_skeleton(call: Call, id: DocumentId, revision: AtRevision = None) -> Ske
 
 def get_calibration(call: Call, id: DocumentId, revision: AtRevision = None) -> Calibration:
     """Each value says whether the file states it, or it was measured, guessed or set."""
-    from mcml_service.actions.editing.calibrate import describe_calibration
+    from mcml_service.actions.editing.calibration import describe_calibration
 
     with call.database.read() as tx:
         then, stored = at_revision(tx, id, revision)
@@ -37,8 +37,8 @@ def get_calibration(call: Call, id: DocumentId, revision: AtRevision = None) -> 
 
 def change_calibration(call: Call, id: DocumentId, change: CalibrationChange, if_match: IfMatch = None) -> Calibration:
     """Makes a revision. The unit and the up axis are those of the header, all else are properties of it."""
-    from mcml_service.actions.editing.calibrate import change_calibration as changed
-    from mcml_service.actions.editing.calibrate import describe_calibration
+    from mcml_service.actions.editing.calibration import change_calibration as changed
+    from mcml_service.actions.editing.calibration import describe_calibration
 
     with call.database.write(call.author) as tx:
         stored = changed(tx, checked_for_write(tx, id, if_match), change)

@@ -24,13 +24,13 @@ from sqlalchemy.exc import ArgumentError
 
 from mcml.errors import ReplicaError, StoreError
 from mcml_service.resources import migrations_path
+from mcml_service.storage.core.database_errors import translate
 from mcml_service.storage.core.dialects import DIALECTS, find_dialect
 from mcml_service.storage.core.replica import Replica
 from mcml_service.storage.core.reserve import TO_OPEN, Reserve
 from mcml_service.storage.core.statements import Statements, execute_on_driver
 from mcml_service.storage.core.transaction import COMMAND_LINE, LATEST
 from mcml_service.storage.core.views import WHOLE, View
-from mcml_service.storage.core.words import in_words
 from mcml_service.storage.layout import refuse_newer, require_layout
 from mcml_service.storage.transaction import Transaction
 
@@ -85,13 +85,13 @@ class Database:
     @contextmanager
     def read(self, at: int = LATEST) -> Iterator[Transaction]:
         """A snapshot: what other transactions commit meanwhile is not seen."""
-        with in_words(self.dialect), self._reading() as connection:
+        with translate(self.dialect), self._reading() as connection:
             yield Transaction(connection, self.dialect, at, view=self.view)
 
     @contextmanager
     def look(self) -> Iterator[Transaction]:
         """What is there now, for who asks one statement, and often: two may not see the same."""
-        with in_words(self.dialect), self.dialect.looking() as connection:
+        with translate(self.dialect), self.dialect.looking() as connection:
             yield Transaction(connection, self.dialect, view=self.view)
 
     @contextmanager
@@ -116,7 +116,7 @@ class Database:
     @contextmanager
     def write(self, author: str = "local") -> Iterator[Transaction]:
         """A write transaction: committed when the block ends, rolled back when it raises."""
-        with in_words(self.dialect), self.dialect.writing() as connection:
+        with translate(self.dialect), self.dialect.writing() as connection:
             yield Transaction(connection, self.dialect, author=author, view=self.view, origin=self.origin)
         self.writes += 1
 
@@ -137,7 +137,7 @@ class Database:
         from alembic import command
         from alembic.config import Config
 
-        with in_words(self.dialect), self.dialect.writing() as connection:
+        with translate(self.dialect), self.dialect.writing() as connection:
             self.dialect.order_commits(connection)
             config = Config()
             config.set_main_option("script_location", str(migrations_path()))
@@ -161,7 +161,7 @@ class Database:
         return found, max(path.name[:4] for path in (migrations_path() / "versions").glob("[0-9][0-9][0-9][0-9]_*.py"))
 
     def _schema_version(self) -> str | None:
-        with in_words(self.dialect), self.dialect.reading() as connection:
+        with translate(self.dialect), self.dialect.reading() as connection:
             known = inspect(connection).has_table("alembic_version")
             return Statements(connection).fetch_value("SELECT version_num FROM alembic_version") if known else None
 
@@ -177,7 +177,7 @@ class Database:
         self._require_layout()
 
     def _require_layout(self) -> None:
-        with in_words(self.dialect), self.dialect.reading() as connection:
+        with translate(self.dialect), self.dialect.reading() as connection:
             require_layout(Statements(connection))
 
     def sweep(self, lease_before: float | None = None) -> int:
@@ -199,13 +199,13 @@ class Database:
             return faults(tx, past=past)
 
     def size(self) -> dict[str, int]:
-        with in_words(self.dialect), self.dialect.reading() as connection:
+        with translate(self.dialect), self.dialect.reading() as connection:
             return self.dialect.size(connection)
 
     def has_token(self) -> bool:
         """Whether there is any token or account, of an SQLite file, in microseconds: asked before every request to an
         open one. For one thread, over a connection that nothing else uses, so it waits for no other request."""
-        with in_words(self.dialect):
+        with translate(self.dialect):
             if self._watch is None:
                 self._watch = self.dialect.engine.raw_connection()
                 self._watch.detach()

@@ -27,15 +27,16 @@ from mcml_service.storage.history.purging import Purging
 from mcml_service.storage.history.revisions import Revisions
 from mcml_service.storage.projects.activity import Activity
 from mcml_service.storage.projects.projects import Projects
-from mcml_service.storage.projects.terms import ProjectTerms
+from mcml_service.storage.projects.quotas import Quotas
 from mcml_service.storage.team.accounts import Accounts
 from mcml_service.storage.team.attempts import Attempts
 from mcml_service.storage.team.comments import Comments
+from mcml_service.storage.team.idempotency import Requests
 from mcml_service.storage.team.members import Members
 from mcml_service.storage.team.presence import Presence
+from mcml_service.storage.team.sessions import Sessions
 from mcml_service.storage.team.shares import Shares
 from mcml_service.storage.team.tokens import Tokens
-from mcml_service.storage.team.visits import Requests, Sessions
 from mcml_service.storage.team.webhooks import Webhooks
 from mcml_service.storage.work.aliases import Aliases
 from mcml_service.storage.work.jobs import Jobs
@@ -54,7 +55,7 @@ class Transaction(BaseTransaction):
 
     @cached_property
     def documents(self) -> Documents:
-        return Documents(self, self.activity, self.terms)
+        return Documents(self, self.activity, self.quotas)
 
     @cached_property
     def revisions(self) -> Revisions:
@@ -90,23 +91,23 @@ class Transaction(BaseTransaction):
 
     @cached_property
     def projects(self) -> Projects:
-        return Projects(self, self.terms)
+        return Projects(self, self.quotas)
 
     @cached_property
-    def terms(self) -> ProjectTerms:
-        return ProjectTerms(self)
+    def quotas(self) -> Quotas:
+        return Quotas(self)
 
     @cached_property
     def jobs(self) -> Jobs:
-        return Jobs(self, self.activity, self.terms)
+        return Jobs(self, self.activity, self.quotas)
 
     @cached_property
     def results(self) -> Results:
-        return Results(self, self.terms)
+        return Results(self, self.quotas)
 
     @cached_property
     def aliases(self) -> Aliases:
-        return Aliases(self, self.projects, self.terms)
+        return Aliases(self, self.projects, self.quotas)
 
     @cached_property
     def pruning(self) -> Pruning:
@@ -118,7 +119,7 @@ class Transaction(BaseTransaction):
 
     @cached_property
     def mappings(self) -> Mappings:
-        return Mappings(self, self.projects, self.terms)
+        return Mappings(self, self.projects, self.quotas)
 
     @cached_property
     def media(self) -> MediaOfDocuments:
@@ -126,7 +127,7 @@ class Transaction(BaseTransaction):
 
     @cached_property
     def comments(self) -> Comments:
-        return Comments(self, self.activity, self.members, self.terms)
+        return Comments(self, self.activity, self.members, self.quotas)
 
     @cached_property
     def presence(self) -> Presence:
@@ -138,11 +139,11 @@ class Transaction(BaseTransaction):
 
     @cached_property
     def webhooks(self) -> Webhooks:
-        return Webhooks(self, self.activity, self.projects, self.terms)
+        return Webhooks(self, self.activity, self.projects, self.quotas)
 
     @cached_property
     def saved(self) -> Saved:
-        return Saved(self, self.documents, self.projects, self.terms)
+        return Saved(self, self.documents, self.projects, self.quotas)
 
     @cached_property
     def accounts(self) -> Accounts:
@@ -150,7 +151,7 @@ class Transaction(BaseTransaction):
 
     @cached_property
     def members(self) -> Members:
-        return Members(self, self.accounts, self.activity, self.terms)
+        return Members(self, self.accounts, self.activity, self.quotas)
 
     @cached_property
     def tokens(self) -> Tokens:
@@ -158,7 +159,7 @@ class Transaction(BaseTransaction):
 
     @cached_property
     def shares(self) -> Shares:
-        return Shares(self, self.activity, self.documents, self.projects, self.terms)
+        return Shares(self, self.activity, self.documents, self.projects, self.quotas)
 
     @cached_property
     def sessions(self) -> Sessions:

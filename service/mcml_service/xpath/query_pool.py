@@ -20,7 +20,7 @@ from typing import Any
 
 from mcml.errors import BusyError
 from mcml_schemas.querying.queries import QueryAnswer, QueryRequest
-from mcml_service.processes.turns import Turns
+from mcml_service.processes.fair_queue import FairQueue
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.xpath.answer.streams import Answer, Shown
@@ -53,7 +53,7 @@ class QueryPool:
     def __init__(self, database: Database, settings: Settings, processes: int) -> None:
         self._database = database
         self._settings = settings
-        self._turns = Turns(processes)
+        self._turns = FairQueue(processes)
         self._idle: list[_Worker] = []
         self._running: dict[int, Running] = {}
         self._numbers = itertools.count(1)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 
-from mcml_service.actions.editing.change_document import add_labels
+from mcml_service.actions.editing.whole_document import add_labels
 from mcml_service.actions.importing.store_clip import store_clip
 from mcml_service.analysis.catalogue import ANALYSES
 from mcml_service.analysis.interface import Part, Parts

@@ -11,7 +11,7 @@ from mcml.files.check_names import given_name
 from mcml_schemas.jobs import Selection
 from mcml_service.actions.composing.fit_skeleton import are_markers
 from mcml_service.actions.composing.select_documents import captured, select_documents
-from mcml_service.actions.editing.reshape_motion import read_whole
+from mcml_service.actions.editing.motion_processing import read_whole
 from mcml_service.analysis.catalogue import ANALYSES
 from mcml_service.analysis.interface import Analysis, AnalysisError
 from mcml_service.settings import Settings

@@ -20,7 +20,7 @@ from mcml_schemas.querying.queries import QueryRequest, RunItem
 from mcml_service.actions.checking.check_timed import seconds_of
 from mcml_service.actions.composing.fit_skeleton import JointMapping, fit, with_body
 from mcml_service.actions.composing.keep_mapping import mapping_of
-from mcml_service.actions.editing.reshape_motion import Whole, read_whole
+from mcml_service.actions.editing.motion_processing import Whole, read_whole
 from mcml_service.actions.importing.store_clip import store_stream
 from mcml_service.actions.reading.preview_motion import Window, preview_motion
 from mcml_service.clips.read_clip import read_clip

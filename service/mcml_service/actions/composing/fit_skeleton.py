@@ -13,7 +13,7 @@ from mcml.motion.retargeting.retarget import retarget
 from mcml.motion.skeleton import Convention, Skeleton
 from mcml.motion.units import metres_of, reading_of, up_of
 from mcml_schemas.retarget import JointPair
-from mcml_service.actions.editing.reshape_motion import Whole
+from mcml_service.actions.editing.motion_processing import Whole
 
 _OF_BODY = (
     "skeleton_name",

@@ -18,7 +18,7 @@ from mcml.motion.skeleton import Convention, Skeleton
 from mcml.motion.units import metres_of, reading_of
 from mcml_service.actions.checking.check_timed import seconds_of
 from mcml_service.actions.composing.fit_skeleton import are_markers, match_joints, upright, with_body
-from mcml_service.actions.editing.reshape_motion import Whole, read_whole
+from mcml_service.actions.editing.motion_processing import Whole, read_whole
 from mcml_service.analysis.interface import Motion, Progress, silent
 from mcml_service.clips.read_clip import read_clip
 from mcml_service.storage.documents.documents import StoredDocument

@@ -27,7 +27,7 @@ from mcml_service.actions.checking.describe_problem import problem_of
 from mcml_service.actions.composing.fit_skeleton import JointMapping, are_markers, match_joints, upright, with_body
 from mcml_service.actions.composing.keep_mapping import mapping_of
 from mcml_service.actions.composing.select_documents import select_documents
-from mcml_service.actions.editing.reshape_motion import Whole, read_whole
+from mcml_service.actions.editing.motion_processing import Whole, read_whole
 from mcml_service.actions.importing.store_clip import store_stream
 from mcml_service.actions.reading.preview_motion import Window, preview_motion
 from mcml_service.settings import Settings

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
-from mcml_service.storage.core.words import in_words
+from mcml_service.storage.core.database_errors import translate
 from mcml_service.storage.database import Database
 from mcml_service.storage.history.pruning import Old
 
@@ -57,5 +57,5 @@ def compact_store(database: Database, progress: Callable[[int], None]) -> int:
 
 
 def _compact(database: Database, progress: Callable[[int], None]) -> None:
-    with in_words(database.dialect):
+    with translate(database.dialect):
         database.dialect.compact(progress)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
 from mcml.errors import NotFoundError
-from mcml_service.storage.core.words import in_words
+from mcml_service.storage.core.database_errors import translate
 from mcml_service.storage.database import Database
 from mcml_service.xpath.library.disk.part_file import forget
 
@@ -113,5 +113,5 @@ def _finish(database: Database, key: int, uuid: str, author: str) -> None:
 
 
 def _settle(database: Database) -> None:
-    with in_words(database.dialect):
+    with translate(database.dialect):
         database.dialect.settle()

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from mcml.errors import DocumentError, NotFoundError, Place
 from mcml.language import motion_names
 from mcml_schemas.querying.queries import QueryRequest, RunItem
-from mcml_service.actions.editing.change_document import add_labels
-from mcml_service.actions.editing.splice_frames import check_range
+from mcml_service.actions.editing.frame_splicing import check_range
+from mcml_service.actions.editing.whole_document import add_labels
 from mcml_service.cells import read_cell, safe_cell
 from mcml_service.storage.database import Database
 from mcml_service.storage.documents.documents import StoredDocument

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from mcml.errors import DocumentError, Place
 from mcml.files.import_options import parse_property
 from mcml.language.elements import to_head
-from mcml_service.actions.editing.change_document import change_document
+from mcml_service.actions.editing.whole_document import change_document
 from mcml_service.cells import read_cell
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.lists.filtering import DocumentFilter

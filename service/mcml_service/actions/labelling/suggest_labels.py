@@ -9,8 +9,8 @@ from mcml.motion.hub import HubReader
 from mcml.motion.skeleton import Convention
 from mcml_schemas.labels import SuggestedLabel
 from mcml_service.actions.checking.check_timed import seconds_of
-from mcml_service.actions.editing.change_document import add_labels
-from mcml_service.actions.editing.reshape_motion import read_whole
+from mcml_service.actions.editing.motion_processing import read_whole
+from mcml_service.actions.editing.whole_document import add_labels
 from mcml_service.storage.database import Database
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction

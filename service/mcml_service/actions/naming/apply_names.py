@@ -9,7 +9,7 @@ from mcml.language.lexical import escape
 from mcml.language.vocabulary import BONE, NAME, ROOT
 from mcml.motion.skeleton import Joint, Skeleton
 from mcml_schemas.names import Rename
-from mcml_service.actions.editing.edit_element import edit_head
+from mcml_service.actions.editing.single_element import edit_head
 from mcml_service.clips.read_clip import read_clip
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction

@@ -14,9 +14,9 @@ from pydantic import Field
 from mcml.errors import ConflictError, DocumentError, McmlError
 from mcml_schemas import changes as wire
 from mcml_schemas.changes import ChangeSet, ChangesMade, Fault, FrameBlock
-from mcml_service.actions.editing.apply_changes import Changes, Values, apply_changes
-from mcml_service.actions.editing.edit_elements import ElementEdit
-from mcml_service.actions.editing.merge_changes import Conflict, Merge
+from mcml_service.actions.editing.draft_merging import Conflict, Merge
+from mcml_service.actions.editing.drafts import Changes, Values, apply_changes
+from mcml_service.actions.editing.element_edits import ElementEdit
 from mcml_service.operations.arguments import DocumentId, IfMatch, at_revision, tag
 from mcml_service.operations.call import Call
 from mcml_service.operations.edits.elements import Edit, made_edits

@@ -28,9 +28,9 @@ from mcml_schemas.elements import Edit as AnyEdit
 from mcml_schemas.examples import ADDRESS, FRAME_BONE, NODE
 from mcml_schemas.querying.queries import QueryRequest
 from mcml_service.actions.checking.describe_problem import PreconditionError
-from mcml_service.actions.editing import edit_elements as editing
-from mcml_service.actions.editing.edit_element import Change
-from mcml_service.actions.editing.edit_elements import Deletion, ElementEdit, Insertion, Replacement
+from mcml_service.actions.editing import element_edits as editing
+from mcml_service.actions.editing.element_edits import Deletion, ElementEdit, Insertion, Replacement
+from mcml_service.actions.editing.single_element import Change
 from mcml_service.actions.reading import list_children as listing
 from mcml_service.actions.reading.read_element import read_element
 from mcml_service.operations.arguments import MOST, AtRevision, DocumentId, IfMatch, at_revision, checked_for_write, tag

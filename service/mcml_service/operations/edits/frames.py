@@ -22,7 +22,7 @@ from mcml.motion.bodies.quantities import asked_quantity
 from mcml.motion.skeleton import CHANNELS, Array
 from mcml_schemas.documents import FramePage, FrameRow
 from mcml_schemas.frames import FrameEdits, FrameForm, FramesEdited, FrameValues
-from mcml_service.actions.editing import change_frames
+from mcml_service.actions.editing import frame_ranges
 from mcml_service.actions.exporting.write_tables import (
     TABLES,
     TYPES,
@@ -277,7 +277,7 @@ def edit_frames(call: Call, id: DocumentId, edits: FrameEdits, if_match: IfMatch
     What stays is not written again. Positions in a later edit are those that the earlier ones left.
     """
     with call.database.write(call.author) as tx:
-        changed = change_frames.edit_frames(tx, checked_for_write(tx, id, if_match), edits)
+        changed = frame_ranges.edit_frames(tx, checked_for_write(tx, id, if_match), edits)
     return _edited(call, changed)
 
 
@@ -332,7 +332,7 @@ def put_frames(
 def _put(
     tx: Transaction, stored: StoredDocument, first: int, columns: list[tuple[str, str]], values: Array
 ) -> StoredDocument:
-    if change_frames.write_values(tx, stored, first, columns, values):
+    if frame_ranges.write_values(tx, stored, first, columns, values):
         names = ", ".join(".".join(column) for column in columns[:4])
         tx.documents.add_revision(stored, "frames", f"set {names} of frames {first} to {first + len(values) - 1}")
     return tx.documents.get(stored.uuid)

@@ -11,7 +11,7 @@ from mcml_schemas.documents import ChangedDocuments, Label, LabelPage, LabelRequ
 from mcml_schemas.examples import DOCUMENT, MOTION_NAME
 from mcml_schemas.labels import LabelChange, LabelQuery, SuggestedLabels
 from mcml_schemas.querying.queries import QueryRequest
-from mcml_service.actions.editing import change_document as changes
+from mcml_service.actions.editing import whole_document as changes
 from mcml_service.actions.exporting.write_tables import TYPES, About, batches_of, write_table
 from mcml_service.actions.labelling import edit_labels
 from mcml_service.actions.labelling import suggest_labels as suggesting

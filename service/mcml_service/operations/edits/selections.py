@@ -5,7 +5,7 @@ from __future__ import annotations
 from mcml_schemas.documents import ChangedDocuments
 from mcml_schemas.jobs import Selection
 from mcml_schemas.selections import CopiedDocuments, ManyChanges, ManyCopies, ManyDocuments
-from mcml_service.actions.editing import change_document as changes
+from mcml_service.actions.editing import whole_document as changes
 from mcml_service.actions.labelling import edit_labels
 from mcml_service.operations.call import Call
 from mcml_service.operations.documents import changed_documents
@@ -56,7 +56,7 @@ def copy_documents(call: Call, request: ManyCopies) -> CopiedDocuments:
         made = [copied(tx, tx.documents.get(uuid).key, project) for uuid in uuids]
         for uuid in made:
             tx.activity.note("document", "copy", project_key=project, document=uuid)
-        tx.terms.require_room(project)
+        tx.quotas.require_room(project)
     return CopiedDocuments(documents=made)
 
 

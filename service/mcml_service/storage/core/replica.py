@@ -20,9 +20,9 @@ from sqlalchemy.exc import ArgumentError, DBAPIError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 
 from mcml.errors import ReplicaError, StoreError
+from mcml_service.storage.core.database_errors import translate
 from mcml_service.storage.core.dialects import Dialect
 from mcml_service.storage.core.statements import Statements
-from mcml_service.storage.core.words import in_words
 
 log = logging.getLogger("mcml.replica")
 
@@ -106,9 +106,9 @@ class Replica:
     def behind(self) -> int | None:
         """Bytes of the log that the replica has yet to replay, None where it cannot be asked."""
         try:
-            with in_words(self._primary), self._primary.engine.connect() as primary:
+            with translate(self._primary), self._primary.engine.connect() as primary:
                 written = Statements(primary).fetch_value(_WRITTEN)
-            with in_words(self._dialect), self._dialect.reading() as replica:
+            with translate(self._dialect), self._dialect.reading() as replica:
                 found = Statements(replica).fetch_value(_BEHIND, {"written": written})
         except StoreError:
             return None

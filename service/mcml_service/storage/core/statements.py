@@ -15,8 +15,8 @@ from sqlalchemy import Row as NamedRow
 from sqlalchemy.sql.compiler import SQLCompiler
 
 from mcml.errors import DamageError
-from mcml_service.storage.core.lists import IntegerList
 from mcml_service.storage.core.seals import REMEDY, Checked, Row
+from mcml_service.storage.core.sql_expressions import IntegerList
 
 Values: TypeAlias = Mapping[str, Any]
 """Values of the parameters of a statement, by name. Lists of integers are for `OneOf`."""

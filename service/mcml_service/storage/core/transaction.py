@@ -13,10 +13,10 @@ from mcml.errors import StoreError
 from mcml_service.storage.core import tables
 from mcml_service.storage.core.dialects import Dialect
 from mcml_service.storage.core.identifiers import now
-from mcml_service.storage.core.moments import valid
 from mcml_service.storage.core.schema import CURRENT
 from mcml_service.storage.core.seals import sealed
 from mcml_service.storage.core.statements import Prepared, Statements
+from mcml_service.storage.core.validity import valid
 from mcml_service.storage.core.views import WHOLE, View
 
 _NEWEST_COMMIT = Prepared(select(func.coalesce(func.max(tables.commit.c.number), 0)))

@@ -11,12 +11,12 @@ import orjson
 from sqlalchemy import BigInteger, and_, bindparam, delete, exists, select
 
 from mcml.errors import DamageError
-from mcml_service.storage.core.lists import OneOf
-from mcml_service.storage.core.moments import there
+from mcml_service.storage.core.sql_expressions import OneOf
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import body, content, document, revision
 from mcml_service.storage.core.transaction import BaseTransaction
-from mcml_service.storage.documents.shown import Shown, moves
+from mcml_service.storage.core.validity import there
+from mcml_service.storage.documents.derived_rows import DerivedRows, moves
 
 _ROWS = Prepared(
     select(body.c.document, body.c.revision, body.c.block, body.c.facts, body.c.data)
@@ -25,7 +25,7 @@ _ROWS = Prepared(
     body,
 )
 
-_SHOWN = Shown(body)
+_DERIVED = DerivedRows(body)
 
 _KEPT = (
     select(body.c.document)
@@ -71,7 +71,7 @@ class Bodies:
         """Keep bodies of revisions, in the place of what was kept of them."""
         # Another process may derive the same: who waits for it finds what it made.
         self._tx.order()
-        there = _SHOWN.of(self._tx, {one.key: one.revision for one, _ in made})
+        there = _DERIVED.of(self._tx, {one.key: one.revision for one, _ in made})
         for one, _ in made:
             if one.key in there:
                 mine = and_(body.c.document == one.key, body.c.revision == one.revision)
@@ -85,7 +85,7 @@ class Bodies:
 
     def of(self, documents: Sequence[AtRevision]) -> dict[int, StoredBody]:
         """By the keys of documents: their bodies at these revisions, as far as there are any."""
-        numbers = _SHOWN.of(self._tx, {stored.key: stored.revision for stored in documents})
+        numbers = _DERIVED.of(self._tx, {stored.key: stored.revision for stored in documents})
         if not numbers:
             return {}
         try:

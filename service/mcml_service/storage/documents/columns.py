@@ -12,10 +12,9 @@ import orjson
 from numpy.typing import NDArray
 from sqlalchemy import ColumnElement, and_, bindparam, func, select
 
-from mcml_service.storage.core.lists import OneOf
-from mcml_service.storage.core.moments import there, valid
 from mcml_service.storage.core.schema import CHANNEL_ENDS, CURRENT
 from mcml_service.storage.core.seals import PRIME, damage, track_checksums, unsound
+from mcml_service.storage.core.sql_expressions import OneOf
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import (
     bone,
@@ -34,10 +33,11 @@ from mcml_service.storage.core.tables import (
     track,
 )
 from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.core.validity import there, valid
 from mcml_service.storage.documents.damage import describe_track_damage
+from mcml_service.storage.documents.document_statements import listed_documents
 from mcml_service.storage.documents.encoding import unpack_shape
 from mcml_service.storage.documents.rows import to_elements, to_skeleton
-from mcml_service.storage.documents.selected import listed_documents
 
 if TYPE_CHECKING:
     from mcml.language.elements import Element

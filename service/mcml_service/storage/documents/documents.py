@@ -13,21 +13,21 @@ from sqlalchemy import bindparam, delete, func, select, update
 
 from mcml.errors import NotFoundError
 from mcml_service.storage.core.identifiers import new_uuid, stored_form
-from mcml_service.storage.core.lists import OneOf
-from mcml_service.storage.core.moments import imported, there
 from mcml_service.storage.core.schema import CURRENT, metadata
 from mcml_service.storage.core.seals import SEALS, checked, closing, damage
+from mcml_service.storage.core.sql_expressions import OneOf
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import content, document, property_, revision
 from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.core.validity import imported, there
 from mcml_service.storage.core.views import seen
 from mcml_service.storage.documents.damage import named
-from mcml_service.storage.documents.selected import CONTENT, all_documents, one_document
+from mcml_service.storage.documents.document_statements import CONTENT, all_documents, one_document
 from mcml_service.storage.documents.uploads import LEASE_SECONDS
 from mcml_service.storage.lists.filtering import DocumentFilter, chosen
 from mcml_service.storage.lists.orders import Order, Place, ordered, value_in
 from mcml_service.storage.projects.activity import Activity
-from mcml_service.storage.projects.terms import ProjectTerms
+from mcml_service.storage.projects.quotas import Quotas
 
 # Made once: to build a statement takes four times as long as to run it.
 _WHOLE = Prepared(
@@ -95,14 +95,14 @@ class StoredDocument:
 
 
 class Documents:
-    def __init__(self, tx: BaseTransaction, activity: Activity, terms: ProjectTerms) -> None:
+    def __init__(self, tx: BaseTransaction, activity: Activity, quotas: Quotas) -> None:
         self._tx = tx
         self._activity = activity
-        self._terms = terms
+        self._quotas = quotas
 
     def at(self, commit: int) -> Documents:
         """The same as they were at an earlier commit."""
-        return Documents(self._tx.at_commit(commit), self._activity, self._terms)
+        return Documents(self._tx.at_commit(commit), self._activity, self._quotas)
 
     def with_property(self, name: str, beginning: str) -> list[tuple[str, str]]:
         """(uuid, first 80 characters of the text) of documents with a property whose text begins so."""
@@ -115,7 +115,7 @@ class Documents:
 
     def begin(self, project_key: int, name: str, format_name: str) -> tuple[int, str]:
         """A document in state "importing", which no read sees. Returns (key, uuid). AccessError."""
-        self._terms.require(project_key)
+        self._quotas.require(project_key)
         uuid = new_uuid()
         row = {
             "uuid": uuid,
@@ -150,7 +150,7 @@ class Documents:
         made = (key, 1, number, None, "import", message, stored_form(name), project_key)
         self._tx.insert_tuples(revision, (*_MADE, "name", "project"), [made])
         self._activity.note("document", "import", project_key=project_key, document=uuid, revision=1)
-        self._terms.require_room(project_key)
+        self._quotas.require_room(project_key)
 
     def write_content(self, key: int, from_commit: int, **given: Any) -> None:
         """Set values that a document has once a revision, by the columns of `content`; the others stay. The last call
@@ -181,11 +181,11 @@ class Documents:
 
     def require(self, key: int) -> None:
         """AccessError unless one may change a document."""
-        self._terms.require(self._project(key))
+        self._quotas.require(self._project(key))
 
     def require_room(self, key: int) -> None:
         """ConflictError where the project of a document holds more than it may."""
-        self._terms.require_room(self._project(key))
+        self._quotas.require_room(self._project(key))
 
     def _project(self, key: int) -> int:
         """The project that a document is in now."""
@@ -286,9 +286,9 @@ class Documents:
 
     def move(self, key: int, project_key: int) -> None:
         self.require(key)
-        self._terms.require(project_key)
+        self._quotas.require(project_key)
         self._change(key, project=project_key)
-        self._terms.require_room(project_key)
+        self._quotas.require_room(project_key)
 
     def set_next_slot(self, key: int, slot: int) -> None:
         self._change(key, next_slot=slot)

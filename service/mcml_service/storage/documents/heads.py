@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy import BigInteger, and_, bindparam, delete, func, or_, select, update
 
 from mcml.language.elements import Element, mcml_attributes
-from mcml_service.storage.core.moments import of_document
 from mcml_service.storage.core.schema import CURRENT
 from mcml_service.storage.core.seals import checked, closing, damage
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import bone, content, document, header, property_, skeleton, skeleton_element
 from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.core.validity import of_document
 from mcml_service.storage.core.views import seen
 from mcml_service.storage.documents.damage import named
 from mcml_service.storage.documents.rows import ELEMENT_COLUMNS, SkeletonRows, to_elements, to_rows, to_skeleton

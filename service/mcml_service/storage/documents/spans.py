@@ -8,12 +8,12 @@ from typing import Any
 
 from sqlalchemy import BigInteger, bindparam, func, select, update
 
-from mcml_service.storage.core.moments import DOCUMENT, of_document, there, valid
 from mcml_service.storage.core.schema import CURRENT
 from mcml_service.storage.core.seals import checked, closing
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import document, project, span
 from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.core.validity import DOCUMENT, of_document, there, valid
 from mcml_service.storage.core.views import seen
 
 

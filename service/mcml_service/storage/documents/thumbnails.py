@@ -12,12 +12,12 @@ from sqlalchemy import and_, delete, select
 from mcml_service.storage.core.seals import checked
 from mcml_service.storage.core.tables import thumbnail
 from mcml_service.storage.core.transaction import BaseTransaction
-from mcml_service.storage.documents.shown import Shown
+from mcml_service.storage.documents.derived_rows import DerivedRows
 
 if TYPE_CHECKING:
     from mcml_service.storage.documents.documents import StoredDocument
 
-_SHOWN = Shown(thumbnail)
+_DERIVED = DerivedRows(thumbnail)
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Thumbnails:
 
         The newest that is not younger, where no revision since then has changed what is drawn.
         """
-        numbers = _SHOWN.of(self._tx, {stored.key: stored.revision for stored in documents})
+        numbers = _DERIVED.of(self._tx, {stored.key: stored.revision for stored in documents})
         # Not pairs of both, for which SQLite would read all pictures of the store.
         near = and_(thumbnail.c.document.in_(numbers), thumbnail.c.revision.in_(set(numbers.values())))
         columns = (thumbnail.c.document, thumbnail.c.revision, thumbnail.c.facts, thumbnail.c.data)

@@ -15,13 +15,13 @@ from sqlalchemy import BigInteger, and_, bindparam, delete, func, select, update
 from mcml.errors import NotFoundError, StoreError
 from mcml.motion.clip import FrameBlock, Shape
 from mcml.motion.skeleton import Array
-from mcml_service.storage.core.lists import OneOf
-from mcml_service.storage.core.moments import of_document
 from mcml_service.storage.core.schema import CHUNK, CURRENT
 from mcml_service.storage.core.seals import checked, closing, unsound
+from mcml_service.storage.core.sql_expressions import OneOf
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import frame_run, shape, shape_run, timeline, track
 from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.core.validity import of_document
 from mcml_service.storage.documents.blocks import Stretch, gathered, side_by_side
 from mcml_service.storage.documents.damage import describe_track_damage
 from mcml_service.storage.documents.encoding import (

@@ -9,10 +9,10 @@ from sqlalchemy import Float, Select, and_, case, cast, func, or_, select
 
 from mcml.errors import QueryError
 from mcml_service.storage.core.identifiers import stored_form
-from mcml_service.storage.core.lists import AsWritten, OneOf
-from mcml_service.storage.core.moments import AT, Commit, imported, valid
+from mcml_service.storage.core.sql_expressions import AsWritten, OneOf
 from mcml_service.storage.core.tables import content, document, header, project, property_, span
 from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.core.validity import AT, Commit, imported, valid
 from mcml_service.storage.core.views import seen
 
 if TYPE_CHECKING:

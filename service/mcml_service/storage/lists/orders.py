@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from sqlalchemy import Select, and_, func, or_, select
 
-from mcml_service.storage.core.lists import AsWritten
+from mcml_service.storage.core.sql_expressions import AsWritten
 from mcml_service.storage.core.tables import content, document, project, revision
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.lists.filtering import seconds

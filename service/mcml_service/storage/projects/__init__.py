@@ -1,1 +1,1 @@
-"""Projects, the terms on which they are kept, and what was done in them."""
+"""Projects, their quotas, and the activity in them."""

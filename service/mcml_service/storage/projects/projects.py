@@ -10,16 +10,16 @@ from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import project
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import may, seen
-from mcml_service.storage.projects.terms import ProjectTerms
+from mcml_service.storage.projects.quotas import Quotas
 
 _ALL = select(project.c.name).order_by(project.c.name)
 _BY_NAME = Prepared(select(project.c.id).where(project.c.name == bindparam("name")))
 
 
 class Projects:
-    def __init__(self, tx: BaseTransaction, terms: ProjectTerms) -> None:
+    def __init__(self, tx: BaseTransaction, quotas: Quotas) -> None:
         self._tx = tx
-        self._terms = terms
+        self._quotas = quotas
         self._added: dict[str, int] = {}
 
     def names(self) -> list[str]:
@@ -70,7 +70,7 @@ class Projects:
         found = self._key(name)
         view = self._tx.view
         if found is not None and view.sees(found):
-            self._terms.require(found)
+            self._quotas.require(found)
         elif found is not None or not may(view.everywhere, "edit"):
             # Whether there is one is not told.
             raise AccessError(

@@ -15,7 +15,7 @@ from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import may
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.projects.activity import Activity
-from mcml_service.storage.projects.terms import ProjectTerms
+from mcml_service.storage.projects.quotas import Quotas
 from mcml_service.storage.team.members import Members
 from mcml_service.storage.work.tables import comment
 
@@ -42,11 +42,11 @@ class Comment:
 class Comments:
     """Every method takes a document that is seen."""
 
-    def __init__(self, tx: BaseTransaction, activity: Activity, members: Members, terms: ProjectTerms) -> None:
+    def __init__(self, tx: BaseTransaction, activity: Activity, members: Members, quotas: Quotas) -> None:
         self._tx = tx
         self._activity = activity
         self._members = members
-        self._terms = terms
+        self._quotas = quotas
 
     def of(self, stored: StoredDocument, after: int, limit: int) -> list[Comment]:
         """The oldest first, those with numbers above `after`."""
@@ -118,7 +118,7 @@ class Comments:
         return self.get(stored, number)
 
     def _note(self, stored: StoredDocument, number: int, what: str) -> None:
-        self._terms.require_open(stored.project_key)
+        self._quotas.require_open(stored.project_key)
         self._activity.note(
             "comment",
             what,

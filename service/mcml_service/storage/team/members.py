@@ -10,7 +10,7 @@ from mcml.errors import NotFoundError
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import SCOPES, greatest
 from mcml_service.storage.projects.activity import Activity
-from mcml_service.storage.projects.terms import ProjectTerms
+from mcml_service.storage.projects.quotas import Quotas
 from mcml_service.storage.team.accounts import Accounts
 from mcml_service.storage.team.entries import PROJECT_ROLES, ROLES
 from mcml_service.storage.team.tables import account, membership
@@ -26,11 +26,11 @@ class Member:
 
 
 class Members:
-    def __init__(self, tx: BaseTransaction, accounts: Accounts, activity: Activity, terms: ProjectTerms) -> None:
+    def __init__(self, tx: BaseTransaction, accounts: Accounts, activity: Activity, quotas: Quotas) -> None:
         self._tx = tx
         self._accounts = accounts
         self._activity = activity
-        self._terms = terms
+        self._quotas = quotas
 
     def of_project(self, project_key: int) -> list[Member]:
         """By name; people whose accounts are open, with the greater of their roles."""
@@ -49,7 +49,7 @@ class Members:
 
     def put(self, project_key: int, name: str, role: str) -> None:
         """Let somebody be something in a project, whatever they were there. AccessError, NotFoundError."""
-        self._terms.require(project_key, "own")
+        self._quotas.require(project_key, "own")
         person = self._accounts.get(name)
         self._remove(project_key, person.key)
         row = {"account": person.key, "project": project_key, "role": role}
@@ -58,7 +58,7 @@ class Members:
 
     def remove(self, project_key: int, name: str) -> None:
         """AccessError, NotFoundError for who does not belong to it."""
-        self._terms.require(project_key, "own")
+        self._quotas.require(project_key, "own")
         person = self._accounts.get(name)
         if not self._remove(project_key, person.key):
             raise NotFoundError(

@@ -22,7 +22,7 @@ from mcml_service.storage.core.views import View, may
 from mcml_service.storage.documents.documents import Documents
 from mcml_service.storage.projects.activity import Activity
 from mcml_service.storage.projects.projects import Projects
-from mcml_service.storage.projects.terms import ProjectTerms
+from mcml_service.storage.projects.quotas import Quotas
 from mcml_service.storage.team.tables import session, share, shared_document
 
 
@@ -71,13 +71,13 @@ _ROWS = select(
 
 class Shares:
     def __init__(
-        self, tx: BaseTransaction, activity: Activity, documents: Documents, projects: Projects, terms: ProjectTerms
+        self, tx: BaseTransaction, activity: Activity, documents: Documents, projects: Projects, quotas: Quotas
     ) -> None:
         self._tx = tx
         self._activity = activity
         self._documents = documents
         self._projects = projects
-        self._terms = terms
+        self._quotas = quotas
 
     def add(
         self,
@@ -96,7 +96,7 @@ class Shares:
         if len(projects) != 1:
             raise RequestError("A link shows documents of one project.", remedy="Make a link for each project.")
         (key,) = projects
-        self._terms.require(key)
+        self._quotas.require(key)
         secret = secrets.token_urlsafe(32)
         row = {"sha256": digest_of(secret), "name": stored_form(name), "project": key, "formats": " ".join(formats)}
         number = self._tx.insert_row(share, **row, author=author, created=now(), expires=now(lasts))

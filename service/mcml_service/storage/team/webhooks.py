@@ -28,7 +28,7 @@ from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import SCOPES, may
 from mcml_service.storage.projects.activity import Activity, Event
 from mcml_service.storage.projects.projects import Projects
-from mcml_service.storage.projects.terms import ProjectTerms
+from mcml_service.storage.projects.quotas import Quotas
 from mcml_service.storage.team.tables import delivery, webhook
 
 RETRY_SECONDS: Final = (5, 300, 1800, 7200, 18_000, 36_000, 50_400, 72_000, 86_400)
@@ -83,11 +83,11 @@ class Claimed:
 
 
 class Webhooks:
-    def __init__(self, tx: BaseTransaction, activity: Activity, projects: Projects, terms: ProjectTerms) -> None:
+    def __init__(self, tx: BaseTransaction, activity: Activity, projects: Projects, quotas: Quotas) -> None:
         self._tx = tx
         self._activity = activity
         self._projects = projects
-        self._terms = terms
+        self._quotas = quotas
 
     def all(self, project_key: int | None = None) -> list[Webhook]:
         """Those of projects that one owns, the newest first; of one project alone."""
@@ -103,7 +103,7 @@ class Webhooks:
     def add(self, url: str, kinds: Iterable[str], project_key: int | None) -> tuple[str, Webhook]:
         """Its secret, and what it is. It is told of what happens from now on. AccessError."""
         if project_key is not None:
-            self._terms.require(project_key, "own")
+            self._quotas.require(project_key, "own")
         elif not self._decides(None):
             raise AccessError("Only owners of the repository hear of all of it.", remedy="Name a project that you own.")
         self._tx.order()

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from sqlalchemy import and_, insert, literal, select, update
 
-from mcml_service.storage.core.moments import valid
 from mcml_service.storage.core.schema import CURRENT
 from mcml_service.storage.core.seals import carried, closing
 from mcml_service.storage.core.tables import REVISIONED
+from mcml_service.storage.core.validity import valid
 
 if TYPE_CHECKING:
     from sqlalchemy import ColumnElement, Table

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy import and_, literal, select, update
 
 from mcml.errors import ConflictError
-from mcml_service.storage.core.moments import valid
 from mcml_service.storage.core.schema import CURRENT
 from mcml_service.storage.core.seals import closing
 from mcml_service.storage.core.tables import (
@@ -25,7 +24,8 @@ from mcml_service.storage.core.tables import (
     timeline,
     track,
 )
-from mcml_service.storage.documents.selected import CONTENT
+from mcml_service.storage.core.validity import valid
+from mcml_service.storage.documents.document_statements import CONTENT
 from mcml_service.storage.undo.restoring import copy_rows, show_copies
 from mcml_service.storage.undo.undoing_samples import take_back_shapes, take_back_tracks
 

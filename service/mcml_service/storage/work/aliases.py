@@ -11,7 +11,7 @@ from mcml_service.storage.core.identifiers import now
 from mcml_service.storage.core.seals import checked
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.projects.projects import Projects
-from mcml_service.storage.projects.terms import ProjectTerms
+from mcml_service.storage.projects.quotas import Quotas
 from mcml_service.storage.work.tables import joint_alias
 
 _HELD = select(joint_alias.c.version, joint_alias.c.author, joint_alias.c.changed, joint_alias.c.pairs)
@@ -32,10 +32,10 @@ class StoredAliases:
 
 
 class Aliases:
-    def __init__(self, tx: BaseTransaction, projects: Projects, terms: ProjectTerms) -> None:
+    def __init__(self, tx: BaseTransaction, projects: Projects, quotas: Quotas) -> None:
         self._tx = tx
         self._projects = projects
-        self._terms = terms
+        self._quotas = quotas
 
     def of(self, project_name: str) -> StoredAliases:
         """What a project has, nothing for one that does not exist yet."""
@@ -61,5 +61,5 @@ class Aliases:
     def remove(self, project_name: str) -> None:
         """AccessError."""
         key = self._projects.get(project_name)
-        self._terms.require(key)
+        self._quotas.require(key)
         self._tx.run(delete(joint_alias).where(joint_alias.c.project == key))

@@ -15,7 +15,7 @@ from mcml_service.storage.core.tables import project
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import seen
 from mcml_service.storage.projects.activity import Activity
-from mcml_service.storage.projects.terms import ProjectTerms
+from mcml_service.storage.projects.quotas import Quotas
 from mcml_service.storage.work.tables import job, result
 
 LEASE_SECONDS = 12.0
@@ -59,10 +59,10 @@ class StoredJob:
 
 
 class Jobs:
-    def __init__(self, tx: BaseTransaction, activity: Activity, terms: ProjectTerms) -> None:
+    def __init__(self, tx: BaseTransaction, activity: Activity, quotas: Quotas) -> None:
         self._tx = tx
         self._activity = activity
-        self._terms = terms
+        self._quotas = quotas
 
     def add(
         self,
@@ -75,7 +75,7 @@ class Jobs:
         runner: str | None = None,
     ) -> str:
         """A new job, and its uuid. runner: who works on it at once; else it waits for one. AccessError."""
-        self._terms.require(project_key)
+        self._quotas.require(project_key)
         uuid = new_uuid()
         self._tx.insert_row(
             job,
@@ -202,7 +202,7 @@ class Jobs:
     def cancel(self, uuid: str) -> StoredJob:
         """Ask that a job end: one that waits ends at once, one that runs when its runner hears of it. AccessError."""
         found = self.get(uuid)
-        self._terms.require(found.project_key)
+        self._quotas.require(found.project_key)
         waiting = update(job).where(job.c.uuid == uuid, job.c.state == "waiting")
         if self._tx.run(waiting.values(state="cancelled", ended=now(), cancel=True)):
             self._activity.note("job", "cancelled", project_key=found.project_key, subject=found.name)

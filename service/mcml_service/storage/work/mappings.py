@@ -15,7 +15,7 @@ from mcml_service.storage.core.tables import project
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import seen
 from mcml_service.storage.projects.projects import Projects
-from mcml_service.storage.projects.terms import ProjectTerms
+from mcml_service.storage.projects.quotas import Quotas
 from mcml_service.storage.work.tables import joint_mapping
 
 _LISTED = select(joint_mapping, project.c.name.label("project_name")).join(
@@ -37,10 +37,10 @@ class StoredMapping:
 
 
 class Mappings:
-    def __init__(self, tx: BaseTransaction, projects: Projects, terms: ProjectTerms) -> None:
+    def __init__(self, tx: BaseTransaction, projects: Projects, quotas: Quotas) -> None:
         self._tx = tx
         self._projects = projects
-        self._terms = terms
+        self._quotas = quotas
 
     def page(self, project_name: str | None, after: tuple[str, str] | None, limit: int) -> list[StoredMapping]:
         """Mappings by project and name, those behind (project, name) `after`."""
@@ -87,7 +87,7 @@ class Mappings:
 
     def remove(self, stored: StoredMapping) -> None:
         """AccessError."""
-        self._terms.require(self._projects.get(stored.project))
+        self._quotas.require(self._projects.get(stored.project))
         self._tx.run(delete(joint_mapping).where(joint_mapping.c.id == stored.key))
 
 

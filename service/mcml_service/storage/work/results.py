@@ -20,7 +20,7 @@ from mcml_service.storage.core.seals import checked, damage
 from mcml_service.storage.core.tables import document, project
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import seen
-from mcml_service.storage.projects.terms import ProjectTerms
+from mcml_service.storage.projects.quotas import Quotas
 from mcml_service.storage.work.tables import job, result, result_block, result_part
 
 BLOCK_BYTES = 4 << 20
@@ -72,9 +72,9 @@ class StoredPart:
 
 
 class Results:
-    def __init__(self, tx: BaseTransaction, terms: ProjectTerms) -> None:
+    def __init__(self, tx: BaseTransaction, quotas: Quotas) -> None:
         self._tx = tx
-        self._terms = terms
+        self._quotas = quotas
 
     def add(
         self,
@@ -88,7 +88,7 @@ class Results:
         parent: str | None = None,
     ) -> tuple[int, str]:
         """A result without parts; its key and uuid. AccessError."""
-        self._terms.require(project_key)
+        self._quotas.require(project_key)
         uuid = new_uuid()
         key = self._tx.insert_row(
             result,
@@ -229,7 +229,7 @@ class Results:
 
     def remove(self, key: int) -> None:
         """Drop a result and all that was made from it; documents that came of them stay. AccessError."""
-        self._terms.require(self._tx.fetch_value(select(result.c.project).where(result.c.id == key)))
+        self._quotas.require(self._tx.fetch_value(select(result.c.project).where(result.c.id == key)))
         for child in self._tx.fetch_column(select(result.c.id).where(result.c.parent == key)):
             self.remove(child)
         self._tx.run(update(job).where(job.c.result == key).values(result=None))

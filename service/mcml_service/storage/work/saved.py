@@ -19,7 +19,7 @@ from mcml_service.storage.core.views import seen
 from mcml_service.storage.documents.documents import Documents
 from mcml_service.storage.lists.filtering import DocumentFilter, parse_condition, parse_range
 from mcml_service.storage.projects.projects import Projects
-from mcml_service.storage.projects.terms import ProjectTerms
+from mcml_service.storage.projects.quotas import Quotas
 from mcml_service.storage.work.tables import saved
 
 Kind = Literal["query", "collection", "colours", "vocabulary"]
@@ -46,11 +46,11 @@ class StoredThing:
 
 
 class Saved:
-    def __init__(self, tx: BaseTransaction, documents: Documents, projects: Projects, terms: ProjectTerms) -> None:
+    def __init__(self, tx: BaseTransaction, documents: Documents, projects: Projects, quotas: Quotas) -> None:
         self._tx = tx
         self._documents = documents
         self._projects = projects
-        self._terms = terms
+        self._quotas = quotas
 
     def page(
         self, kind: Kind, project_name: str | None, after: tuple[str, str] | None, limit: int
@@ -102,7 +102,7 @@ class Saved:
     def remove(self, kind: Kind, thing: StoredThing) -> None:
         """AccessError."""
         key = self._projects.get(thing.project)
-        self._terms.require(key)
+        self._quotas.require(key)
         chosen = (saved.c.project == key, saved.c.kind == kind)
         self._tx.run(delete(saved).where(*chosen, saved.c.name == thing.name))
 

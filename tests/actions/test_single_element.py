@@ -10,7 +10,7 @@ from sqlalchemy import func, select
 
 from mcml.errors import DocumentError, NotFoundError
 from mcml.language.dtd import violations
-from mcml_service.actions.editing.edit_element import Change
+from mcml_service.actions.editing.single_element import Change
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.actions.reading.read_element import read_element
 from mcml_service.storage.core.tables import track
@@ -111,7 +111,7 @@ def test_every_element_is_deleted_alone_or_refused(database: Database, uuid: str
         assert canonical(serialised(database, uuid)) == canonical(before), where
         with database.write() as tx:
             stored = tx.documents.get(uuid)
-            from mcml_service.actions.editing.change_document import restore_revision
+            from mcml_service.actions.editing.whole_document import restore_revision
 
             restore_revision(tx, stored, stored.revision - 1)
         assert canonical(serialised(database, uuid)) == canonical(tree), f"restored after {where}"

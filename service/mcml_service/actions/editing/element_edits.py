@@ -18,9 +18,9 @@ from mcml.language.addresses import (
     split_attribute,
 )
 from mcml.language.element import Element, addresses
-from mcml_service.actions.editing.edit_element import Change, apply_change, apply_deletion
-from mcml_service.actions.editing.insert_elements import Where, insert_elements, replace_element
-from mcml_service.actions.editing.splice_frames import counts_up
+from mcml_service.actions.editing.element_insertion import Where, insert_elements, replace_element
+from mcml_service.actions.editing.frame_splicing import counts_up
+from mcml_service.actions.editing.single_element import Change, apply_change, apply_deletion
 from mcml_service.actions.reading.read_element import read_element
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction

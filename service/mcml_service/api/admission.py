@@ -1,6 +1,6 @@
-"""Heavy requests in lanes of their own: some are worked on, some wait in turn, more are sent away.
+"""Admission of requests that take long: a server works on some, some wait in a queue, more are refused.
 
-What is light never stands behind them: they take no thread that others need.
+Other requests never wait behind them: they take no thread that others need.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from fastapi import Request
 
 from mcml.errors import BusyError, ShareError
 from mcml_service.operations.operation import Effect, Operation
-from mcml_service.processes.turns import Turns
+from mcml_service.processes.fair_queue import FairQueue
 from mcml_service.settings import Settings
 
 Value = TypeVar("Value")
@@ -42,12 +42,12 @@ BUSY_SECONDS = 10.0
 """And at least so often where they never cease."""
 
 
-class Lane:
+class AdmissionQueue:
     """places: how many requests are worked on at a time; one client holds all but one. most: how many may wait, half of
     them of one client. seconds: how long. left: told when one is over."""
 
     def __init__(self, places: int, most: int, seconds: float, left: Callable[[], None]) -> None:
-        self._turns = Turns(places)
+        self._turns = FairQueue(places)
         # Who has a place finds a thread.
         self._threads = CapacityLimiter(places)
         self._most = most
@@ -88,16 +88,16 @@ class Lane:
         raise BusyError(f"No place was free within {self._seconds:g} s.")
 
 
-class Lanes:
+class Admission:
     """One for what reads and one for what writes, which may wait for the store: neither stands behind the other."""
 
     def __init__(self, settings: Settings) -> None:
         places, most, seconds = settings.heavy_at_once, settings.heavy_waiting, settings.heavy_wait_seconds
-        self._reads, self._writes = (Lane(places, most, seconds, self._tidy_soon) for _ in range(2))
+        self._reads, self._writes = (AdmissionQueue(places, most, seconds, self._tidy_soon) for _ in range(2))
         self._tidying: asyncio.TimerHandle | None = None
         self._tidied = 0.0
 
-    def of(self, operation: Operation) -> Lane:
+    def of(self, operation: Operation) -> AdmissionQueue:
         return self._writes if operation.effect is Effect.WRITES else self._reads
 
     def _tidy_soon(self) -> None:

@@ -1,4 +1,4 @@
-"""What every request passes first: bounds, no writes from foreign pages, and the doors."""
+"""The middleware that every request passes first: bounds, no writes from foreign pages, authentication."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
 
 from mcml.errors import McmlError, SpaceError
-from mcml_service.api.doors import SHARED, Doors, foreign_name, is_own_page
+from mcml_service.api.authentication import SHARED, Authentication, foreign_name, is_own_page
 from mcml_service.api.forwarded import as_the_client_sent_it
 from mcml_service.api.logs import begin_request, requests
 from mcml_service.api.policy import DEFAULTS, ONLY_TLS
@@ -45,7 +45,7 @@ class Guard:
     """ASGI middleware. Names requests, counts answers, and requests under way."""
 
     def __init__(
-        self, app: Any, settings: Settings, doors: Doors, counts: dict[tuple[str, int], int], traffic: Traffic
+        self, app: Any, settings: Settings, doors: Authentication, counts: dict[tuple[str, int], int], traffic: Traffic
     ) -> None:
         self.app = app
         self.doors = doors

@@ -23,7 +23,7 @@ import uvicorn
 from fastapi.testclient import TestClient
 from starlette.datastructures import Headers
 
-from mcml_service.api.doors import FORWARDING
+from mcml_service.api.authentication import FORWARDING
 from mcml_service.api.forwarded import as_the_client_sent_it
 from mcml_service.app import create_app
 from mcml_service.local_secret import NAME, keep_secret, read_secret

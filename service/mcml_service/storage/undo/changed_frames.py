@@ -20,7 +20,9 @@ MOST_COMPARED = 256
 """Tracks that are compared sample by sample; of a revision that wrote more, all frames of them count as touched."""
 
 
-def touched_frames(tx: Transaction, document_key: int, commit: int, before: int, after: int) -> list[tuple[int, int]]:
+def find_changed_frames(
+    tx: Transaction, document_key: int, commit: int, before: int, after: int
+) -> list[tuple[int, int]]:
     """Ranges (first, last) of frames, as the commit left them. before, after: how many frames there were then and now.
 
     The commit is not the first of the document.

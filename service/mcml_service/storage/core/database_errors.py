@@ -22,7 +22,7 @@ from mcml_service.storage.core.seals import REMEDY
 
 
 @contextmanager
-def in_words(dialect: Dialect) -> Iterator[None]:
+def translate(dialect: Dialect) -> Iterator[None]:
     """What the database refuses, as errors of ours: without its statements, which no user wrote."""
     # Bulk inserts go to the driver itself, whose errors nobody has wrapped.
     driver = dialect.engine.dialect.loaded_dbapi

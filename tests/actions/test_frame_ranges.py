@@ -14,8 +14,8 @@ from lxml import etree
 from mcml.errors import DocumentError, NotFoundError
 from mcml.language.dtd import violations
 from mcml_schemas.querying.queries import NodeItem, QueryRequest
-from mcml_service.actions.editing.change_document import add_labels, restore_revision
-from mcml_service.actions.editing.change_frames import (
+from mcml_service.actions.editing.element_edits import Deletion, ElementEdit, edit_elements
+from mcml_service.actions.editing.frame_ranges import (
     delete_frames,
     insert_frames,
     move_frames,
@@ -23,13 +23,13 @@ from mcml_service.actions.editing.change_frames import (
     trim,
     write_values,
 )
-from mcml_service.actions.editing.edit_element import Change
-from mcml_service.actions.editing.edit_elements import Deletion, ElementEdit, edit_elements
+from mcml_service.actions.editing.single_element import Change
+from mcml_service.actions.editing.whole_document import add_labels, restore_revision
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.xpath.queries import Queries
-from tests.actions.test_edit_element import PARSER, canonical
+from tests.actions.test_single_element import PARSER, canonical
 from tests.builders import bvh, one_kind, store
 from tests.edits import OTHER_SEEDS, change_element, delete_element
 

@@ -14,7 +14,7 @@ from mcml.errors import ConflictError, DocumentError
 from mcml.formats.format import SourceFile
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import Effect, Operation
-from mcml_service.storage.team.visits import KEY_HOURS, Remembered
+from mcml_service.storage.team.idempotency import KEY_HOURS, Remembered
 
 Key: TypeAlias = Annotated[
     str | None,

@@ -1,4 +1,4 @@
-"""Whose turn it is: places that clients share, so that one who asks much does not make the others wait."""
+"""A fair queue: places that clients share, so that a client with many requests does not make others wait."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections import Counter, OrderedDict, deque
 from concurrent.futures import Future
 
 
-class Turns:
+class FairQueue:
     """So many places, of which one client may hold all but one.
 
     Clients who wait are served in turn, each with its oldest request. Threads may share it.

@@ -13,11 +13,11 @@ from lxml import etree
 from mcml.errors import McmlError
 from mcml.language.dtd import violations
 from mcml.language.fragment import read_fragment
-from mcml_service.actions.editing.edit_element import Change
-from mcml_service.actions.editing.edit_elements import Deletion, ElementEdit, Insertion, Replacement, edit_elements
+from mcml_service.actions.editing.element_edits import Deletion, ElementEdit, Insertion, Replacement, edit_elements
+from mcml_service.actions.editing.single_element import Change
 from mcml_service.storage.database import Database
-from tests.actions.test_change_frames import content, motion
-from tests.actions.test_edit_element import PARSER, canonical
+from tests.actions.test_frame_ranges import content, motion
+from tests.actions.test_single_element import PARSER, canonical
 from tests.builders import MCML, bvh, one_kind, store
 from tests.edits import OTHER_SEEDS
 

@@ -7,9 +7,9 @@ from typing import Any
 
 from sqlalchemy import Select, and_, bindparam, func, select
 
-from mcml_service.storage.core.moments import AT, imported, there, valid
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import commit, content, document, header, project, revision
+from mcml_service.storage.core.validity import AT, imported, there, valid
 
 CONTENT = tuple(
     column.name for column in content.c if not column.primary_key and column.name not in ("to_commit", "checksum")

@@ -17,9 +17,9 @@ from mcml.language.addresses import address_attribute, address_frame, find_frame
 from mcml.language.elements import to_head
 from mcml.motion.skeleton import CHANNEL_INDEX, Array
 from mcml.numerics.runs import find_true
-from mcml_service.actions.editing.apply_changes import Changes, Label, Values
-from mcml_service.actions.editing.edit_element import Change
-from mcml_service.actions.editing.edit_elements import ElementEdit
+from mcml_service.actions.editing.drafts import Changes, Label, Values
+from mcml_service.actions.editing.element_edits import ElementEdit
+from mcml_service.actions.editing.single_element import Change
 from mcml_service.actions.reading.read_element import read_element
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction

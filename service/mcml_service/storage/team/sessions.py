@@ -1,27 +1,19 @@
-"""Who visits, and what they asked: sessions of browsers, one-time links, and requests that must be done only once.
-
-Rows of both end by themselves: they carry no checksum.
-"""
+"""Sessions of browsers, and one-time links. Their rows end by themselves, so they carry no checksum."""
 
 from __future__ import annotations
 
 import secrets
-from dataclasses import dataclass
 from datetime import timedelta
 from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import (
-    and_,
     bindparam,
     delete,
     func,
     insert,
     or_,
     select,
-    update,
 )
-from sqlalchemy.exc import IntegrityError
-from sqlalchemy.sql import ColumnElement
 
 from mcml_service.storage.core.identifiers import digest_of, now
 from mcml_service.storage.core.statements import Prepared
@@ -30,7 +22,7 @@ from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.team.accounts import Account
 from mcml_service.storage.team.entries import Entry, entry_of
 from mcml_service.storage.team.shares import Shares
-from mcml_service.storage.team.tables import account, grant, granted_project, request, session
+from mcml_service.storage.team.tables import account, grant, granted_project, session
 
 if TYPE_CHECKING:
     from mcml_service.storage.team.shares import Share
@@ -75,7 +67,7 @@ class _Visit(NamedTuple):
     project: int | None
 
 
-SESSION_HOURS, LINK_MINUTES, KEY_HOURS = 12, 15, 24
+SESSION_HOURS, LINK_MINUTES = 12, 15
 
 
 class Sessions:
@@ -153,46 +145,3 @@ class Sessions:
         if (row.token is not None and row.scope is None) or (row.person is not None and row.account is None):
             return None
         return entry_of(self._tx, row.author, rows)
-
-
-@dataclass(frozen=True)
-class Remembered:
-    """A request that was sent before. status: None where it is not known to have ended."""
-
-    operation: str
-    digest: str
-    status: int | None
-    location: str | None
-    answer: str | None
-
-
-class Requests:
-    """Requests with a key of their client's, each of which is done once."""
-
-    def __init__(self, tx: BaseTransaction) -> None:
-        self._tx = tx
-
-    def begin(self, author: str, key: str, operation: str, digest: str) -> Remembered | None:
-        """Note a request; None, or what is known of one that had this key before."""
-        self._tx.run(delete(request).where(request.c.created < now(-timedelta(hours=KEY_HOURS))))
-        values = {"author": author, "key": key, "operation": operation, "digest": digest, "created": now()}
-        try:
-            with self._tx.savepoint():
-                self._tx.run(insert(request).values(**values))
-        except IntegrityError:
-            (found,) = self._tx.fetch_all(select(request).where(_named(author, key)))
-            return Remembered(found.operation, found.digest, found.status, found.location, found.answer)
-        return None
-
-    def end(self, author: str, key: str, status: int, location: str | None, answer: str) -> None:
-        """Keep what was answered."""
-        values = {"status": status, "location": location, "answer": answer}
-        self._tx.run(update(request).where(_named(author, key)).values(**values))
-
-    def forget(self, author: str, key: str) -> None:
-        """The request failed: nothing was done, and it may be sent again."""
-        self._tx.run(delete(request).where(_named(author, key)))
-
-
-def _named(author: str, key: str) -> ColumnElement[bool]:
-    return and_(request.c.author == author, request.c.key == key)

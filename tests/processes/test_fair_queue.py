@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import threading
 
-from mcml_service.processes.turns import Turns
+from mcml_service.processes.fair_queue import FairQueue
 
 
 def test_who_waits_is_served_in_turn() -> None:
-    turns = Turns(2)
+    turns = FairQueue(2)
     assert turns.take("a", 0)
     assert not turns.take("a", 0)
     assert turns.take("b", 0)
@@ -37,7 +37,7 @@ def test_who_waits_is_served_in_turn() -> None:
 
 
 def test_who_left_is_passed_over() -> None:
-    turns = Turns(2)
+    turns = FairQueue(2)
     held = turns.ask("a")
     left, waits, other = turns.ask("a"), turns.ask("a"), turns.ask("b")
     assert (held.done(), left.done(), waits.done(), other.done()) == (True, False, False, True)

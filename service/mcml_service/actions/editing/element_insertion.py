@@ -16,8 +16,8 @@ from mcml.language.elements import joint_names
 from mcml.language.faults import all_faults, read_frames
 from mcml.language.lexical import unescape
 from mcml.motion.clip import FrameBlock
-from mcml_service.actions.editing.edit_element import Change, apply_change, edit_head, parent_of
-from mcml_service.actions.editing.splice_frames import check_range, splice_frames
+from mcml_service.actions.editing.frame_splicing import check_range, splice_frames
+from mcml_service.actions.editing.single_element import Change, apply_change, edit_head, parent_of
 from mcml_service.actions.reading.read_element import frame_at
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction

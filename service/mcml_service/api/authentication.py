@@ -1,4 +1,4 @@
-"""Who may come in. What is kept decides, and where a request comes from; nothing that it says of itself opens a door.
+"""Authentication of requests, by what the store keeps and by where a request comes from, not by what it claims.
 
 A proxy on the same machine looks like a local client: nginx's bare `proxy_pass` sends `Host: 127.0.0.1:8000` and no
 header that would betray it. So a store of several people is never open, whatever address is listened on.
@@ -69,8 +69,10 @@ def why_closed(settings: Settings, database: Database) -> str | None:
     return None
 
 
-class Doors:
-    """secret: what commands on this machine send, read anew each time; None where there is none."""
+class Authentication:
+    """Decides which requests a server answers.
+
+    secret: what commands on this machine send, read anew each time; None where there is none."""
 
     def __init__(self, settings: Settings, database: Database, secret: Callable[[], str | None]) -> None:
         self._database = database

@@ -18,7 +18,7 @@ from mcml.motion.bodies.reference import pose_in
 from mcml.motion.clip import ReferencePose
 from mcml.motion.units import reading_of
 from mcml_schemas import bodies as wire
-from mcml_service.actions.editing.change_document import change_document
+from mcml_service.actions.editing.whole_document import change_document
 from mcml_service.clips.bodies import Body, read_bodies
 from mcml_service.clips.read_clip import read_clip
 from mcml_service.storage.documents.documents import StoredDocument

@@ -17,9 +17,9 @@ from mcml.language.elements import Element, addresses, check_counts, joint_names
 from mcml.language.lexical import escape, is_decimal, unescape
 from mcml.language.vocabulary import FRAME_BONE, FRAMES, MOTION_NAME
 from mcml.motion.skeleton import CHANNEL_INDEX
-from mcml_service.actions.editing.edit_frames import rename_frame, rewrite_frame_bone
-from mcml_service.actions.editing.edit_names import rewrite_motion_name
-from mcml_service.actions.editing.splice_frames import check_range, splice_frames
+from mcml_service.actions.editing.frame_elements import rename_frame, rewrite_frame_bone
+from mcml_service.actions.editing.frame_labels import rewrite_motion_name
+from mcml_service.actions.editing.frame_splicing import check_range, splice_frames
 from mcml_service.actions.reading.read_element import HEAD, LEAF, missing_at
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.documents.rows import skeleton_rows

@@ -1,4 +1,4 @@
-"""On which terms projects are kept: how much may be in them, and whether they are archived."""
+"""How much may be in a project, and whether it is archived."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import Any
 from sqlalchemy import BigInteger, Column, ForeignKey, String, Table, bindparam, delete, func, insert, select
 
 from mcml.errors import AccessError, ConflictError
-from mcml_service.storage.core.moments import there
 from mcml_service.storage.core.schema import metadata
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import document, document_media, document_upload, project, upload
 from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.core.validity import there
 from mcml_service.storage.core.views import may
 
-terms = Table(
+project_terms = Table(
     "project_terms",
     metadata,
     Column("project", ForeignKey("project.id"), primary_key=True),
@@ -27,12 +27,14 @@ terms = Table(
 each counted once."""
 
 _OF = Prepared(
-    select(terms.c.archived, terms.c.most_documents, terms.c.most_bytes).where(terms.c.project == bindparam("project"))
+    select(project_terms.c.archived, project_terms.c.most_documents, project_terms.c.most_bytes).where(
+        project_terms.c.project == bindparam("project")
+    )
 )
 
 
 @dataclass(frozen=True)
-class Terms:
+class Quota:
     """archived: since when, None where it is not. most_documents, most_bytes: None for no bound."""
 
     archived: str | None = None
@@ -40,23 +42,23 @@ class Terms:
     most_bytes: int | None = None
 
 
-class ProjectTerms:
+class Quotas:
     """Of each project, as one transaction sees them."""
 
     def __init__(self, tx: BaseTransaction) -> None:
         self._tx = tx
-        self._known: dict[int, Terms] = {}
+        self._known: dict[int, Quota] = {}
 
-    def of(self, project: int) -> Terms:
+    def of(self, project: int) -> Quota:
         if project not in self._known:
             rows = self._tx.fetch_all(_OF, {"project": project})
-            self._known[project] = Terms(*rows[0]) if rows else Terms()
+            self._known[project] = Quota(*rows[0]) if rows else Quota()
         return self._known[project]
 
-    def put(self, project: int, chosen: Terms) -> None:
-        self._tx.run(delete(terms).where(terms.c.project == project))
-        if chosen != Terms():
-            self._tx.run(insert(terms).values(project=project, **vars(chosen)))
+    def put(self, project: int, chosen: Quota) -> None:
+        self._tx.run(delete(project_terms).where(project_terms.c.project == project))
+        if chosen != Quota():
+            self._tx.run(insert(project_terms).values(project=project, **vars(chosen)))
         self._known[project] = chosen
 
     def held(self, project: int) -> tuple[int, int]:

@@ -15,8 +15,14 @@ from mcml.motion.clip import FrameBlock
 from mcml.motion.frames import reversed_frames
 from mcml.motion.skeleton import CHANNEL_INDEX, Array
 from mcml_schemas.frames import DeleteFrames, FrameEdits, InsertFrames, KeepFrames, MoveFrames, ReverseFrames
-from mcml_service.actions.editing.reshape_motion import reshape
-from mcml_service.actions.editing.splice_frames import check_range, counts_up, merged_spans, splice_frames, write_counts
+from mcml_service.actions.editing.frame_splicing import (
+    check_range,
+    counts_up,
+    merged_spans,
+    splice_frames,
+    write_counts,
+)
+from mcml_service.actions.editing.motion_processing import reshape
 from mcml_service.storage.core.schema import CHUNK
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.documents.motion_names import names_of_frames

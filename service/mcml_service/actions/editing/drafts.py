@@ -13,10 +13,10 @@ from typing import Any
 
 from mcml.language import motion_names
 from mcml.motion.skeleton import Array
-from mcml_service.actions.editing.change_document import set_facts
-from mcml_service.actions.editing.change_frames import write_values
-from mcml_service.actions.editing.edit_elements import ElementEdit, make_edits, told_edits
-from mcml_service.actions.editing.splice_frames import check_range
+from mcml_service.actions.editing.element_edits import ElementEdit, make_edits, told_edits
+from mcml_service.actions.editing.frame_ranges import write_values
+from mcml_service.actions.editing.frame_splicing import check_range
+from mcml_service.actions.editing.whole_document import set_facts
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.documents.spans import StoredSpan
 from mcml_service.storage.transaction import Transaction

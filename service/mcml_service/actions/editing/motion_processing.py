@@ -16,8 +16,8 @@ from mcml.motion.skeleton import CHANNEL_INDEX, Array
 from mcml.motion.units import Reading, reading_of, up_of
 from mcml_schemas.frames import AdjustFrames, MirrorFrames, ResampleFrames, SmoothFrames
 from mcml_service.actions.checking.check_timed import seconds_of
-from mcml_service.actions.editing.edit_element import Change, apply_change
-from mcml_service.actions.editing.splice_frames import check_range, splice_frames
+from mcml_service.actions.editing.frame_splicing import check_range, splice_frames
+from mcml_service.actions.editing.single_element import Change, apply_change
 from mcml_service.clips.read_clip import read_clip
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction

@@ -9,11 +9,11 @@ from typing import Any, TypeAlias
 
 from sqlalchemy import and_, case, func, null, or_, select
 
-from mcml_service.storage.core.lists import OneOf
-from mcml_service.storage.core.moments import AT, imported, valid
+from mcml_service.storage.core.sql_expressions import OneOf
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import content, document, header, project, property_, revision, span
 from mcml_service.storage.core.transaction import BaseTransaction
+from mcml_service.storage.core.validity import AT, imported, valid
 from mcml_service.storage.lists.filtering import IS_SAID, SAID, SHORT, seconds
 
 Row: TypeAlias = tuple[Any, ...]
@@ -22,7 +22,7 @@ KEYS_AT_A_TIME = 10_000
 
 
 @dataclass(frozen=True)
-class Facts:
+class ListRows:
     """documents: (key, uuid, name, project, format, commit that made it, whether it is there, skeleton, frames, seconds
     a frame or None, revision, commit of the revision). said: (key, text). named: (key, motion name), each once.
     having: (key, name, number or None, text, None for one that is long), of properties."""
@@ -57,10 +57,10 @@ def _statements() -> dict[str, tuple[Prepared, Prepared]]:
 _KEYS = Prepared(select(document.c.id).where(imported()))
 
 
-def facts_of(tx: BaseTransaction, keys: Sequence[int] | None = None) -> Facts:
+def read_list_rows(tx: BaseTransaction, keys: Sequence[int] | None = None) -> ListRows:
     """Of documents, of all if no keys are given, whose import was complete; deleted ones too."""
     newest = {row[0]: row[1:] for row in _rows(tx, "newest", keys)}
-    return Facts(
+    return ListRows(
         [(*row, *newest[row[0]]) for row in _rows(tx, "documents", keys)],
         _rows(tx, "said", keys),
         _rows(tx, "named", keys),
@@ -77,6 +77,6 @@ def _rows(tx: BaseTransaction, kind: str, keys: Sequence[int] | None) -> Iterabl
         yield from tx.fetch_all(some, {"at": tx.at, "keys": list(keys[start : start + KEYS_AT_A_TIME])})
 
 
-def keys_there(tx: BaseTransaction) -> list[int]:
-    """The documents of `facts_of`, all of them."""
+def find_keys(tx: BaseTransaction) -> list[int]:
+    """The documents of `read_list_rows`, all of them."""
     return tx.fetch_column(_KEYS, {"at": tx.at})

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from mcml_service.api import lanes
+from mcml_service.api import admission
 from mcml_service.operations import OPERATIONS
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
@@ -54,7 +54,7 @@ def until(holds: Callable[[], bool]) -> None:
 
 
 def waiting(client: TestClient) -> int:
-    lane = client.app.state.lanes._reads  # type: ignore[attr-defined]  # what nobody else asks
+    lane = client.app.state.admission._reads  # type: ignore[attr-defined]  # what nobody else asks
     return int(lane._turns.waiting.total())
 
 
@@ -74,7 +74,7 @@ def test_what_is_light_is_not_behind_what_is_heavy(database: Database, gate: thr
 
 def test_what_ends_with_its_client_has_a_lane() -> None:
     """Who waits elsewhere does not look whether the client is there."""
-    assert [name for name, one in OPERATIONS.items() if one.waits and one.heavy is not True] == []
+    assert [name for name, one in OPERATIONS.items() if one.cancel_on_disconnect and one.queued is not True] == []
 
 
 @one_kind
@@ -85,7 +85,7 @@ def test_those_who_ask_too_much_are_sent_away_first(database: Database, gate: th
     question: dict[str, Any] = {"params": {"q": "count(//bone)"}}
     with served(database, settings) as client, ThreadPoolExecutor(3) as pool:
         runs = pool.submit(client.get, f"{API}/xpath", **question)
-        until(lambda: client.app.state.lanes._reads._turns.held == 1)  # type: ignore[attr-defined]  # as above
+        until(lambda: client.app.state.admission._reads._turns.held == 1)  # type: ignore[attr-defined]  # as above
         waits = [pool.submit(client.get, f"{API}/xpath", **question)]
         until(lambda: waiting(client) == 1)
         share = client.get(f"{API}/xpath", **question)
@@ -103,7 +103,7 @@ def test_those_who_ask_too_much_are_sent_away_first(database: Database, gate: th
 @one_kind
 def test_nobody_waits_for_ever(database: Database, gate: threading.Event) -> None:
     with served(database, Settings(heavy_places=1, heavy_wait_seconds=0.01)) as client, asked(client, 1) as queries:
-        until(lambda: client.app.state.lanes._reads._turns.held == 1)  # type: ignore[attr-defined]  # as above
+        until(lambda: client.app.state.admission._reads._turns.held == 1)  # type: ignore[attr-defined]  # as above
         late = client.get(f"{API}/xpath", params={"q": "count(//bone)"})
         assert (late.status_code, late.json()["detail"]) == (503, "No place was free within 0.01 s.")
         # With an expression a list is as heavy as a query.
@@ -136,9 +136,9 @@ def test_the_time_of_a_query_begins_with_its_turn(
 @one_kind
 def test_memory_is_given_back_where_it_is_never_quiet(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     given = threading.Event()
-    monkeypatch.setattr(lanes, "QUIET_SECONDS", 3600.0)
-    monkeypatch.setattr(lanes, "BUSY_SECONDS", 0.01)
-    monkeypatch.setattr(lanes, "give_memory_back", given.set)
+    monkeypatch.setattr(admission, "QUIET_SECONDS", 3600.0)
+    monkeypatch.setattr(admission, "BUSY_SECONDS", 0.01)
+    monkeypatch.setattr(admission, "give_memory_back", given.set)
     with served(database) as client:
         assert client.get(f"{API}/xpath", params={"q": "count(//bone)"}).status_code == 200
         assert given.wait(30)
@@ -146,14 +146,14 @@ def test_memory_is_given_back_where_it_is_never_quiet(database: Database, monkey
 
 @one_kind
 def test_memory_is_given_back_when_it_is_quiet(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
-    given, quiet = threading.Event(), lanes.give_memory_back
+    given, quiet = threading.Event(), admission.give_memory_back
 
     def back() -> None:
         quiet()
         given.set()
 
-    monkeypatch.setattr(lanes, "QUIET_SECONDS", 0.01)
-    monkeypatch.setattr(lanes, "give_memory_back", back)
+    monkeypatch.setattr(admission, "QUIET_SECONDS", 0.01)
+    monkeypatch.setattr(admission, "give_memory_back", back)
     with served(database) as client:
         assert client.get(f"{API}/documents").status_code == 200
         assert client.get(f"{API}/xpath", params={"q": "count(//bone)"}).status_code == 200

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from sqlalchemy import ColumnElement, Table, and_, literal_column, select
 
-from mcml_service.storage.core.lists import OneOf
+from mcml_service.storage.core.sql_expressions import OneOf
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import revision
 from mcml_service.storage.core.transaction import BaseTransaction
@@ -21,7 +21,7 @@ def moves() -> ColumnElement[bool]:
 _MOVED = Prepared(select(revision.c.document, revision.c.number).where(OneOf(revision.c.document, "keys"), moves()))
 
 
-class Shown:
+class DerivedRows:
     """Of a table that has rows by document and revision."""
 
     def __init__(self, table: Table) -> None:
