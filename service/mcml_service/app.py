@@ -127,15 +127,17 @@ def create_app(
     repository.wake = app.state.runner.wake
     repository.import_pool = ImportPool()
     repository.register.patience = 0
-    app.state.lanes = Admission(settings)
+    app.state.admission = Admission(settings)
     app.state.requests = {}
     # Streams of events, and requests that wait, look at it; connections set it.
     app.state.stopping = asyncio.Event()
     problems.install(app, studio.unknown_page)
     description.install(app)
     app.add_middleware(GZipMiddleware, minimum_size=2048, compresslevel=1, exclude_content_types=AS_THEY_ARE)
-    app.state.doors = doors = Authentication(settings, store, secret)
-    app.add_middleware(Guard, settings=settings, doors=doors, counts=app.state.requests, traffic=traffic)
+    app.state.authentication = authentication = Authentication(settings, store, secret)
+    app.add_middleware(
+        Guard, settings=settings, authentication=authentication, counts=app.state.requests, traffic=traffic
+    )
     if settings.friends:
         # Outside all others: a browser asks first whether it may ask, and sends no token then.
         app.add_middleware(

@@ -54,8 +54,8 @@ def until(holds: Callable[[], bool]) -> None:
 
 
 def waiting(client: TestClient) -> int:
-    lane = client.app.state.admission._reads  # type: ignore[attr-defined]  # what nobody else asks
-    return int(lane._turns.waiting.total())
+    queue = client.app.state.admission._reads  # type: ignore[attr-defined]  # what nobody else asks
+    return int(queue._queue.waiting.total())
 
 
 @one_kind
@@ -65,7 +65,7 @@ def test_what_is_light_is_not_behind_what_is_heavy(database: Database, gate: thr
         with asked(client, MANY) as queries:
             until(lambda: waiting(client) == MANY - 1)
             assert client.get(f"{API}/documents").json()["total"] == 1
-            # What writes has a lane of its own.
+            # What writes has a queue of its own.
             upload(client, {"b.bvh": bvh(4)})
             assert client.get(f"{API}/facets").status_code == 200
             gate.set()
@@ -85,7 +85,7 @@ def test_those_who_ask_too_much_are_sent_away_first(database: Database, gate: th
     question: dict[str, Any] = {"params": {"q": "count(//bone)"}}
     with served(database, settings) as client, ThreadPoolExecutor(3) as pool:
         runs = pool.submit(client.get, f"{API}/xpath", **question)
-        until(lambda: client.app.state.admission._reads._turns.held == 1)  # type: ignore[attr-defined]  # as above
+        until(lambda: client.app.state.admission._reads._queue.held == 1)  # type: ignore[attr-defined]  # as above
         waits = [pool.submit(client.get, f"{API}/xpath", **question)]
         until(lambda: waiting(client) == 1)
         share = client.get(f"{API}/xpath", **question)
@@ -103,7 +103,7 @@ def test_those_who_ask_too_much_are_sent_away_first(database: Database, gate: th
 @one_kind
 def test_nobody_waits_for_ever(database: Database, gate: threading.Event) -> None:
     with served(database, Settings(heavy_places=1, heavy_wait_seconds=0.01)) as client, asked(client, 1) as queries:
-        until(lambda: client.app.state.admission._reads._turns.held == 1)  # type: ignore[attr-defined]  # as above
+        until(lambda: client.app.state.admission._reads._queue.held == 1)  # type: ignore[attr-defined]  # as above
         late = client.get(f"{API}/xpath", params={"q": "count(//bone)"})
         assert (late.status_code, late.json()["detail"]) == (503, "No place was free within 0.01 s.")
         # With an expression a list is as heavy as a query.

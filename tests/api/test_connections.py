@@ -225,7 +225,7 @@ def asks_xpath(port: int) -> socket.socket:
 @one_kind
 def test_queries_end_when_their_clients_leave(database: Database, ended: threading.Event) -> None:
     with serving(database, heavy_places=1, query_seconds=600) as (port, server):
-        turns = server.config.app.state.lanes._reads._turns  # type: ignore[union-attr]  # what nobody else asks
+        turns = server.config.app.state.admission._reads._queue  # type: ignore[union-attr]  # what nobody else asks
         works = asks_xpath(port)
         until(lambda: turns.held == 1)
         waits = asks_xpath(port)
@@ -243,7 +243,7 @@ def test_queries_end_when_their_clients_leave(database: Database, ended: threadi
 def test_a_server_that_stops_tells_those_who_wait(database: Database, ended: threading.Event) -> None:
     with ExitStack() as stack:
         port, server = stack.enter_context(serving(database, heavy_places=1, query_seconds=600))
-        turns = server.config.app.state.lanes._reads._turns  # type: ignore[union-attr]  # what nobody else asks
+        turns = server.config.app.state.admission._reads._queue  # type: ignore[union-attr]  # what nobody else asks
         works = stack.enter_context(asks_xpath(port))
         until(lambda: turns.held == 1)
         with asks_xpath(port) as waits:

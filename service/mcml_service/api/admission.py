@@ -47,7 +47,7 @@ class AdmissionQueue:
     them of one client. seconds: how long. left: told when one is over."""
 
     def __init__(self, places: int, most: int, seconds: float, left: Callable[[], None]) -> None:
-        self._turns = FairQueue(places)
+        self._queue = FairQueue(places)
         # Who has a place finds a thread.
         self._threads = CapacityLimiter(places)
         self._most = most
@@ -56,23 +56,23 @@ class AdmissionQueue:
 
     @property
     def is_empty(self) -> bool:
-        return not self._turns.held
+        return not self._queue.held
 
     @asynccontextmanager
     async def place(self, http: Request, client: str) -> AsyncIterator[CapacityLimiter]:
         """A place while the block lasts, and threads to work in. BusyError or ShareError where none is free in time."""
-        waiting = self._turns.waiting
+        waiting = self._queue.waiting
         if waiting[client] >= max(1, self._most // 2):
             raise ShareError(waiting[client])
         if waiting.total() >= self._most:
             raise BusyError(f"{waiting.total()} requests wait already.")
-        turn = self._turns.ask(client)
+        turn = self._queue.ask(client)
         try:
             await self._come(turn, http)
             yield self._threads
         finally:
             if not turn.cancel():
-                self._turns.give(client)
+                self._queue.give(client)
                 self._left()
 
     async def _come(self, turn: Future[None], http: Request) -> None:

@@ -125,7 +125,7 @@ class Authentication:
 
     def _note_use(self, secret: str) -> None:
         # That it cannot be noted keeps nobody out.
-        with suppress(McmlError), self._database.write("doors") as tx:
+        with suppress(McmlError), self._database.write("authentication") as tx:
             tx.tokens.note_use(secret)
 
 

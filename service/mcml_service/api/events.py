@@ -169,10 +169,13 @@ class Stay:
 
     async def _is_let_in(self) -> bool:
         """Whether the same request would be let in now, as the same person with the same rights."""
-        doors: Authentication = self._http.app.state.doors
+        authentication: Authentication = self._http.app.state.authentication
         scope = {name: value for name, value in self._http.scope.items() if name != "mcml.entry"}
         headers = self._http.headers
-        if not doors.stand_open(scope, headers) and await run_in_threadpool(doors.refusal, scope, headers) is not None:
+        if (
+            not authentication.stand_open(scope, headers)
+            and await run_in_threadpool(authentication.refusal, scope, headers) is not None
+        ):
             return False
         return scope.get("mcml.entry") == self._entry
 

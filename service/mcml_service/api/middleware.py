@@ -45,10 +45,15 @@ class Guard:
     """ASGI middleware. Names requests, counts answers, and requests under way."""
 
     def __init__(
-        self, app: Any, settings: Settings, doors: Authentication, counts: dict[tuple[str, int], int], traffic: Traffic
+        self,
+        app: Any,
+        settings: Settings,
+        authentication: Authentication,
+        counts: dict[tuple[str, int], int],
+        traffic: Traffic,
     ) -> None:
         self.app = app
-        self.doors = doors
+        self.authentication = authentication
         self.proxies = settings.proxies
         self.max_bytes = settings.max_upload_bytes
         self.counts = counts
@@ -71,15 +76,15 @@ class Guard:
             scope = {**scope, "headers": plain_only}
         path = scope["path"]
         if refusal is None and path.startswith(f"{SHARED}/"):
-            refusal = await run_in_threadpool(self._entry, scope, headers, self.doors.shared_refusal)
+            refusal = await run_in_threadpool(self._entry, scope, headers, self.authentication.shared_refusal)
             path = path.replace("/shared", "", 1)
             scope = {**scope, "path": path, "raw_path": path.encode()}
         elif refusal is None and path not in ENTRIES and depends_on_asker(path):
-            if self.doors.stand_open(scope, headers):
+            if self.authentication.stand_open(scope, headers):
                 refusal = foreign_name(headers)
             else:
                 # Off the event loop: a store whose connections are all in use must not stop the streams that hold them.
-                refusal = await run_in_threadpool(self._entry, scope, headers, self.doors.refusal)
+                refusal = await run_in_threadpool(self._entry, scope, headers, self.authentication.refusal)
         method = scope["method"]
         if method == "HEAD":
             scope = {**scope, "method": "GET"}

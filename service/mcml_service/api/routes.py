@@ -93,7 +93,7 @@ def _queued(operation: Operation) -> Callable[..., Any]:
 
         if not operation.is_queued(given):
             return await run_in_threadpool(ask)
-        async with http.app.state.lanes.of(operation).place(http, call.client) as threads:
+        async with http.app.state.admission.of(operation).place(http, call.client) as threads:
             if operation.cancel_on_disconnect:
                 # Only now, for the time of a query begins with its limits.
                 return await while_connected(http, call.limits.cancel, ask, threads)
@@ -221,7 +221,7 @@ def _calling(operation: Operation) -> Callable[[Request], Any]:
 
 
 def call_of(request: Request) -> Call:
-    """The call that a request makes: who asks is what the doors noted."""
+    """The call that a request makes: authentication has noted who asks."""
     entry = request.scope.get("mcml.entry", LOCAL)
     host = request.client.host if request.client else ""
     call = Call(
