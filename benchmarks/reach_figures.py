@@ -10,7 +10,7 @@ import numpy as np
 
 from mcml_service.analysis.interface import Motion
 from mcml_service.analysis.reach_blending.blend import invert as inverse_of
-from mcml_service.analysis.reach_blending.blend import left_out, linear_left_out, nearest_left_out
+from mcml_service.analysis.reach_blending.blend import leave_out, linear_left_out, nearest_left_out
 from mcml_service.analysis.reach_blending.evaluation import predictions, reconstruction
 from mcml_service.analysis.reach_blending.fit import Fitted, fit
 from mcml_service.analysis.reach_blending.options import options_of
@@ -92,7 +92,7 @@ def law() -> None:
     chosen, model = found.selected, found.model
     groups = chosen.subjects or []
     predicted = {
-        "model": left_out(inverse_of(chosen.centres, chosen.s, chosen.lam, 1), chosen.coefficients, groups),
+        "model": leave_out(inverse_of(chosen.centres, chosen.s, chosen.lam, 1), chosen.coefficients, groups),
         "linear": linear_left_out(chosen.centres, chosen.coefficients, 1, groups),
         "nearest": nearest_left_out(chosen.centres, chosen.coefficients, groups),
     }

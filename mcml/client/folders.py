@@ -46,7 +46,7 @@ def import_paths(
     for group in groups:
         teller = _Teller(told, done, files)
         teller(name_of(group[0]))
-        yield _stored(client, group, {"on_duplicate": "skip", **options}, teller)
+        yield _upload(client, group, {"on_duplicate": "skip", **options}, teller)
         done += len(group)
     if told is not None:
         told(done, files, "")
@@ -65,7 +65,7 @@ class _Teller:
             self._told(self._done + len(self._names) - 1, self._of, name)
 
 
-def _stored(client: Client, paths: list[Path], options: dict[str, Any], progress: Callable[..., None]) -> UploadResult:
+def _upload(client: Client, paths: list[Path], options: dict[str, Any], progress: Callable[..., None]) -> UploadResult:
     """What became of some files in one call."""
     with opened_files(paths) as files:
         try:
@@ -91,13 +91,13 @@ def groups_of(paths: list[Path], most: int) -> Iterator[list[Path]]:
             else:
                 others.append(file)
         yield from paired.values()
-    yield from _bounded(others, most)
+    yield from _split(others, most)
     loose = [path for path in paths if path.is_file() and path.suffix.lower() in PAIRED]
     if loose:
         yield loose
 
 
-def _bounded(files: list[Path], most: int) -> Iterator[list[Path]]:
+def _split(files: list[Path], most: int) -> Iterator[list[Path]]:
     group: list[Path] = []
     size = 0
     for file in files:

@@ -45,7 +45,7 @@ class Remote(Client):
         request = self._http.build_request(operation.method, **_parts(operation, given))
         with ExitStack() as stack:
             try:
-                answer = self._sent(request)
+                answer = self._send(request)
                 stack.callback(answer.close)
                 if answer.is_success and operation.is_content and not _is_json(answer, operation):
                     return _content(answer, stack.pop_all())
@@ -57,7 +57,7 @@ class Remote(Client):
         model = operation.model
         return None if model is None or answer.status_code == 204 else model.model_validate_json(answer.content)
 
-    def _sent(self, request: httpx.Request) -> httpx.Response:
+    def _send(self, request: httpx.Request) -> httpx.Response:
         """The answer to a request, which waits where the server is too busy to have begun with it."""
         end = time.monotonic() + BUSY
         while True:

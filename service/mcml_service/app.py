@@ -27,7 +27,7 @@ from mcml_service.api.admission import Admission
 from mcml_service.api.authentication import Authentication
 from mcml_service.api.file_names import read_names_in_forms
 from mcml_service.api.middleware import Guard
-from mcml_service.api.parameters import known_parameters
+from mcml_service.api.parameters import require_known_parameters
 from mcml_service.api.routes import PREFIX, add_routes
 from mcml_service.api.traffic import Traffic
 from mcml_service.clips.deriver import Deriver, Stage
@@ -154,7 +154,7 @@ def create_app(
 @cache
 def _routes() -> list[BaseRoute]:
     """All routes. They hold nothing of an application, and what FastAPI makes of them takes a fifth of a second."""
-    router = APIRouter(prefix=PREFIX, dependencies=[Depends(known_parameters)])
+    router = APIRouter(prefix=PREFIX, dependencies=[Depends(require_known_parameters)])
     add_routes(router, all_operations())
     for part in (events.router, sessions.router):
         router.include_router(part)

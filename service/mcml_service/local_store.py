@@ -26,7 +26,7 @@ class Local(Client):
 
     def call(self, name: str, /, *, progress: FileProgress | None = None, **given: Any) -> Any:
         operation = find_operation(name)
-        checked = operation.checked({key: value for key, value in given.items() if value is not None})
+        checked = operation.check({key: value for key, value in given.items() if value is not None})
         call = Call(self.repository, progress=progress)
         with call.held as held:
             answer = operation.run(call, checked)

@@ -49,7 +49,7 @@ def _common() -> frozenset[str]:
     return frozenset(line for line in lines if not line.startswith("# "))
 
 
-def checked_name(name: str) -> str:
+def check_name(name: str) -> str:
     """The name of a new account. RequestError."""
     name = name.strip()
     if not 0 < len(name) <= MOST_OF_A_NAME or not name.isprintable() or name in TAKEN:
@@ -60,7 +60,7 @@ def checked_name(name: str) -> str:
     return name
 
 
-def hashed(password: str, name: str) -> str:
+def hash_password(password: str, name: str) -> str:
     """The hash that is kept of a new password. RequestError where it is too short, easy to guess, or common."""
     if not LEAST <= len(password) <= MOST:
         raise RequestError(

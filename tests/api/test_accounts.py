@@ -40,7 +40,7 @@ def browser(database: Database, **settings: Any) -> TestClient:
 
 def with_account(database: Database, name: str, role: str) -> None:
     with database.write() as tx:
-        tx.accounts.add(name, role, passwords.hashed(WORDS, name))
+        tx.accounts.add(name, role, passwords.hash_password(WORDS, name))
 
 
 @pytest.fixture

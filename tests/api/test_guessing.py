@@ -34,7 +34,7 @@ def browser(database: Database) -> TestClient:
 def nobody(database: Database) -> TestClient:
     """A browser elsewhere; the store has an owner, kim."""
     with database.write() as tx:
-        tx.accounts.add("kim", "owner", passwords.hashed(WORDS, "kim"))
+        tx.accounts.add("kim", "owner", passwords.hash_password(WORDS, "kim"))
     return browser(database)
 
 
@@ -120,11 +120,11 @@ WELL_CHOSEN = ["correct horse battery staple", "banana tree", "hello kitty", "mi
 def test_names_repetitions_and_rows_of_keys_are_no_passwords(quick_hashes: None) -> None:
     for password in GUESSED:
         with pytest.raises(RequestError, match=r"easy to guess|tried first"):
-            print(password, passwords.hashed(password, "ann"))
+            print(password, passwords.hash_password(password, "ann"))
     for password in WELL_CHOSEN:
-        assert passwords.opens(password, passwords.hashed(password, "ann"))
+        assert passwords.opens(password, passwords.hash_password(password, "ann"))
     with pytest.raises(RequestError, match="easy to guess"):
-        passwords.hashed("Jo Anne jo anne 1", "jo anne")
+        passwords.hash_password("Jo Anne jo anne 1", "jo anne")
 
 
 @one_kind

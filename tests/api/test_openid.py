@@ -182,7 +182,7 @@ class Provider:
         at = "https://provider.example"
         self.told = {"issuer": at} | {f"{name}_endpoint": f"{at}/{name}" for name in ("authorization", "token")}
         self.told["jwks_uri"] = f"{at}/keys"
-        monkeypatch.setattr(openid, "_discovered", lambda issuer: self.told)
+        monkeypatch.setattr(openid, "_discover", lambda issuer: self.told)
         monkeypatch.setattr(openid, "_client", self._client)
 
     def _client(self, settings: Settings, http: Any) -> Any:
@@ -238,7 +238,7 @@ def test_only_what_the_provider_signed_for_this_flow_is_believed(
 
 @one_kind
 def test_a_provider_that_does_not_answer_is_told(database: Database) -> None:
-    openid._discovered.cache_clear()
+    openid._discover.cache_clear()
     with visitor(database, "http://127.0.0.1:9") as client:
         answer = client.get(START)
         assert answer.status_code == 403

@@ -202,13 +202,13 @@ def test_a_job_that_ended_by_a_slow_clock_is_told(database: Database, monkeypatc
         uuid = tx.jobs.add(tx.projects.get_or_add("lab"), "reach", "a model", "kim", [], {}, runner="other")
     with database.read() as tx:
         news = News(tx.newest_commit(), now(), 0)
-        assert [job.uuid for job in news.changed_jobs(tx)] == [uuid]
+        assert [job.uuid for job in news.find_changed_jobs(tx)] == [uuid]
     monkeypatch.setattr("mcml_service.storage.work.jobs.now", lambda: now(-timedelta(seconds=5)))
     with database.write() as tx:
         tx.jobs.end(uuid, "other", "done")
     with database.read() as tx:
-        assert [job.state for job in news.changed_jobs(tx)] == ["done"]
-        assert news.changed_jobs(tx) == []
+        assert [job.state for job in news.find_changed_jobs(tx)] == ["done"]
+        assert news.find_changed_jobs(tx) == []
 
 
 @pytest.mark.parametrize("kind", ["postgresql"], indirect=True)

@@ -13,7 +13,7 @@ from pydantic import BaseModel
 import mcml_schemas
 from mcml.language import dtd
 from mcml_schemas import examples
-from mcml_service.operations.analyses import offered
+from mcml_service.operations.analyses import make_operations
 from tests.builders import description
 from tests.conftest import StoreOf
 
@@ -36,7 +36,7 @@ def models() -> dict[str, type[BaseModel]]:
     return found
 
 
-MADE = {operation.model.__name__: operation.model for operation in offered() if operation.model is not None}
+MADE = {operation.model.__name__: operation.model for operation in make_operations() if operation.model is not None}
 """Answers of operations, which are made from the catalogue of analyses."""
 
 

@@ -190,7 +190,7 @@ def test_what_is_purged_may_be_chosen(mcml: Mcml) -> None:  # noqa: F811
 
 def test_the_first_account_is_an_owners(mcml, monkeypatch: pytest.MonkeyPatch) -> None:  # noqa: F811
     """Neither an invitation nor a guest's account comes first."""
-    monkeypatch.setattr("mcml_service.cli.accounts._asked", lambda: "four words in a row")
+    monkeypatch.setattr("mcml_service.cli.accounts._ask_password", lambda: "four words in a row")
     for words in (("account", "invite"), ("account", "add", "lee"), ("account", "add", "lee", "--role", "member")):
         code, _, errors = mcml(*words)
         assert (code, "your own account first" in " ".join(errors.split())) == (1, True), (words, errors)

@@ -11,7 +11,7 @@ from rich.console import Console
 
 from mcml.client import folders
 from mcml.client.client import Client
-from mcml.client.folders import _stored, groups_of
+from mcml.client.folders import _upload, groups_of
 from mcml.client.pace import Pace
 from mcml.errors import UnsupportedError
 from mcml_service.cli.terminal import bar as bars
@@ -84,9 +84,9 @@ def test_a_folder_is_imported_in_few_calls(
 
     def counted(client: Client, paths: list[Path], *rest: object) -> object:
         calls.append(len(paths))
-        return _stored(client, paths, *rest)  # type: ignore[arg-type]
+        return _upload(client, paths, *rest)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(folders, "_stored", counted)
+    monkeypatch.setattr(folders, "_upload", counted)
     code, output, _ = mcml("import", str(folder))
     assert (code, calls) == (3, [2, 2, 10])
     assert "11 stored, 1 failed" in output
@@ -129,7 +129,7 @@ def test_the_bar_counts_files_and_tells_the_rate_and_what_is_left(monkeypatch: p
 
 def test_several_files_are_one_request(server: Client, folder: Path) -> None:  # noqa: F811
     paths = [folder / f"{number}.bvh" for number in range(3, 6)]
-    answer = _stored(server, paths, {}, lambda *_: None)
+    answer = _upload(server, paths, {}, lambda *_: None)
     assert [item.name for item in answer.documents] == ["3", "5"]
     assert [item.file for item in answer.problems] == ["4.bvh"]
 

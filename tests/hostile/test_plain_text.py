@@ -12,7 +12,7 @@ from fastapi.testclient import TestClient
 from lxml import etree
 
 from mcml_service.app import create_app
-from mcml_service.passwords import MOST, hashed, opens
+from mcml_service.passwords import MOST, hash_password, opens
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from tests.builders import SECRET, bvh, one_kind, upload
@@ -128,7 +128,7 @@ def test_the_service_runs_nothing_that_was_put_together() -> None:
 )
 def test_a_password_is_what_was_typed(password: str, quick_hashes: None) -> None:
     """Any characters, to the last one, in upper or lower case."""
-    kept = hashed(password, "kim")
+    kept = hash_password(password, "kim")
     assert opens(password, kept)
     for other in (password.strip() + " ", password.swapcase() + "x", password[:-1], password + "p", password[1:]):
         assert not opens(other, kept)

@@ -152,7 +152,7 @@ def test_a_message_of_a_server_that_was_killed_is_sent_by_another(database: Data
     sender.send_due()
     assert len(receiver.came) == 1
     with database.write() as tx:
-        tx.webhooks.told(killed, None, "what comes late counts no more")
+        tx.webhooks.note_outcome(killed, None, "what comes late counts no more")
     assert [(one.state, one.problem) for one in logged(database, number)] == [("sent", None)]
 
 

@@ -134,7 +134,9 @@ def assert_same(database: Database, register: Register, wanted: DocumentFilter, 
             behind = whole[at + 1 :]
             assert tx.documents.places(wanted, order, whole[at], 1000, 0) == behind
             assert register.page(tx, wanted, order, whole[at], 1000, 0).places == behind
-            assert [one.key for one in tx.documents.told([place.key for place in whole])] == [one.key for one in whole]
+            assert [one.key for one in tx.documents.get_many([place.key for place in whole])] == [
+                one.key for one in whole
+            ]
         for most, bins in ((100, 12), (2, 3)):
             assert register.facets(tx, wanted, most, bins) == facets.facets(tx, wanted, most, bins)
 
@@ -232,7 +234,7 @@ def test_values_that_are_gone_are_forgotten(three: Database, monkeypatch: pytest
     assert known is not None
     monkeypatch.setattr(register, "_whole", 1)
     with three.write() as tx:
-        changes.change_document(tx, tx.documents.told([int(known["keys"][0])])[0], name="renamed")
+        changes.change_document(tx, tx.documents.get_many([int(known["keys"][0])])[0], name="renamed")
     assert names(three, register, name="renamed") == ["renamed"]
     last = register._last
     assert last is not None

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from mcml_service.storage.lists.facets import binned
+from mcml_service.storage.lists.facets import make_bins
 from tests.builders import TRC, bvh, upload
 from tests.conftest import StoreOf
 
@@ -101,22 +101,22 @@ def test_facets_of_a_library(client: TestClient) -> None:
 
 
 def test_bins() -> None:
-    found = binned([1.0, 2.0, 9.0], 4)
+    found = make_bins([1.0, 2.0, 9.0], 4)
     assert found is not None
     assert (found.edges, found.counts) == ([1, 3, 5, 7, 9], [2, 0, 0, 1])
-    far = binned([0.0, 1.0, 2.0, 5.0, 30.0, 1000.0], 3)
+    far = make_bins([0.0, 1.0, 2.0, 5.0, 30.0, 1000.0], 3)
     assert far is not None
     assert far.edges == pytest.approx([0, 10, 100, 1000])
     assert far.counts == [4, 1, 1], "a ratio over 50: tenfold steps, zero in the first"
     assert (far.edges[0], far.edges[-1]) == (0, 1000)
-    near = binned([1.0, 2.0, 50.0], 2)
+    near = make_bins([1.0, 2.0, 50.0], 2)
     assert near is not None
     assert near.edges == [1, 25.5, 50]
-    minus = binned([-1.0, 0.001, 1000.0], 2)
+    minus = make_bins([-1.0, 0.001, 1000.0], 2)
     assert minus is not None
     assert minus.edges == [-1, 499.5, 1000], "numbers below 0 have no ratio"
-    assert sum((binned([5e-324, 1e308], 7) or far).counts) == 2
-    one = binned([3.0, 3.0], 4)
+    assert sum((make_bins([5e-324, 1e308], 7) or far).counts) == 2
+    one = make_bins([3.0, 3.0], 4)
     assert one is not None
     assert (one.edges, one.counts) == ([3, 3], [2])
-    assert binned([-1e308, 1e308], 2) is not None
+    assert make_bins([-1e308, 1e308], 2) is not None

@@ -28,14 +28,14 @@ ASKED: dict[str, tuple[Callable[[Transaction], object], str]] = {
 
 FOUND: dict[str, Callable[[Transaction], object]] = {
     "the feed of changes": lambda tx: tx.revisions.since(0, 1),
-    "what is told of a page": lambda tx: tx.documents.told([1]),
-    "pictures of a page": lambda tx: tx.thumbnails.of(tx.documents.told([1])),
+    "what is told of a page": lambda tx: tx.documents.get_many([1]),
+    "pictures of a page": lambda tx: tx.thumbnails.of(tx.documents.get_many([1])),
     "labels of a page": lambda tx: tx.spans.of_many([1]),
-    "facts of a page": lambda tx: tx.heads.stated([1], ("calibration_unit", "global_axis_of_gravity")),
+    "facts of a page": lambda tx: tx.heads.read_texts([1], ("calibration_unit", "global_axis_of_gravity")),
     "what lists need of a document that changed": lambda tx: [
         list(rows) for rows in vars(read_list_rows(tx, [1])).values()
     ],
-    "documents of a collection": lambda tx: tx.documents.keys_of({tx.documents.told([1])[0].uuid}),
+    "documents of a collection": lambda tx: tx.documents.keys_of({tx.documents.get_many([1])[0].uuid}),
 }
 """What is asked of few documents."""
 

@@ -9,7 +9,7 @@ import pytest
 from sqlalchemy import bindparam, insert, select, text, update
 
 from mcml.errors import DamageError
-from mcml_service.storage.core.seals import checked
+from mcml_service.storage.core.seals import verify
 from mcml_service.storage.core.sql_expressions import OneOf
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import project
@@ -84,7 +84,7 @@ def test_changes_are_counted(database: Database) -> None:
 def test_damaged_rows_are_refused_in_each_way(database: Database) -> None:
     (key,) = add_projects(database, "walks")
     add_saved(database, key, "one", "two")
-    compared = checked(SAVED, saved)
+    compared = verify(SAVED, saved)
     with database.write() as tx:
         assert list(map(len, tx.stream(compared, 1))) == [1, 1]
         tx.run(text("UPDATE saved SET author = 'eve' WHERE name = 'two'"))

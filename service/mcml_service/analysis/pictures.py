@@ -82,7 +82,7 @@ def empty(axes: Axes, what: str) -> None:
     axes.text(0.5, 0.5, what, ha="center", va="center", color=QUIET, transform=axes.transAxes)
 
 
-def thinned(count: int) -> slice:
+def thin(count: int) -> slice:
     """Every so many of `count` values, so that at most MOST_POINTS are drawn."""
     return slice(None, None, max(1, -(-count // MOST_POINTS)))
 
@@ -110,7 +110,7 @@ def draw_curve(axes: Axes, part: Part) -> None:
         axes.legend()
     elif y and y["name"] in part.arrays:
         values = np.asarray(part.arrays[y["name"]], dtype=float)
-        step = thinned(len(values))
+        step = thin(len(values))
         along = np.asarray(part.arrays[x["name"]] if x and x["name"] in part.arrays else np.arange(len(values)))
         axes.plot(along[step], values[step], color=ACCENT)
     else:
@@ -123,7 +123,7 @@ def draw_points(axes: Axes, part: Part) -> None:
     if found is None:
         empty(axes, "These points have no coordinates.")
         return
-    values = np.asarray(found)[thinned(len(found))]
+    values = np.asarray(found)[thin(len(found))]
     axes.scatter(values[:, 0], values[:, 1], s=4, color=ACCENT, linewidths=0)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel(axis_words({"name": "first axis", "unit": part.data.get("unit", "")}))

@@ -135,11 +135,11 @@ async def while_connected(
 def _leaving(http: Request) -> AbstractAsyncContextManager[asyncio.Task[None]]:
     """A task that is done once the client has left. What it sent must have been read."""
 
-    async def left() -> None:
+    async def wait_for_disconnect() -> None:
         while (await http.receive())["type"] != "http.disconnect":
             pass
 
-    return _ending(left())
+    return _ending(wait_for_disconnect())
 
 
 @asynccontextmanager

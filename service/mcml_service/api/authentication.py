@@ -113,7 +113,7 @@ class Authentication:
         scope["mcml.entry"] = entry
         return None
 
-    def shared_refusal(self, scope: MutableMapping[str, Any], headers: Headers) -> Any:
+    def link_refusal(self, scope: MutableMapping[str, Any], headers: Headers) -> Any:
         """As `refusal`, of what stands below SHARED."""
         visit = _cookie(headers, share_cookie_name(scope["scheme"]))
         with self._database.read() as tx:

@@ -28,7 +28,7 @@ def install(app: FastAPI) -> None:
     """Let `/openapi.json` name the problems, and show the models' examples where requests and answers use them."""
     make = app.openapi
 
-    def described() -> dict[str, Any]:
+    def describe() -> dict[str, Any]:
         if app.openapi_schema is None:
             schema = make()
             schemas = schema["components"]["schemas"]
@@ -52,7 +52,7 @@ def install(app: FastAPI) -> None:
             app.openapi_schema = schema
         return app.openapi_schema
 
-    app.openapi = described  # type: ignore[method-assign]
+    app.openapi = describe  # type: ignore[method-assign]
 
 
 def _say_binary(model: dict[str, Any]) -> None:

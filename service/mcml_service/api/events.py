@@ -53,7 +53,7 @@ async def follow_job(
     id: Annotated[str, Path(description="Id of the job", examples=[JOB])], http: Request
 ) -> StreamingResponse:
     """The progress of a job as server-sent events, until it has ended."""
-    database, stay = _followed(http), Stay(http)
+    database, stay = _follow(http), Stay(http)
     first = await run_in_threadpool(_read, database, id)
 
     async def events() -> AsyncIterator[str]:
@@ -113,7 +113,7 @@ async def follow_events(
     where so much was missed that lists are to be read anew. A stream ends after five minutes, and soon when what one
     may see becomes another: ask again with the id of the last event, as browsers do by themselves.
     """
-    database, stay = _followed(http), Stay(http)
+    database, stay = _follow(http), Stay(http)
     mark = last_event_id or since
     news = await run_in_threadpool(_begin, database, mark)
     wanted = frozenset(kind or get_args(EventKind))
@@ -121,7 +121,7 @@ async def follow_events(
     async def events() -> AsyncIterator[str]:
         until = None if seconds is None else time.monotonic() + seconds
         silent = 0.0
-        yield _said("ready", "{}", news)
+        yield _write_event("ready", "{}", news)
         while True:
             found = await run_in_threadpool(_look, database, news, wanted, project, document)
             for text in found:
@@ -138,7 +138,7 @@ async def follow_events(
     return StreamingResponse(events(), media_type="text/event-stream", headers={"cache-control": "no-store"})
 
 
-def _followed(http: Request) -> Database:
+def _follow(http: Request) -> Database:
     """The store as whoever asks sees it. AccessError for who has but a link to documents."""
     call = call_of(http)
     if call.share is not None:
@@ -185,7 +185,7 @@ def _begin(database: Database, mark: str | None) -> News:
     with database.read() as tx:
         if mark is None:
             news = News(tx.newest_commit(), now(), tx.activity.newest())
-            news.changed_jobs(tx)
+            news.find_changed_jobs(tx)
             return news
         found = _MARK.fullmatch(mark)
         if found is None:
@@ -203,20 +203,20 @@ def _look(
             kind = "label" if event.operation in LABELLING else "document"
             here = project in (None, event.project) and document in (None, event.document)
             if kind in wanted and here:
-                texts.append(_said(kind, event.model_dump_json(), news))
+                texts.append(_write_event(kind, event.model_dump_json(), news))
         for told in news.comments(tx):
             if "comment" in wanted and project in (None, told.project) and document in (None, told.document):
-                texts.append(_said("comment", told.model_dump_json(), news))
+                texts.append(_write_event("comment", told.model_dump_json(), news))
         if news.missed:
-            texts.append(_said("reset", "{}", news))
+            texts.append(_write_event("reset", "{}", news))
         if "job" in wanted and document is None:
-            for job in news.changed_jobs(tx):
+            for job in news.find_changed_jobs(tx):
                 if project in (None, job.project):
-                    texts.append(_said("job", job_answer(job).model_dump_json(exclude_none=True), news))
+                    texts.append(_write_event("job", job_answer(job).model_dump_json(exclude_none=True), news))
     return texts
 
 
-def _said(kind: str, data: str, news: News) -> str:
+def _write_event(kind: str, data: str, news: News) -> str:
     return f"id: {news.commit}@{news.time}@{news.event}\nevent: {kind}\ndata: {data}\n\n"
 
 

@@ -33,9 +33,7 @@ def creates(operation: Operation) -> bool:
     return operation.method == "POST" and (operation.status == 201 or operation.effect is Effect.STARTS)
 
 
-def done_once(
-    operation: Operation, call: Call, key: str, given: dict[str, Any], do: Callable[[], Response]
-) -> Response:
+def do_once(operation: Operation, call: Call, key: str, given: dict[str, Any], do: Callable[[], Response]) -> Response:
     """The answer of `do`, or that of the same request when it was done.
 
     Raises ConflictError where it is being done, or its end is not known; DocumentError for another request.

@@ -50,7 +50,7 @@ class Line(logging.Formatter):
     """Time, level, source, id of the request, and what there is to say."""
 
     def format(self, record: logging.LogRecord) -> str:
-        told = _told(record)
+        told = _describe(record)
         head = f"{told['time']} {told['level']} {told['source']} {told.get('request', '-')}: {told['message']}"
         if "repeated" in told:
             head += f" (and {told['repeated']} times since it was told)"
@@ -66,10 +66,10 @@ class JsonLine(logging.Formatter):
 
     def format(self, record: logging.LogRecord) -> str:
         # In ASCII: names of files may hold bytes that are no text.
-        return json.dumps(_told(record), default=str)
+        return json.dumps(_describe(record), default=str)
 
 
-def _told(record: logging.LogRecord) -> dict[str, Any]:
+def _describe(record: logging.LogRecord) -> dict[str, Any]:
     told: dict[str, Any] = {
         "time": datetime.fromtimestamp(record.created, UTC).isoformat(timespec="milliseconds"),
         "level": record.levelname.lower(),

@@ -76,7 +76,7 @@ class Guard:
             scope = {**scope, "headers": plain_only}
         path = scope["path"]
         if refusal is None and path.startswith(f"{SHARED}/"):
-            refusal = await run_in_threadpool(self._entry, scope, headers, self.authentication.shared_refusal)
+            refusal = await run_in_threadpool(self._entry, scope, headers, self.authentication.link_refusal)
             path = path.replace("/shared", "", 1)
             scope = {**scope, "path": path, "raw_path": path.encode()}
         elif refusal is None and path not in ENTRIES and depends_on_asker(path):
@@ -91,7 +91,7 @@ class Guard:
 
         status = 0
 
-        async def answered(message: MutableMapping[str, Any]) -> None:
+        async def send_answer(message: MutableMapping[str, Any]) -> None:
             nonlocal status
             if message["type"] == "http.response.start":
                 status = message["status"]
@@ -107,12 +107,12 @@ class Guard:
         if is_work:
             self.traffic.begins()
         try:
-            await (refusal or self.app)(scope, self._bounded(receive), answered)
+            await (refusal or self.app)(scope, self._bound(receive), send_answer)
         except asyncio.CancelledError:
             if status or not scope["app"].state.stopping.is_set():
                 raise
             words = "Ask again; of what writes, look first whether it was done."
-            await plain(503, "The server stopped before this was done.", words)(scope, receive, answered)
+            await plain(503, "The server stopped before this was done.", words)(scope, receive, send_answer)
         except Exception:
             status = status or 500
             raise
@@ -148,11 +148,11 @@ class Guard:
         except McmlError as error:
             return answer(error)
 
-    def _bounded(self, receive: Receive) -> Receive:
+    def _bound(self, receive: Receive) -> Receive:
         """Bodies without a length count as well."""
         taken = 0
 
-        async def bounded() -> MutableMapping[str, Any]:
+        async def receive_bounded() -> MutableMapping[str, Any]:
             nonlocal taken
             message = await receive()
             taken += len(message.get("body", b""))
@@ -160,7 +160,7 @@ class Guard:
                 raise HTTPException(413, f"The request has more than {self.max_bytes} bytes, which is the limit.")
             return message
 
-        return bounded
+        return receive_bounded
 
     def _refusal(self, scope: Scope, headers: Headers) -> Any:
         if scope["path"] in OPEN_PATHS:
@@ -182,14 +182,14 @@ class Guard:
 def _in_words(send: Send) -> Send:
     """Tells a start that fails for a reason of ours as this reason, in the place of a traceback."""
 
-    async def told(message: MutableMapping[str, Any]) -> None:
+    async def tell(message: MutableMapping[str, Any]) -> None:
         error = sys.exc_info()[1]
         if message["type"] == "lifespan.startup.failed" and isinstance(error, McmlError):
             remedy = START_AGAIN if isinstance(error, SpaceError) else error.remedy
             message = {**message, "message": f"{error.what} {remedy or ''}".strip()}
         await send(message)
 
-    return told
+    return tell
 
 
 def _is_page(scope: Scope, headers: Headers) -> bool:

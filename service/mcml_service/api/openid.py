@@ -17,7 +17,7 @@ from fastapi.responses import RedirectResponse
 
 from mcml.errors import AccessError, AttemptsError, ConflictError, NotFoundError, RequestError
 from mcml_service.api.sessions import LOGIN_PATH, begin_session, join_page, login_page, safe_path
-from mcml_service.passwords import checked_name
+from mcml_service.passwords import check_name
 from mcml_service.settings import Settings
 from mcml_service.storage.counting import count_attempt, forget_attempts
 from mcml_service.storage.database import Database
@@ -126,7 +126,7 @@ def _person(database: Database, settings: Settings, claims: Claims, flow: Flow) 
     """Whose account it is, made where there is none and one may come so."""
     issuer = str(settings.openid_issuer)
     with database.write(settings.openid_name) as tx:
-        person = tx.accounts.identified(issuer, claims["sub"])
+        person = tx.accounts.find_identified(issuer, claims["sub"])
         if person is not None:
             if person.closed is not None:
                 raise AccessError("This account is closed.", remedy="Ask an owner of the repository.")
@@ -139,7 +139,7 @@ def _person(database: Database, settings: Settings, claims: Claims, flow: Flow) 
                 raise AccessError("Nobody has invited you here.", remedy="Ask an owner of the repository.")
             offered = settings.openid_role, None
         role, project = offered
-        name = checked_name(claims["name"])
+        name = check_name(claims["name"])
         # No password opens it: none has this hash.
         person = tx.accounts.add(name, role if project is None else "member", "")
         if project is not None:
@@ -214,11 +214,11 @@ def _client(settings: Settings, http: Request) -> Any:
 
 def _provider(settings: Settings) -> dict[str, Any]:
     """What the provider says of itself (OpenID Connect Discovery 1.0, 4)."""
-    return _discovered(str(settings.openid_issuer))
+    return _discover(str(settings.openid_issuer))
 
 
 @lru_cache(maxsize=4)
-def _discovered(issuer: str) -> dict[str, Any]:
+def _discover(issuer: str) -> dict[str, Any]:
     httpx = asking()
     try:
         answer = httpx.get(f"{issuer.rstrip('/')}/.well-known/openid-configuration", timeout=SECONDS)

@@ -12,7 +12,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.routing import APIRoute
 
 
-async def known_parameters(request: Request) -> None:
+async def require_known_parameters(request: Request) -> None:
     """A dependency of every endpoint: RequestValidationError for names in query or form that it does not have."""
     route: APIRoute = request.scope["route"]
     if route.endpoint not in _KNOWN:

@@ -50,7 +50,7 @@ def plain(
     return respond(problem, None if headers is None else dict(headers))
 
 
-def _allowed(app: FastAPI, request: Request) -> list[str]:
+def _list_methods(app: FastAPI, request: Request) -> list[str]:
     """Every method that the address of a request has; Starlette names those of the first endpoint alone."""
     asked = [
         method
@@ -104,7 +104,7 @@ def install(app: FastAPI, unknown: Callable[[Request], Response | None]) -> None
             # FastAPI names no reason where a body cannot even be decoded.
             return plain(400, "The body is not what its content type says.", "Send JSON in UTF-8, or a form as it is.")
         if error.status_code == 405:
-            allowed = ", ".join(_allowed(app, request))
+            allowed = ", ".join(_list_methods(app, request))
             detail = f"{request.method} is not allowed here."
             return plain(405, detail, f"Use {allowed}.", {"allow": allowed})
         return plain(error.status_code, str(error.detail), headers=error.headers)
@@ -112,10 +112,10 @@ def install(app: FastAPI, unknown: Callable[[Request], Response | None]) -> None
     @app.exception_handler(OSError)
     def _of_the_system(request: Request, error: OSError) -> JSONResponse:
         # Uploads wait in temporary files, so a disk can be full before the store is asked.
-        return respond(problem_of(errors.SpaceError())) if errors.is_full(error) else _unexpected(request, error)
+        return respond(problem_of(errors.SpaceError())) if errors.is_full(error) else _answer_unexpected(request, error)
 
     @app.exception_handler(Exception)
-    def _unexpected(request: Request, error: Exception) -> JSONResponse:
+    def _answer_unexpected(request: Request, error: Exception) -> JSONResponse:
         log.error("%s %s failed", request.method, request.url.path, exc_info=error)
         name = REQUEST.get() or ""
         detail = f"The server failed on this request. The log has the details under {name}."

@@ -19,8 +19,8 @@ from mcml.errors import ClashError, ReplicaError
 from mcml.formats.format import SourceFile
 from mcml_service.actions.analysing.start_analysis import find_analysis
 from mcml_service.api.admission import while_connected
-from mcml_service.api.idempotency import Key, creates, done_once
-from mcml_service.api.streaming import Bytes, answered, known_as, read_body
+from mcml_service.api.idempotency import Key, creates, do_once
+from mcml_service.api.streaming import Bytes, make_response, match_tag, read_body
 from mcml_service.operations.call import Call, SameError
 from mcml_service.operations.operation import Argument, Body, Effect, Operation
 from mcml_service.storage.team.entries import Entry
@@ -56,7 +56,7 @@ def _unknown_analysis(name: str) -> None:
 
 
 def _add_route(router: APIRouter, operation: Operation) -> None:
-    endpoint = _queued(operation) if operation.queued else _plain(operation)
+    endpoint = _make_queued_endpoint(operation) if operation.queued else _plain(operation)
     endpoint.__signature__ = _signature(operation)  # type: ignore[attr-defined]  # what inspect, and so FastAPI, reads
     endpoint.__name__ = operation.name
     plain: dict[str, Any] = {"response_class": Response} if operation.media and operation.model is None else {}
@@ -84,7 +84,7 @@ def _plain(operation: Operation) -> Callable[..., Any]:
     return endpoint
 
 
-def _queued(operation: Operation) -> Callable[..., Any]:
+def _make_queued_endpoint(operation: Operation) -> Callable[..., Any]:
     """An endpoint that is worked on when it is its turn."""
 
     async def endpoint(http: Request, call: Call, **given: Any) -> Response:
@@ -107,11 +107,11 @@ def respond(operation: Operation, call: Call, http: Request, given: dict[str, An
     key = given.pop("idempotency_key", None)
     values = {name: _value(value) for name, value in given.items()}
     if key is not None:
-        return done_once(operation, call, key, values, lambda: _tried(operation, call, http, values))
-    return _tried(operation, call, http, values)
+        return do_once(operation, call, key, values, lambda: _try(operation, call, http, values))
+    return _try(operation, call, http, values)
 
 
-def _tried(operation: Operation, call: Call, http: Request, values: dict[str, Any]) -> Response:
+def _try(operation: Operation, call: Call, http: Request, values: dict[str, Any]) -> Response:
     """The answer, asked for anew where the replica went away, or where the database ended a transaction for another's
     sake and nothing was written."""
     for _ in range(TRIES - 1):
@@ -143,8 +143,8 @@ def _answer(operation: Operation, call: Call, http: Request, values: dict[str, A
         if call.created is not None:
             headers["location"] = f"{PREFIX}/{call.created}"
         if isinstance(answer, Content):
-            again = partial(_made_again, operation, call, values) if call.from_replica and call.tag else None
-            return answered(answer, headers, held.pop_all(), http, again)
+            again = partial(_make_again, operation, call, values) if call.from_replica and call.tag else None
+            return make_response(answer, headers, held.pop_all(), http, again)
     if answer is None:
         return Response(status_code=operation.status, headers=headers)
     following = getattr(answer, "next_cursor", None)
@@ -155,7 +155,7 @@ def _answer(operation: Operation, call: Call, http: Request, values: dict[str, A
     return Response(text, operation.status if call.made else 200, headers, media_type="application/json")
 
 
-def _made_again(operation: Operation, call: Call, values: dict[str, Any]) -> Iterator[Bytes]:
+def _make_again(operation: Operation, call: Call, values: dict[str, Any]) -> Iterator[Bytes]:
     """The bytes of content whose replica went away while it was sent. ReplicaError where they are others by now."""
     other = copy(call)
     other.begin_again()
@@ -234,7 +234,7 @@ def call_of(request: Request) -> Call:
         origin=host,
         media_type=request.headers.get("content-type", "").partition(";")[0].strip(),
     )
-    call.known = lambda tag: known_as(request, f'"{tag}"')
+    call.known = lambda tag: match_tag(request, f'"{tag}"')
     return call
 
 

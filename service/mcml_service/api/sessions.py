@@ -15,7 +15,7 @@ from mcml_schemas.team.sessions import SessionOpened, SessionRequest
 from mcml_schemas.team.shares import Shared, SharedMotion, SharedRequest
 from mcml_service.api.authentication import SHARED, cookie_name, share_cookie_name
 from mcml_service.api.page import page
-from mcml_service.passwords import checked_name, hashed, opens
+from mcml_service.passwords import check_name, hash_password, opens
 from mcml_service.settings import Settings
 from mcml_service.storage.counting import count_attempt, forget_attempts
 from mcml_service.storage.database import Database
@@ -72,7 +72,7 @@ def open_session(
     scheme, _, given = (authorization or "").partition(" ")
     if request.token is None and scheme.lower() == "bearer":
         request = request.model_copy(update={"token": given.strip()})
-    author, secret = _opened(http, request)
+    author, secret = _open_session(http, request)
     begin_session(http, response, secret)
     return SessionOpened(author=author, hours=SESSION_HOURS)
 
@@ -125,7 +125,7 @@ def login(
     if invitation is not None:
         return join_page(http, "invitation", invitation, INVITED)
     if link is not None:
-        return page("MCML Repository", _followed(http, link), forms=True)
+        return page("MCML Repository", _follow_link(http, link), forms=True)
     return login_page("An account opens it.", then=then, provider=_provider(http))
 
 
@@ -142,7 +142,7 @@ def post_login(
     """What the forms send."""
     try:
         request = SessionRequest(token=token, name=name, password=password, link=link, invitation=invitation)
-        _, secret = _opened(http, request)
+        _, secret = _open_session(http, request)
     except (AccessError, AttemptsError, RequestError, ConflictError, NotFoundError) as error:
         why = f"{error.what} {error.remedy or ''}"
         if invitation or (link and name is not None):
@@ -185,7 +185,7 @@ def _signing(provider: str | None, **carried: str) -> str:
     return SIGN_IN.format(address=html.escape(f"{LOGIN_PATH}/openid?{urlencode(carried)}"), name=html.escape(provider))
 
 
-def _followed(http: Request, link: str) -> str:
+def _follow_link(http: Request, link: str) -> str:
     """What a link offers: the first account where there is none, and to open the repository without one."""
     with http.app.state.repository.database.read() as tx:
         first = not tx.accounts.have_owner()
@@ -197,7 +197,7 @@ def _followed(http: Request, link: str) -> str:
     return join + follow.replace("<h1>MCML Repository</h1><p>", "<h2>Or without an account</h2><p>")
 
 
-def _opened(http: Request, request: SessionRequest) -> tuple[str, str]:
+def _open_session(http: Request, request: SessionRequest) -> tuple[str, str]:
     """(author, secret of a new session). AccessError for what opens nothing, AttemptsError for who tries too often."""
     database: Database = http.app.state.repository.database
     address, name = http.client.host if http.client else "", (request.name or "").strip()
@@ -205,21 +205,21 @@ def _opened(http: Request, request: SessionRequest) -> tuple[str, str]:
     counted = {"address": address} | ({"name": name} if name else {})
     count_attempt(database, counted)
     if request.invitation is not None or (request.link is not None and request.name is not None):
-        opened = _joined(database.for_call(database.view, address), request)
+        opened = _join_account(database.for_call(database.view, address), request)
     elif request.link is not None:
-        opened = _linked(database, request.link)
+        opened = _use_link(database, request.link)
     elif request.name is not None:
-        opened = _logged_in(database, name, request.password or "")
+        opened = _log_in(database, name, request.password or "")
     else:
-        opened = _exchanged(database, request.token)
+        opened = _exchange_token(database, request.token)
     forget_attempts(database, counted)
     return opened
 
 
-def _joined(database: Database, request: SessionRequest) -> tuple[str, str]:
+def _join_account(database: Database, request: SessionRequest) -> tuple[str, str]:
     """By an account that a link or an invitation becomes."""
-    name = checked_name(request.name or "")
-    password = hashed(request.password or "", name)
+    name = check_name(request.name or "")
+    password = hash_password(request.password or "", name)
     with database.write(name) as tx:
         given: tuple[str, int | None] | None = None
         if request.invitation is not None:
@@ -235,7 +235,7 @@ def _joined(database: Database, request: SessionRequest) -> tuple[str, str]:
         return person.name, tx.sessions.open_for(person)
 
 
-def _linked(database: Database, link: str) -> tuple[str, str]:
+def _use_link(database: Database, link: str) -> tuple[str, str]:
     with database.write("session") as tx:
         author = tx.sessions.follow(link)
         if author is None:
@@ -243,7 +243,7 @@ def _linked(database: Database, link: str) -> tuple[str, str]:
         return author, tx.sessions.open(author)
 
 
-def _logged_in(database: Database, name: str, password: str) -> tuple[str, str]:
+def _log_in(database: Database, name: str, password: str) -> tuple[str, str]:
     with database.read() as tx:
         person = tx.accounts.find(name)
     # A name that is not there takes as long.
@@ -253,7 +253,7 @@ def _logged_in(database: Database, name: str, password: str) -> tuple[str, str]:
         return person.name, tx.sessions.open_for(person)
 
 
-def _exchanged(database: Database, token: str | None) -> tuple[str, str]:
+def _exchange_token(database: Database, token: str | None) -> tuple[str, str]:
     with database.write("session") as tx:
         entry = tx.tokens.entry(token) if token else None
         if entry is None:

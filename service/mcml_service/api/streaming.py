@@ -33,7 +33,7 @@ _HEADERS = {"total-count": "x-total-count"}
 """Names of facts that are not the repository's own."""
 
 
-def answered(
+def make_response(
     content: Content, headers: dict[str, str], held: ExitStack, http: Request, again: Again | None = None
 ) -> Response:
     """Content as a response whose beginning is made here: a short one whole, of a long one enough for errors to show.
@@ -64,7 +64,7 @@ def answered(
         if content.size is not None:
             headers["content-length"] = str(content.size)
         kept = stack.pop_all()
-    others = _resumed(_holding(kept, joined), len(first), again)
+    others = _resume(_holding(kept, joined), len(first), again)
     return StreamingResponse(ahead(others, first), media_type=media_type, headers=headers)
 
 
@@ -90,7 +90,7 @@ def _part(content: Content, headers: dict[str, str], stack: ExitStack, wanted: r
     found, at = content.blocks, 0
     if content.seek is not None:
         found, at = content.seek(wanted.start), wanted.start
-    whole = _resumed(_holding(kept, found), at, again)
+    whole = _resume(_holding(kept, found), at, again)
     blocks = ahead(pieces(_within(whole, range(wanted.start - at, wanted.stop - at))))
     return StreamingResponse(blocks, 206, headers, media_type=content.media_type)
 
@@ -111,7 +111,7 @@ def _holding(kept: ExitStack, blocks: Iterator[Bytes]) -> Generator[Bytes]:
         yield from blocks
 
 
-def _resumed(blocks: Iterator[Bytes], at: int, again: Again | None) -> Generator[Bytes]:
+def _resume(blocks: Iterator[Bytes], at: int, again: Again | None) -> Generator[Bytes]:
     """Blocks, of which the first begins at a byte; where their replica goes away, the rest of what `again` gives."""
     try:
         for block in blocks:
@@ -181,7 +181,7 @@ def attachment(file_name: str, way: str = "attachment") -> str:
     return f"{way}; filename=\"{plain}\"; filename*=UTF-8''{quote(file_name)}"
 
 
-def known_as(request: Request, tag: str) -> str | None:
+def match_tag(request: Request, tag: str) -> str | None:
     """How a client names this representation if it has it already, None if it has not."""
     known = request.headers.get("if-none-match", "")
     for item in known.split(","):

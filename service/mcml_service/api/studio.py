@@ -80,7 +80,7 @@ for address in page_addresses(PAGES):
 
 
 @router.get("/shared")
-def shared_page(accept_encoding: Annotated[str, Header()] = "") -> Response:
+def show_shared_page(accept_encoding: Annotated[str, Header()] = "") -> Response:
     """What a link to some documents opens; what stands behind # in it stays in the browser."""
     return _file(
         "shared.html", accept_encoding, {**POLICY, "cache-control": "no-cache", "referrer-policy": "no-referrer"}
@@ -88,7 +88,7 @@ def shared_page(accept_encoding: Annotated[str, Header()] = "") -> Response:
 
 
 @router.get("/assets/{name}")
-def built_file(name: str, accept_encoding: Annotated[str, Header()] = "") -> Response:
+def send_built_file(name: str, accept_encoding: Annotated[str, Header()] = "") -> Response:
     """A script, style or worker of the studio."""
     # A page that asks for embedder policy starts only workers that say it too.
     headers = {"cache-control": FOR_GOOD, "cross-origin-embedder-policy": "require-corp"}

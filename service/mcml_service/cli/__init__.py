@@ -92,7 +92,7 @@ MODULES = {"analyse": "mcml_service.cli.analyse", "jobs": "mcml_service.cli.jobs
 """Groups that a module makes: from the catalogue of analyses, and what belongs to it."""
 
 
-def _made() -> typer.Typer:
+def _make_app() -> typer.Typer:
     made = typer.Typer(
         no_args_is_help=True,
         pretty_exceptions_enable=False,
@@ -140,7 +140,7 @@ def _options(
     """Motion capture in one open XML language: convert, store, query."""
 
 
-app = _made()
+app = _make_app()
 collect_again()
 
 

@@ -10,10 +10,10 @@ from mcml_schemas.team.shares import ShareRequest
 from mcml_service.cli.terminal.opening import (
     DatabaseOption,
     ServerOption,
-    chosen_settings,
+    choose_settings,
     console,
+    open_client,
     open_database,
-    opened,
 )
 
 Role: TypeAlias = Literal["member", "reader", "editor", "owner"]
@@ -32,8 +32,8 @@ def invite(
     server: ServerOption = None,
 ) -> None:
     """Make a link by which somebody makes an account. It is shown once."""
-    made = opened(database, server).call("invite", request={"role": role, "project": project, "hours": hours})
-    home = (server or f"http://127.0.0.1:{chosen_settings(database).port}").rstrip("/")
+    made = open_client(database, server).call("invite", request={"role": role, "project": project, "hours": hours})
+    home = (server or f"http://127.0.0.1:{choose_settings(database).port}").rstrip("/")
     print(f"{home}{made.path}")
     where = "" if project is None else f" of the project {project}"
     console.print(f"for one {role}{where}, within {made.hours} hours", style="dim")
@@ -41,23 +41,23 @@ def invite(
 
 def add(name: Name, role: RoleOption = "editor", database: DatabaseOption = None) -> None:
     """Make an account on this machine; its password is asked for."""
-    from mcml_service.passwords import checked_name, hashed
+    from mcml_service.passwords import check_name, hash_password
 
-    name = checked_name(name)
-    made = hashed(_asked(), name)
-    with open_database(chosen_settings(database)).write() as tx:
+    name = check_name(name)
+    made = hash_password(_ask_password(), name)
+    with open_database(choose_settings(database)).write() as tx:
         tx.accounts.add(name, role, made)
     console.print(f"{name} is {'an' if role[0] in 'eo' else 'a'} {role}")
 
 
 def password(name: Name, database: DatabaseOption = None) -> None:
     """Give an account of a store on this machine another password, if it was forgotten; its sessions end."""
-    from mcml_service.passwords import hashed
+    from mcml_service.passwords import hash_password
 
-    store = open_database(chosen_settings(database))
+    store = open_database(choose_settings(database))
     with store.read() as tx:
         person = tx.accounts.get(name)
-    made = hashed(_asked(), person.name)
+    made = hash_password(_ask_password(), person.name)
     with store.write() as tx:
         tx.sessions.end_all(tx.accounts.change(name, password=made).key)
     console.print(f"{name} has another password")
@@ -70,7 +70,7 @@ def role(
     server: ServerOption = None,
 ) -> None:
     """Give somebody another role."""
-    opened(database, server).call("change_account", name=name, change={"role": role})
+    open_client(database, server).call("change_account", name=name, change={"role": role})
     console.print(f"{name}: {role}")
 
 
@@ -82,7 +82,7 @@ def add_member(
     server: ServerOption = None,
 ) -> None:
     """Let somebody belong to a project, or give them another role there."""
-    opened(database, server).call("set_member", name=name, change={"role": role}, project=project)
+    open_client(database, server).call("set_member", name=name, change={"role": role}, project=project)
     console.print(f"{name} is {'an' if role[0] in 'eo' else 'a'} {role} of {project}")
 
 
@@ -97,25 +97,25 @@ def share(
 ) -> None:
     """Make a link by which somebody without an account sees some documents. It is shown once."""
     asked = {"name": name, "documents": documents, "days": days, "formats": format or [], "latest": not fixed}
-    made = opened(database, server).call("add_share", request=ShareRequest.model_validate(asked))
-    home = (server or f"http://127.0.0.1:{chosen_settings(database).port}").rstrip("/")
+    made = open_client(database, server).call("add_share", request=ShareRequest.model_validate(asked))
+    home = (server or f"http://127.0.0.1:{choose_settings(database).port}").rstrip("/")
     print(f"{home}{made.path}")
     console.print(f"link {made.number}, until {made.expires[:10]}", style="dim")
 
 
 def close(name: Name, database: DatabaseOption = None, server: ServerOption = None) -> None:
     """Close an account: it opens nothing from then on, nor do its tokens."""
-    opened(database, server).call("change_account", name=name, change={"closed": True})
+    open_client(database, server).call("change_account", name=name, change={"closed": True})
     console.print(f"{name} is closed")
 
 
 def reopen(name: Name, database: DatabaseOption = None, server: ServerOption = None) -> None:
     """Open a closed account again."""
-    opened(database, server).call("change_account", name=name, change={"closed": False})
+    open_client(database, server).call("change_account", name=name, change={"closed": False})
     console.print(f"{name} is open")
 
 
-def _asked() -> str:
+def _ask_password() -> str:
     """A password, typed twice, or read from what is piped in."""
     answer: str = typer.prompt("Password", hide_input=True, confirmation_prompt=True)
     return answer

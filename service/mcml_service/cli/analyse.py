@@ -27,9 +27,9 @@ from mcml_service.cli.terminal.opening import (
     ForceOption,
     JsonOption,
     ServerOption,
-    chosen_settings,
+    choose_settings,
     console,
-    opened,
+    open_client,
     print_json,
 )
 from mcml_service.cli.terminal.present import present
@@ -70,7 +70,7 @@ def _help(description: str, parameters: type[BaseModel]) -> str:
     return "\n".join(lines)
 
 
-def assigned(pairs: list[str] | None) -> dict[str, Any]:
+def parse_assignments(pairs: list[str] | None) -> dict[str, Any]:
     """NAME=VALUE pairs as parameters: a value that is JSON is read as such, any other is text."""
     found: dict[str, Any] = {}
     for pair in pairs or ():
@@ -106,7 +106,7 @@ def _run(analysis: Analysis) -> Callable[..., None]:
         server: ServerOption = None,
         as_json: JsonOption = False,
     ) -> None:
-        client = opened(database, server)
+        client = open_client(database, server)
         selection = Selection(
             documents=[id_of(client, text) for text in document or ()],
             project=project,
@@ -125,7 +125,7 @@ def _run(analysis: Analysis) -> Callable[..., None]:
             stated = {"name": name, "project": into, "extends": extends, "skeleton": body}
             request = {
                 "inputs": selection,
-                "parameters": assigned(parameters),
+                "parameters": parse_assignments(parameters),
                 **{key: value for key, value in stated.items() if value is not None},
             }
             job = client.call(f"start_{analysis.name.replace('-', '_')}", request=request)
@@ -142,7 +142,7 @@ def info(
     id: ResultArgument, database: DatabaseOption = None, server: ServerOption = None, as_json: JsonOption = False
 ) -> None:
     """Show a result: its parts and what can be done with it."""
-    found = opened(database, server).call("get_result", id=id)
+    found = open_client(database, server).call("get_result", id=id)
     present(OPERATIONS["get_result"], found, as_json)
 
 
@@ -164,7 +164,7 @@ def picture(
     form = target.suffix.lstrip(".").lower() or "svg"
     if form not in ("svg", "png"):
         raise typer.BadParameter(f"{target.name} is to end in .svg or .png")
-    client = opened(database, server)
+    client = open_client(database, server)
     drawn = client.call("get_result_picture", id=id, name=name, format=form, dpi=dpi, width=width, height=height)
     if target.is_dir():
         target = target / local_name(drawn.name or f"picture.{form}")
@@ -189,8 +189,10 @@ def _use(operation: str) -> Callable[..., None]:
         saving: dict[str, Any] = {"save": save, "name": name, "project": project}
         saving = {key: value for key, value in saving.items() if value is not None}
         form = "json" if output is None else output.suffix.lstrip(".").lower() or "bvh"
-        request = {"parameters": assigned(parameters), **saving}
-        done = opened(database, server).call(f"use_{operation.replace('-', '_')}", id=id, request=request, format=form)
+        request = {"parameters": parse_assignments(parameters), **saving}
+        done = open_client(database, server).call(
+            f"use_{operation.replace('-', '_')}", id=id, request=request, format=form
+        )
         if output is None:
             print_json(done.model_copy(update={"clip": None}))
             return
@@ -209,4 +211,4 @@ def music(
 ) -> None:
     """Find the beats of music, as JSON: what to correct, and to give to `make` as music=…"""
     with file.open("rb") as stream:
-        print_json(read_music(SourceFile(file.name, stream), chosen_settings(database), bpm, beats_per_bar))
+        print_json(read_music(SourceFile(file.name, stream), choose_settings(database), bpm, beats_per_bar))

@@ -28,7 +28,7 @@ from mcml_service.cli.terminal.opening import (
     ForceOption,
     JsonOption,
     ServerOption,
-    opened,
+    open_client,
     write_blocks,
     write_to_the_end,
 )
@@ -75,16 +75,16 @@ def _command(operation: Operation) -> Callable[..., None]:
         if operation.effect not in (Effect.READS, Effect.STREAMS):
             write_to_the_end()
         as_json = values.pop("as_json", False)
-        client = opened(values.pop("database"), values.pop("server"))
+        client = open_client(values.pop("database"), values.pop("server"))
         output, force = values.pop("output", None), values.pop("force", False)
-        given = _given(client, operation, slots, values)
+        given = _read_arguments(client, operation, slots, values)
         try:
-            answer = _asked(client, operation, given)
+            answer = _ask(client, operation, given)
         except McmlError as error:
             file = next((value for value in values.values() if isinstance(value, Path)), None)
             raise error if file is None else error.in_file(file.name) from error
         if isinstance(answer, Content):
-            write_blocks(answer.blocks if output else _ended(answer), output, force=force)
+            write_blocks(answer.blocks if output else _end_lines(answer), output, force=force)
         else:
             present(operation, answer, as_json)
 
@@ -200,7 +200,7 @@ def _is_plain(kind: Any) -> bool:
     return kind in (str, int, float, bool) or get_origin(kind) is Literal
 
 
-def _given(client: Client, operation: Operation, slots: list[_Slot], values: dict[str, Any]) -> dict[str, Any]:
+def _read_arguments(client: Client, operation: Operation, slots: list[_Slot], values: dict[str, Any]) -> dict[str, Any]:
     """Values as the operation takes them."""
     given: dict[str, Any] = {}
     bodies: dict[str, dict[str, Any]] = {}
@@ -235,7 +235,7 @@ def _given(client: Client, operation: Operation, slots: list[_Slot], values: dic
     return given
 
 
-def _ended(answer: Content) -> Iterator[bytes | memoryview]:
+def _end_lines(answer: Content) -> Iterator[bytes | memoryview]:
     """Text for a terminal ends its last line."""
     last: bytes | memoryview = b""
     for last in answer.blocks:
@@ -244,7 +244,7 @@ def _ended(answer: Content) -> Iterator[bytes | memoryview]:
         yield b"\n"
 
 
-def _asked(client: Client, operation: Operation, given: dict[str, Any]) -> Any:
+def _ask(client: Client, operation: Operation, given: dict[str, Any]) -> Any:
     if any(argument.name == "cursor" for argument in operation.arguments):
         return client.every(operation.name, **{"limit": MOST, **given})
     return client.call(operation.name, **given)

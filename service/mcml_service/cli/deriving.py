@@ -15,7 +15,7 @@ from mcml_service.cli.terminal.bar import Bar
 from mcml_service.cli.terminal.opening import (
     DatabaseOption,
     JsonOption,
-    chosen_settings,
+    choose_settings,
     console,
     open_database,
     print_json,
@@ -43,10 +43,10 @@ CALIBRATED = {"unit": "metres", "up": "up", "floor": "floor", "leg": "leg"}
 def derive(database: DatabaseOption = None, as_json: JsonOption = False) -> None:
     """Derive the missing bodies of documents and build the missing columns of queries, so that first queries are fast.
     You can stop it and start it again at any time."""
-    settings = chosen_settings(database)
+    settings = choose_settings(database)
     store = open_database(settings)
     started = time.monotonic()
-    done, failed = _derived(store, None, quiet=as_json)
+    done, failed = _derive(store, None, quiet=as_json)
     built, groups = _build_columns(store, settings, quiet=as_json)
     if as_json:
         print_json({"derived": done, "failed": failed, "columns": built, "groups": groups})
@@ -73,7 +73,7 @@ def _build_columns(store: Database, settings: Settings, *, quiet: bool) -> tuple
 def derive_stored(store: Database, ids: set[str], *, quiet: bool) -> None:
     """Derive the bodies of what an import stored, which stays stored whatever happens here."""
     try:
-        _derived(store, ids, quiet=quiet)
+        _derive(store, ids, quiet=quiet)
     except KeyboardInterrupt:
         console.print("All is stored. Bodies are missing: mcml db derive goes on with them.", style="dim")
         raise
@@ -99,14 +99,14 @@ def tell_origins(store: Database, ids: set[str]) -> None:
     """Of how many documents unit, up axis, floor and leg are stated, measured, guessed, unknown."""
     with store.read() as tx:
         kept = tx.bodies.of([listed for listed in tx.columns.documents() if listed.uuid in ids])
-    known = [body.calibration.origins for one in kept.values() if (body := Body.restored(one)) is not None]
+    known = [body.calibration.origins for one in kept.values() if (body := Body.restore(one)) is not None]
     for name, source in CALIBRATED.items():
         counts = Counter(origins[source].kind for origins in known)
         told = ", ".join(f"{count:,} {kind}" for kind, count in counts.most_common())
         console.print(Text(f"{name:<8} {told}"), style="dim")
 
 
-def _derived(store: Database, ids: set[str] | None, *, quiet: bool) -> tuple[int, int]:
+def _derive(store: Database, ids: set[str] | None, *, quiet: bool) -> tuple[int, int]:
     """How many bodies were derived, and how many could not be."""
     failed: list[str] = []
 

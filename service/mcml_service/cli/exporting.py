@@ -15,8 +15,8 @@ from mcml_service.cli.terminal.choosing import (
     MotionNameOption,
     ProjectOption,
     XPathOption,
-    chosen,
     for_each,
+    resolve_documents,
 )
 from mcml_service.cli.terminal.opening import (
     DatabaseOption,
@@ -24,7 +24,7 @@ from mcml_service.cli.terminal.opening import (
     RawOption,
     ServerOption,
     console,
-    opened,
+    open_client,
     write_to_the_end,
 )
 
@@ -55,8 +55,8 @@ def export(
 ) -> None:
     """Write documents as files of any format. Two of one name become two files, the second with the end of its id."""
     write_to_the_end()
-    client = opened(database, server)
-    found = chosen(client, ids, project, motion_name, xpath)
+    client = open_client(database, server)
+    found = resolve_documents(client, ids, project, motion_name, xpath)
     written: set[Path] = set()
     stated: dict[str, Any] = {"first": first, "last": last, "names": names, "unit": unit, "up": up}
     stated |= {"frame_time": frame_time, "raw": raw}

@@ -13,7 +13,7 @@ from mcml.files.convert_files import convert_files, files_to_write, format_of
 from mcml.files.import_options import ImportOptions
 from mcml.files.on_disk import check_free, opened_files, write_file
 from mcml_service.actions.reading.inspect_files import inspect_files
-from mcml_service.cli.terminal.opening import ForceOption, JsonOption, chosen_settings, console, print_json
+from mcml_service.cli.terminal.opening import ForceOption, JsonOption, choose_settings, console, print_json
 
 
 def convert(
@@ -41,7 +41,7 @@ def convert(
         converted = convert_files(
             files,
             target,
-            chosen_settings().file_limits,
+            choose_settings().file_limits,
             frame_time=frame_time,
             encoding=encoding,
             names=names,
@@ -64,7 +64,7 @@ def validate(
     as_json: JsonOption = False,
 ) -> None:
     """Check files: MCML against mcml.dtd and the rules beyond it, other formats against theirs."""
-    settings = chosen_settings()
+    settings = choose_settings()
     with ExitStack() as stack:
         files = stack.enter_context(opened_files(paths))
         clips, problems = inspect_files(files, ImportOptions(), settings)
@@ -75,11 +75,11 @@ def validate(
             facts = clip["receipt"]
             console.print(f"valid    {' + '.join(clip['files'])}: {facts['frames']:,} frames, {facts['joints']} joints")
         for name, error in problems:
-            console.print(f"invalid  {_told(name, error)}")
+            console.print(f"invalid  {_describe(name, error)}")
     if problems:
         raise typer.Exit(1)
 
 
-def _told(name: str, error: McmlError) -> str:
+def _describe(name: str, error: McmlError) -> str:
     text = str(error)
     return text if name in text else f"{name}: {text}"

@@ -20,7 +20,7 @@ from mcml_service.cli.terminal.opening import (
     JsonOption,
     ServerOption,
     console,
-    opened,
+    open_client,
     print_json,
     write_to_the_end,
 )
@@ -66,7 +66,7 @@ def import_(
 ) -> None:
     """Store files. Files that are stored already are skipped, so an interrupted import goes on where it stopped."""
     write_to_the_end()
-    client = opened(database, server)
+    client = open_client(database, server)
     options: dict[str, Any] = {
         "project": project,
         "name": name,

@@ -11,20 +11,20 @@ from mcml.files.on_disk import write_file
 from mcml.formats.format import SourceFile
 from mcml_schemas.jobs import Selection
 from mcml_schemas.selections import ManyCopies
-from mcml_service.cli.terminal.opening import DatabaseOption, ForceOption, ServerOption, console, opened
+from mcml_service.cli.terminal.opening import DatabaseOption, ForceOption, ServerOption, console, open_client
 
 Project: TypeAlias = Annotated[str, typer.Argument(help="Name of the project")]
 
 
 def archive(project: Project, database: DatabaseOption = None, server: ServerOption = None) -> None:
     """Let nothing in a project change from now on."""
-    opened(database, server).call("change_project", project=project, change={"archived": True})
+    open_client(database, server).call("change_project", project=project, change={"archived": True})
     console.print(f"{project} is archived")
 
 
 def open_(project: Project, database: DatabaseOption = None, server: ServerOption = None) -> None:
     """Let an archived project change again."""
-    opened(database, server).call("change_project", project=project, change={"archived": False})
+    open_client(database, server).call("change_project", project=project, change={"archived": False})
     console.print(f"{project} is open")
 
 
@@ -38,7 +38,7 @@ def quota(
     server: ServerOption = None,
 ) -> None:
     """Say how much a project may hold; without options, how much it holds and may."""
-    client = opened(database, server)
+    client = open_client(database, server)
     size = None if megabytes is None else megabytes * 1_000_000
     if documents is None and size is None:
         told = client.call("get_project", project=project)
@@ -57,7 +57,7 @@ def copy(
 ) -> None:
     """Copy documents with their whole histories into a project."""
     request = ManyCopies(selection=Selection(documents=ids), project=project)
-    for made in opened(database, server).call("copy_documents", request=request).documents:
+    for made in open_client(database, server).call("copy_documents", request=request).documents:
         print(made)
 
 
@@ -69,7 +69,7 @@ def export(
     server: ServerOption = None,
 ) -> None:
     """Write a whole project with every revision as one file."""
-    answer = opened(database, server).call("export_project", project=project)
+    answer = open_client(database, server).call("export_project", project=project)
     target = file or Path(answer.name or f"{project}.project.zip")
     write_file(target, answer.blocks, force=force)
     console.print(f"wrote    {target}")
@@ -83,5 +83,5 @@ def import_(
 ) -> None:
     """Make a project of such a file, with every revision, or nothing at all."""
     with file.open("rb") as stream:
-        made = opened(database, server).call("import_project", file=SourceFile(file.name, stream), name=name)
+        made = open_client(database, server).call("import_project", file=SourceFile(file.name, stream), name=name)
     console.print(f"{made.project}: {made.documents} documents")

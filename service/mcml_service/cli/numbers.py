@@ -10,7 +10,14 @@ import typer
 from mcml.client.choosing import id_of
 from mcml.errors import RequestError
 from mcml_schemas.frames import FrameForm
-from mcml_service.cli.terminal.opening import DatabaseOption, ForceOption, RawOption, ServerOption, opened, write_blocks
+from mcml_service.cli.terminal.opening import (
+    DatabaseOption,
+    ForceOption,
+    RawOption,
+    ServerOption,
+    open_client,
+    write_blocks,
+)
 
 _FORMS = [form for form in get_args(FrameForm) if form not in ("json", "block")]
 """Those that are files by themselves."""
@@ -42,7 +49,7 @@ def numbers(
         raise RequestError(
             f"{output} is no table or array by its name.", remedy=f"End it in one of: .{', .'.join(_FORMS)}."
         )
-    client = opened(database, server)
+    client = open_client(database, server)
     answer = client.call(
         "get_frames",
         id=id_of(client, id),

@@ -17,7 +17,7 @@ from mcml_service.cli.terminal.opening import (
     RawOption,
     ServerOption,
     console,
-    opened,
+    open_client,
     print_json,
     table,
     write_blocks,
@@ -60,7 +60,7 @@ def xpath(
     if output is not None and as_ not in STREAMS:
         raise typer.BadParameter(f"--output needs --as {', '.join(STREAMS)}")
     variables = dict(_variable(text) for text in variable or ())
-    client = opened(database, server)
+    client = open_client(database, server)
     text = f"count({query})" if as_ == "count" else query
     form = "json" if as_ == "count" or type_of(parse(text, variables).tree) != "nodes" else as_
     asked: dict[str, Any] = {

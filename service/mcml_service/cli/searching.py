@@ -15,7 +15,7 @@ from mcml_service.cli.terminal.opening import (
     JsonOption,
     ServerOption,
     console,
-    opened,
+    open_client,
     print_json,
     table,
 )
@@ -41,7 +41,7 @@ def search(
     as_json: JsonOption = False,
 ) -> None:
     """The poses or motions of the library that are most like one, whatever rig they are of."""
-    client = opened(database, server)
+    client = open_client(database, server)
     inside = [id_of(client, text) for text in within or ()]
     if all(Path(text).is_file() for text in what):
         with opened_files([Path(text) for text in what]) as files:

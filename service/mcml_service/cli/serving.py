@@ -21,7 +21,7 @@ from mcml.resources import dtd_path
 from mcml_service.cli.terminal.opening import (
     DatabaseOption,
     ForceOption,
-    chosen_settings,
+    choose_settings,
     console,
     find_database,
     open_database,
@@ -58,7 +58,7 @@ def serve(
 
     for fault in unknown_variables(os.environ):
         console.print(Text(f"mcml: {fault}", style="yellow"))
-    settings = chosen_settings(database, port=port)
+    settings = choose_settings(database, port=port)
     settings = settings.model_copy(update={"host": host or settings.host})
     _check_port(settings.host, settings.port)
     store = upgrade_database(settings)
@@ -115,7 +115,7 @@ def app_of_a_worker() -> Any:
     from mcml_service.app import app_from_environment
 
     share_heaps()
-    keep_log(chosen_settings())
+    keep_log(choose_settings())
     return app_from_environment()
 
 
@@ -157,7 +157,7 @@ def demo(
 def _load_demo(database: str | None, seed: int = 1) -> int:
     from mcml_service.actions.importing.load_demo import load_demo
 
-    settings = chosen_settings(database)
+    settings = choose_settings(database)
     store = open_database(settings)
     try:
         return load_demo(store, settings, seed)
@@ -191,7 +191,7 @@ def doctor(
     from mcml_service.xpath.library.disk.sidecar import Sidecar
     from mcml_service.xpath.library.preparing import count_prepared
 
-    settings = chosen_settings(database)
+    settings = choose_settings(database)
     faults = 0
 
     def line(what: str, fact: str, good: bool = True, remedy: str = "") -> None:

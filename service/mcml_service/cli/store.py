@@ -16,7 +16,7 @@ from mcml_service.actions.keeping.keep_store import backup, restore
 from mcml_service.cli.terminal.opening import (
     DatabaseOption,
     JsonOption,
-    chosen_settings,
+    choose_settings,
     console,
     find_database,
     open_database,
@@ -29,7 +29,7 @@ from mcml_service.storage.core.identifiers import now
 
 def upgrade(database: DatabaseOption = None) -> None:
     """Bring the store's schema to this program's version; an SQLite store is copied beside itself before."""
-    settings = chosen_settings(database)
+    settings = choose_settings(database)
     before, wanted = find_database(settings).schema_versions()
     upgrade_database(settings)
     if before is None:
@@ -40,7 +40,7 @@ def upgrade(database: DatabaseOption = None) -> None:
 
 def backup_(output: Annotated[Path, typer.Argument(help="File to write")], database: DatabaseOption = None) -> None:
     """Copy the whole store into one file while it is in use."""
-    size = backup(open_database(chosen_settings(database)), output)
+    size = backup(open_database(choose_settings(database)), output)
     console.print(f"wrote {output} ({size / 1e6:,.1f} MB)")
 
 
@@ -49,7 +49,7 @@ def restore_(
     database: DatabaseOption = None,
 ) -> None:
     """Fill an empty store from a backup."""
-    settings = chosen_settings(database)
+    settings = choose_settings(database)
     documents = restore(open_database(settings), source)
     console.print(f"restored {documents:,} documents")
 
@@ -62,7 +62,7 @@ def check(
     as_json: JsonOption = False,
 ) -> None:
     """Compare every row with its checksum, read every kept upload once, and say what does not fit."""
-    settings = chosen_settings(database)
+    settings = choose_settings(database)
     store = open_database(settings)
     found, unread = store.check(past=deep), []
     if deep:
@@ -90,7 +90,7 @@ def prune(
 ) -> None:
     """Forget history: each document as it was so many days ago stays, and all after it. Activity older than
     MCML_ACTIVITY_DAYS goes, too."""
-    settings = chosen_settings(database)
+    settings = choose_settings(database)
     store = open_database(settings)
     found = prune_history(store, older_than, do=yes)
     if yes:
@@ -111,7 +111,7 @@ def compact(
     as_json: JsonOption = False,
 ) -> None:
     """Give room that nothing uses back to the disk, while a server goes on working."""
-    store = open_database(chosen_settings(database))
+    store = open_database(choose_settings(database))
     plan = store.dialect.compaction()
     if plan.stops_writers and not yes:
         raise McmlError(
@@ -140,7 +140,7 @@ def token_add(
     expires = None
     if days:
         expires = now(timedelta(days=days))
-    with open_database(chosen_settings(database)).write() as tx:
+    with open_database(choose_settings(database)).write() as tx:
         owner = None if account is None else tx.accounts.get(account)
         projects = [tx.projects.get(one) for one in project or ()]
         secret = tx.tokens.add(name, expires, scope=scope, owner=owner, projects=projects)
@@ -152,7 +152,7 @@ def token_add(
 
 def token_list(database: DatabaseOption = None, as_json: JsonOption = False) -> None:
     """List tokens: their names, first characters and dates."""
-    with open_database(chosen_settings(database)).read() as tx:
+    with open_database(choose_settings(database)).read() as tx:
         found = tx.tokens.all()
     if as_json:
         print_json({"items": [vars(item) for item in found]})
@@ -167,6 +167,6 @@ def token_list(database: DatabaseOption = None, as_json: JsonOption = False) -> 
 
 def token_revoke(name: Annotated[str, typer.Argument(help="Token")], database: DatabaseOption = None) -> None:
     """Make a token useless at once."""
-    with open_database(chosen_settings(database)).write() as tx:
+    with open_database(choose_settings(database)).write() as tx:
         tx.tokens.remove(name)
     console.print(f"revoked {name}")

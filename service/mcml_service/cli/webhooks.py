@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from mcml_schemas.team.webhooks import WebhookRequest
-from mcml_service.cli.terminal.opening import DatabaseOption, ServerOption, console, opened
+from mcml_service.cli.terminal.opening import DatabaseOption, ServerOption, console, open_client
 
 
 def add(
@@ -21,6 +21,6 @@ def add(
 ) -> None:
     """Have a server tell an address of events. The secret that messages are signed with is shown once."""
     asked = WebhookRequest.model_validate({"url": url, "project": project, "kinds": kind or []})
-    made = opened(database, server).call("add_webhook", request=asked)
+    made = open_client(database, server).call("add_webhook", request=asked)
     print(made.secret)
     console.print(f"webhook {made.number}", style="dim")

@@ -62,12 +62,12 @@ class Body:
         return {**told, "blocks": len(self.blocks), "made": MADE}
 
     @classmethod
-    def packed(cls, body: ClipBody) -> Body:
+    def pack(cls, body: ClipBody) -> Body:
         """The body of a clip as it is kept."""
         return cls(body.names, len(body.steps), body.calibration, body.frame_time, tuple(pack(body.steps)))
 
     @classmethod
-    def restored(cls, stored: StoredBody) -> Body | None:
+    def restore(cls, stored: StoredBody) -> Body | None:
         """What was kept; None where it was made in another way."""
         facts = stored.facts
         if facts["made"] != MADE:
@@ -85,14 +85,14 @@ def derive_bodies(tx: Transaction, documents: Sequence[Listed], skeletons: Skele
         while last < len(documents) and frames + documents[last].frames <= FRAMES_TOGETHER:
             frames += documents[last].frames
             last += 1
-        yield from _derived(tx, documents[first:last], skeletons)
+        yield from _derive(tx, documents[first:last], skeletons)
         first = last
 
 
-def _derived(tx: Transaction, documents: Sequence[Listed], skeletons: Skeletons) -> list[Body]:
+def _derive(tx: Transaction, documents: Sequence[Listed], skeletons: Skeletons) -> list[Body]:
     if documents[0].frames > LONG:
         (listed,) = documents
-        return [_derived_in_parts(tx, listed, skeletons)]
+        return [_derive_in_parts(tx, listed, skeletons)]
     clips = [read_clip(tx, listed, bare=True, skeletons=skeletons) for listed in documents]
     same: dict[tuple[int, Reading], list[int]] = {}
     for place, clip in enumerate(clips):
@@ -104,11 +104,11 @@ def _derived(tx: Transaction, documents: Sequence[Listed], skeletons: Skeletons)
         frames = [filled(skeleton, clips[place].clip.blocks()) for place in places]
         for place, own, positions in zip(places, frames, clip_positions(skeleton, frames, reading), strict=True):
             shared = partial(references.of, documents[place])
-            found[place] = Body.packed(body_at(clips[place].clip.head, positions, own.values, shared))
+            found[place] = Body.pack(body_at(clips[place].clip.head, positions, own.values, shared))
     return [found[place] for place in range(len(clips))]
 
 
-def _derived_in_parts(tx: Transaction, listed: Listed, skeletons: Skeletons) -> Body:
+def _derive_in_parts(tx: Transaction, listed: Listed, skeletons: Skeletons) -> Body:
     """The same of a long document, which is read twice: for its calibration, and for its positions."""
     clip = read_clip(tx, listed, bare=True, skeletons=skeletons).clip
     calibration = calibrate_clip(clip, listed.frames, shared=partial(References(tx).of, listed))
@@ -128,10 +128,10 @@ class References:
         its first clip that shows one, as that clip was at first. stated: the up axis, None for a guess."""
         key = listed.skeleton, stated
         if key not in self._found:
-            self._found[key] = self._kept(*key) or self._first(*key)
+            self._found[key] = self._read_kept(*key) or self._first(*key)
         return self._found[key]
 
-    def _kept(self, skeleton: int, stated: str | None) -> Reference | None:
+    def _read_kept(self, skeleton: int, stated: str | None) -> Reference | None:
         for facts in self._tx.bodies.facts_of_skeleton(skeleton, MOST_LOOKED_AT):
             known = facts["calibration"] if facts["made"] == MADE else None
             if known is not None and known["origins"]["reference"][0] == "measured" and known["start"]["of"]:
@@ -151,7 +151,7 @@ class References:
 
 def read_bodies(tx: Transaction, documents: Sequence[Listed]) -> dict[int, Body]:
     """By the keys of documents: what is kept of them, else worked out now."""
-    restored = {key: Body.restored(stored) for key, stored in tx.bodies.of(documents).items()}
+    restored = {key: Body.restore(stored) for key, stored in tx.bodies.of(documents).items()}
     found = {key: body for key, body in restored.items() if body is not None}
     missing = [listed for listed in documents if listed.key not in found]
     made = zip(missing, derive_bodies(tx, missing, {}), strict=True)

@@ -21,14 +21,14 @@ Failed: TypeAlias = Callable[[Listed, Exception], None]
 """Told of a document whose body cannot be worked out, and why; others go on."""
 
 
-def _refused(_listed: Listed, error: Exception) -> None:
+def _refuse(_listed: Listed, error: Exception) -> None:
     raise error
 
 
 def derive_missing(
     database: Database,
     told: Callable[[int, int], None],
-    failed: Failed = _refused,
+    failed: Failed = _refuse,
     only: Collection[str] | None = None,
 ) -> int:
     """Keep the bodies of all documents that have none at their newest revision; answers how many.

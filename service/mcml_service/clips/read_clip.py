@@ -81,7 +81,7 @@ def read_clip(
         position = first
         for block in tx.tracks.blocks(stored.key, first, last, columns=bone_columns, step=step, bare=bare):
             if not same:
-                block = _renumbered(block, joint_of)
+                block = _renumber(block, joint_of)
             if labelled and not bare:
                 end = position + (len(block) - 1) * step
                 spans = tx.spans.of(stored.key, position, end)
@@ -93,7 +93,7 @@ def read_clip(
     return StoredClip(stored, document, names, clip, first, last)
 
 
-def _renumbered(block: FrameBlock, joint_of: Mapping[int, int]) -> FrameBlock:
+def _renumber(block: FrameBlock, joint_of: Mapping[int, int]) -> FrameBlock:
     """The block with joints as the skeleton now numbers them; bones keep their number when a skeleton is edited."""
     return replace(
         block,

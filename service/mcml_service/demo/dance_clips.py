@@ -103,14 +103,14 @@ def dance_clip(
     if style == "wave":
         poses, places = _wave(time - start, period), np.zeros((len(time), 3))
     else:
-        poses, places = _danced(style, keys, time)
+        poses, places = _dance(style, keys, time)
     if style == "preparation":
-        poses = _prepared(poses, keys, time, seconds)
+        poses = _prepare(poses, keys, time, seconds)
     if style != "wave":
         poses = poses + _tremor(time, seed)
     counted = np.array([start + period * (beat + 0.5) for beat in range(4 * bars)])
     beats = counted if style == "wave" else keys.times[4:-4]
-    root, angles = _posed(poses, places, height)
+    root, angles = _pose(poses, places, height)
     made = body.clip(name, height, root, angles)
     made = made.with_head(replace(made.head, frame_time=f"{1 / fps:.9f}"))
     return DanceClip(made, Truth(style, tempo, period, beats, beats.reshape(-1, 4), figures[1:-1]))
@@ -167,9 +167,9 @@ def _keys(
     return _Keys(np.array(times), np.array(poses), np.array(places) - places[3])
 
 
-def _danced(style: Style, keys: _Keys, time: Array) -> tuple[Array, Array]:
+def _dance(style: Style, keys: _Keys, time: Array) -> tuple[Array, Array]:
     """Poses (F, 12) and places (F, 3) at times (F,)."""
-    ease = _held_jerk if style == "hit" else _cosine
+    ease = _hold_jerk if style == "hit" else _cosine
     poses = _between(keys.times, keys.poses, time, ease)
     if style == "groove":
         poses[:, _LEFT_ARM] = _between(keys.times, keys.poses[:, _LEFT_ARM], time + _LAG, ease)
@@ -189,7 +189,7 @@ def _cosine(u: Array) -> Array:
     return eased
 
 
-def _held_jerk(u: Array) -> Array:
+def _hold_jerk(u: Array) -> Array:
     return _jerk(np.clip((u - 0.1) / 0.8, 0, 1))
 
 
@@ -206,7 +206,7 @@ def _wave(time: Array, period: float) -> Array:
     return poses
 
 
-def _prepared(poses: Array, keys: _Keys, time: Array, seconds: float) -> Array:
+def _prepare(poses: Array, keys: _Keys, time: Array, seconds: float) -> Array:
     """The dance with standing, slow shifting and lifting of the arms before and after it."""
     first, last = keys.times[3], keys.times[-4]
     sway = np.zeros_like(poses)
@@ -229,7 +229,7 @@ def _tremor(time: Array, seed: int) -> Array:
     return shaken
 
 
-def _posed(poses: Array, places: Array, height: float) -> tuple[Array, dict[str, Array]]:
+def _pose(poses: Array, places: Array, height: float) -> tuple[Array, dict[str, Array]]:
     """(root, angles) of poses; hips and legs such that the ankles stay where place and heading say."""
     turn, side, forward, nod = poses[:, :4].T
     shift, bend = poses[:, _WEIGHT], np.maximum(poses[:, 11], 0.0)

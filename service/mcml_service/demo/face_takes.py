@@ -142,7 +142,7 @@ def face_takes(
         movement, heads, measurement = (np.random.default_rng(part) for part in random.spawn(3))
         expression = expressions[(number - 1) % len(expressions)]
         amounts = _amounts(movement, expression, fps)
-        still = _moved(neutral, amounts, left_only=expression in _LEFT_ONLY)
+        still = _move(neutral, amounts, left_only=expression in _LEFT_ONLY)
         rotations, positions = _head(heads, np.arange(len(still)) / fps, head)
         values = rotate(rotations[:, None], still) + positions[:, None]
         if noise:
@@ -178,7 +178,7 @@ def _amounts(rng: np.random.Generator, expression: str, fps: float) -> Array:
     return amounts
 
 
-def _moved(neutral: Array, amounts: Array, *, left_only: bool) -> Array:
+def _move(neutral: Array, amounts: Array, *, left_only: bool) -> Array:
     """(F, M, 3) markers of the face at rest, moved by the units."""
     side, y = np.sign(neutral[:, 0]), neutral[:, 1]
     fields = np.empty((len(_UNITS), len(neutral), 3))

@@ -317,7 +317,7 @@ def _frames(drawn: _Drawn, postures: _Postures, times: Array, trial: int, time: 
     before, change = postures.before[trial], postures.at_belt[trial] - postures.before[trial]
     degrees = before + course[:, :, None] * change
     start, end = postures.upper[trial]
-    degrees[:, _PLACE["R UpperArm"]] = np.degrees(to_euler(_turned(start, end, arm), "XYZ"))
+    degrees[:, _PLACE["R UpperArm"]] = np.degrees(to_euler(_turn(start, end, arm), "XYZ"))
     waves = np.stack([np.sin(2 * np.pi * turns * time / times[2]) for turns in (1, 2)])
     sway = np.einsum("jcw,wf->fjc", drawn.sway[trial], waves)
     sway[:, _PLACE["Pelvis"]] = 0.0
@@ -326,7 +326,7 @@ def _frames(drawn: _Drawn, postures: _Postures, times: Array, trial: int, time: 
     return np.concatenate([root, degrees.reshape(len(time), -1)], axis=1)
 
 
-def _turned(start: Array, end: Array, share: Array) -> Array:
+def _turn(start: Array, end: Array, share: Array) -> Array:
     """(F, 4) `start` turned towards `end` about a constant axis, by a share that may leave 0 to 1."""
     way = multiply(inverse(start), end)
     way = way if way[3] >= 0 else -way

@@ -48,7 +48,7 @@ class StoredMotions(ApartMotions):
 
     @cached_property
     def _all(self) -> list[Motion]:
-        return _loaded(self._inputs, self._urls, self._skeleton)
+        return _load(self._inputs, self._urls, self._skeleton)
 
     def each(self, function: Callable[..., Any], shared: Sequence[Any], told: Callable[[float], None]) -> list[Any]:
         places = self._crew.places()
@@ -108,7 +108,7 @@ class StoredMotions(ApartMotions):
         return [found[place] for place in range(first, len(pieces))]
 
 
-def _loaded(inputs: Sequence[Input], urls: Urls, skeleton: Input | None) -> list[Motion]:
+def _load(inputs: Sequence[Input], urls: Urls, skeleton: Input | None) -> list[Motion]:
     database = database_of(*urls).for_call(WHOLE, from_replica=True)
     return database.ask(lambda tx: load_motions(tx, inputs, skeleton=skeleton))
 
@@ -116,4 +116,4 @@ def _loaded(inputs: Sequence[Input], urls: Urls, skeleton: Input | None) -> list
 def _of_each(
     inputs: Sequence[Input], urls: Urls, skeleton: Input | None, function: Callable[..., Any], shared: tuple[Any, ...]
 ) -> list[Any]:
-    return each(_loaded(inputs, urls, skeleton), function, shared)
+    return each(_load(inputs, urls, skeleton), function, shared)

@@ -90,7 +90,7 @@ class Runner:
         while not self._stopping.is_set() and self._free.acquire(blocking=False):
             job = None
             try:
-                job = self._claimed()
+                job = self._claim()
             finally:
                 # A store that is away for a while must not use the places up.
                 if job is None:
@@ -99,7 +99,7 @@ class Runner:
                 return
             self._drivers.submit(self._drive, job)
 
-    def _claimed(self) -> StoredJob | None:
+    def _claim(self) -> StoredJob | None:
         with self._database.read() as tx:
             waits = tx.jobs.any_claimable(self._settings.jobs_of_project)
         if not waits:
@@ -247,12 +247,12 @@ def run_here(database: Database, settings: Settings, job: StoredJob, runner: str
     """Do a job in this process, as commands on a local store do. progress: shown to the user."""
     with Teller(database, job.uuid, runner, renews=True) as tell:
 
-        def watched(stage: str, share: float) -> None:
+        def watch(stage: str, share: float) -> None:
             tell(stage, share)
             progress(stage, share)
 
         try:
-            outcome = perform(database, job.analysis, job.inputs, job.parameters, watched)
+            outcome = perform(database, job.analysis, job.inputs, job.parameters, watch)
             keep_outcome(database, settings, job, runner, outcome)
         except (KeyboardInterrupt, CancelledError):
             keep_outcome(database, settings, job, runner, None)

@@ -111,11 +111,11 @@ class Sender:
                 log.exception("cannot send webhooks now")
 
     def _deliver(self, claimed: Claimed) -> None:
-        status, problem, patience = self._sent(claimed)
+        status, problem, patience = self._send(claimed)
         with self._database.write(SERVER) as tx:
-            tx.webhooks.told(claimed, status, problem, patience)
+            tx.webhooks.note_outcome(claimed, status, problem, patience)
 
-    def _sent(self, claimed: Claimed) -> tuple[int | None, str | None, float]:
+    def _send(self, claimed: Claimed) -> tuple[int | None, str | None, float]:
         """(status, why it failed, seconds that the answer asks to wait)."""
         timestamp, payload = int(time.time()), claimed.payload.encode()
         headers: dict[bytes | str, bytes | str] = {
@@ -155,7 +155,7 @@ class _Network(httpcore.NetworkBackend):
         socket_options: Iterable[Any] | None = None,
     ) -> httpcore.NetworkStream:
         address = addresses_of(host, port, private=self._private)[0]
-        stream = self._plain.connect_tcp(address, port, _left(self._until), local_address, socket_options)
+        stream = self._plain.connect_tcp(address, port, _measure_time_left(self._until), local_address, socket_options)
         return _Stream(stream, self._until)
 
 
@@ -167,10 +167,10 @@ class _Stream(httpcore.NetworkStream):
         self._until = until
 
     def read(self, max_bytes: int, timeout: float | None = None) -> bytes:
-        return self._stream.read(max_bytes, _left(self._until))
+        return self._stream.read(max_bytes, _measure_time_left(self._until))
 
     def write(self, buffer: bytes, timeout: float | None = None) -> None:
-        self._stream.write(buffer, _left(self._until))
+        self._stream.write(buffer, _measure_time_left(self._until))
 
     def close(self) -> None:
         self._stream.close()
@@ -178,13 +178,15 @@ class _Stream(httpcore.NetworkStream):
     def start_tls(
         self, ssl_context: ssl.SSLContext, server_hostname: str | None = None, timeout: float | None = None
     ) -> httpcore.NetworkStream:
-        return _Stream(self._stream.start_tls(ssl_context, server_hostname, _left(self._until)), self._until)
+        return _Stream(
+            self._stream.start_tls(ssl_context, server_hostname, _measure_time_left(self._until)), self._until
+        )
 
     def get_extra_info(self, info: str) -> Any:
         return self._stream.get_extra_info(info)
 
 
-def _left(until: float) -> float:
+def _measure_time_left(until: float) -> float:
     """Seconds; httpcore.ReadTimeout where there are none."""
     left = until - time.monotonic()
     if left <= 0:

@@ -12,7 +12,7 @@ from typing import Any
 
 from mcml.errors import McmlError
 from mcml_service.actions.analysing.save_results import load_parts
-from mcml_service.actions.analysing.start_analysis import EXTENDS, LEFT_OUT, SKELETON, checked_parameters, find_analysis
+from mcml_service.actions.analysing.start_analysis import EXTENDS, LEFT_OUT, SKELETON, check_parameters, find_analysis
 from mcml_service.actions.checking.describe_problem import problem_of
 from mcml_service.actions.composing.load_motions import Input, load_motions
 from mcml_service.analysis.interface import Motion, Parts, Progress
@@ -74,15 +74,15 @@ def perform(
             motions = database.ask(lambda tx: load_motions(tx, inputs, loading, parameters.get(SKELETON)))
         given = {name: value for name, value in parameters.items() if name not in (EXTENDS, LEFT_OUT, SKELETON)}
         # A job may have waited while the program, and with it what parameters may be, became another.
-        checked = chosen.parameters.model_validate(checked_parameters(chosen.parameters, given))
+        checked = chosen.parameters.model_validate(check_parameters(chosen.parameters, given))
 
-        def told(stage: str, share: float) -> None:
+        def report(stage: str, share: float) -> None:
             progress(stage, LOADING + (1 - LOADING) * share)
 
         if EXTENDS not in parameters or chosen.extend is None:
-            return chosen.run(motions, checked, told)
+            return chosen.run(motions, checked, report)
         parts = database.ask(lambda tx: load_parts(tx, tx.results.get(parameters[EXTENDS]).key))
-        return chosen.extend(parts, motions, checked, told)
+        return chosen.extend(parts, motions, checked, report)
     except McmlError as error:
         return Refused(problem_of(error).model_dump(exclude_none=True))
 

@@ -43,13 +43,13 @@ class Pairs:
     places: Codes
     codes: Codes
 
-    def moved(self, to: Codes) -> Pairs:
+    def move(self, to: Codes) -> Pairs:
         """The same where documents have other places. to: by place, -1 for documents that are gone."""
         places = to[self.places]
         kept = places >= 0
         return Pairs(places[kept], self.codes[kept])
 
-    def joined(self, others: Pairs) -> Pairs:
+    def join(self, others: Pairs) -> Pairs:
         return Pairs(np.concatenate([self.places, others.places]), np.concatenate([self.codes, others.codes]))
 
     def having(self, wanted: Mask, documents: int) -> Mask:
@@ -121,7 +121,7 @@ class Columns:
         """How many documents stand before a name and key, or there."""
         return _place(self.table["names"], self.table["keys"], (name, key + 1))
 
-    def changed(self, commit: int, whole_since: int, gone: Sequence[int], facts: ListRows) -> Columns:
+    def update(self, commit: int, whole_since: int, gone: Sequence[int], facts: ListRows) -> Columns:
         """The same as another commit left it. gone: documents that are not any more as they were. facts: of those of
         them that there still are, and of new ones."""
         rows = sorted(facts.documents, key=lambda row: (row[2], row[0]))
@@ -135,16 +135,16 @@ class Columns:
         to[kept] = stay + np.searchsorted(before, stay, side="right")
         places = {row[0]: int(place) + number for number, (row, place) in enumerate(zip(rows, before, strict=True))}
         texts = self.words.texts
-        said = [(places[row[0]], row[2]) for row in rows] + _placed(facts.said, places)
+        said = [(places[row[0]], row[2]) for row in rows] + _find_place(facts.said, places)
         having = [(places[key], (name, number, text)) for key, name, number, text in facts.having if key in places]
         return Columns(
             commit,
             whole_since,
             self.words,
             table,
-            self.said.moved(to).joined(_pairs(said, texts)),
-            self.named.moved(to).joined(_pairs(_placed(facts.named, places), texts)),
-            self.having.moved(to).joined(_pairs(having, self.words.properties)),
+            self.said.move(to).join(_pairs(said, texts)),
+            self.named.move(to).join(_pairs(_find_place(facts.named, places), texts)),
+            self.having.move(to).join(_pairs(having, self.words.properties)),
             self.words.properties.columns(),
         )
 
@@ -172,7 +172,7 @@ def _place(names: Column, keys: Column, wanted: tuple[str, int]) -> int:
     return bisect_left(range(len(names)), wanted, key=lambda at: (names[at], keys[at]))
 
 
-def _placed(rows: Iterable[Row], places: dict[int, int]) -> list[tuple[int, Any]]:
+def _find_place(rows: Iterable[Row], places: dict[int, int]) -> list[tuple[int, Any]]:
     return [(places[key], value) for key, value in rows if key in places]
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from mcml_service.listing.columns import Column, Columns
 from mcml_service.listing.vocabulary import Mask
-from mcml_service.storage.core.identifiers import stored_form
+from mcml_service.storage.core.identifiers import normalise_name
 from mcml_service.storage.lists.filtering import SHORT, DocumentFilter, Range
 
 KEPT = 16
@@ -36,13 +36,13 @@ def _fulfilling(columns: Columns, wanted: DocumentFilter) -> Mask:
     words, count = columns.words, len(columns)
     found = ~columns["there"] if wanted.deleted else columns["there"].copy()
     if wanted.project is not None:
-        found &= columns["projects"] == _code(words.projects.code(stored_form(wanted.project)))
+        found &= columns["projects"] == _code(words.projects.code(normalise_name(wanted.project)))
     if wanted.format is not None:
         found &= columns["formats"] == _code(words.formats.code(wanted.format))
     if wanted.skeleton is not None:
         found &= columns["skeletons"] == wanted.skeleton
     if wanted.name is not None:
-        found &= columns["names"] == stored_form(wanted.name)
+        found &= columns["names"] == normalise_name(wanted.name)
     if wanted.id is not None:
         found &= _begins(columns["uuids"], wanted.id.lower())
     for word in (wanted.text or "").split():
@@ -50,8 +50,8 @@ def _fulfilling(columns: Columns, wanted: DocumentFilter) -> Mask:
         holding |= columns.named.having(words.texts.holding(word), count)
         found &= holding | columns.having.having(words.properties.holding(word), count)
     if wanted.motion_name is not None:
-        named = columns.named.codes == _code(words.texts.code(stored_form(wanted.motion_name)))
-        found &= _marked(columns.named.places[named], count)
+        named = columns.named.codes == _code(words.texts.code(normalise_name(wanted.motion_name)))
+        found &= _mark(columns.named.places[named], count)
     for condition in wanted.properties:
         found &= columns.having.having(_properties(columns, *condition), count)
     if wanted.among is not None:
@@ -65,7 +65,7 @@ def _code(code: int | None) -> int:
     return -1 if code is None else code
 
 
-def _marked(places: Column, count: int) -> Mask:
+def _mark(places: Column, count: int) -> Mask:
     found = np.zeros(count, np.bool_)
     found[places] = True
     return found

@@ -10,7 +10,7 @@ import numpy as np
 
 from mcml_service.listing.columns import Column, Columns, Numbers
 from mcml_service.listing.vocabulary import Mask, Numbering
-from mcml_service.storage.lists.facets import Bins, Counts, Facets, PropertyFacet, binned, rate_of
+from mcml_service.storage.lists.facets import Bins, Counts, Facets, PropertyFacet, make_bins, rate_of
 
 
 def facets_of(
@@ -18,31 +18,31 @@ def facets_of(
 ) -> Facets:
     """Of some of the documents. most: values of each facet. bins: of each range of numbers. joints: of skeletons."""
     words = columns.words
-    of_seconds = _counted(columns["codes of seconds"], among, words.seconds)
+    of_seconds = _count(columns["codes of seconds"], among, words.seconds)
     rates: dict[float, int] = {}
     for code in np.flatnonzero(of_seconds).tolist():
         each = words.seconds.values[code]
         if each is not None:
             rates[rate_of(each)] = rates.get(rate_of(each), 0) + int(of_seconds[code])
-    of_lengths = _counted(columns["codes of lengths"], among, words.lengths)
+    of_lengths = _count(columns["codes of lengths"], among, words.lengths)
     lengths = np.array(words.lengths.values[: len(of_lengths)], np.float64)
-    shown = _most(words.skeletons, _counted(columns["codes of skeletons"], among, words.skeletons), most)
+    shown = _most(words.skeletons, _count(columns["codes of skeletons"], among, words.skeletons), most)
     joints_of = joints([key for key, _ in shown])
     total = int(np.count_nonzero(among))
     return Facets(
         total=total,
-        projects=_most(words.projects, _counted(columns["projects"], among, words.projects), most),
-        formats=_most(words.formats, _counted(columns["formats"], among, words.formats), most),
+        projects=_most(words.projects, _count(columns["projects"], among, words.projects), most),
+        formats=_most(words.formats, _count(columns["formats"], among, words.formats), most),
         skeletons=[((key, joints_of[key]), count) for key, count in shown],
         motion_names=_most(words.texts, columns.named.counts(among, len(words.texts)), most),
-        lengths=_binned(lengths, of_lengths, bins),
+        lengths=_make_bins(lengths, of_lengths, bins),
         rates=sorted(rates.items(), key=lambda item: (-item[1], item[0]))[:most],
         unknown=total - sum(rates.values()),
         properties=_properties(columns, among, most, bins),
     )
 
 
-def _counted(codes: Column, among: Mask, numbering: Numbering[Any]) -> Numbers:
+def _count(codes: Column, among: Mask, numbering: Numbering[Any]) -> Numbers:
     """How many documents have each of the values."""
     return np.bincount(codes if among.all() else codes[among], minlength=len(numbering))
 
@@ -73,14 +73,14 @@ def _properties(columns: Columns, among: Mask, most: int, bins: int) -> list[Pro
             PropertyFacet(
                 name,
                 total,
-                _binned(numbers[of_numbers], counts[of_numbers], bins),
+                _make_bins(numbers[of_numbers], counts[of_numbers], bins),
                 [(value[2], count) for value, count in _most(properties, texts, most)],
             )
         )
     return found
 
 
-def _binned(values: Column, counts: Numbers, bins: int) -> Bins | None:
+def _make_bins(values: Column, counts: Numbers, bins: int) -> Bins | None:
     """Bins of values that occur so often."""
     has = (counts > 0) & ~np.isnan(values)
-    return binned(values[has], bins, counts[has])
+    return make_bins(values[has], bins, counts[has])

@@ -13,7 +13,7 @@ from mcml_service.storage.lists.orders import UNKNOWN, Order, Place, Value
 
 def places_of(columns: Columns, among: Mask, order: Order, after: Place | None, limit: int, offset: int) -> list[Place]:
     """Where documents stand in an order, of those behind a place the first ones after an offset."""
-    arranged: Numbers = columns.once(order, lambda: _arranged(columns, order))
+    arranged: Numbers = columns.once(order, lambda: _arrange(columns, order))
     chosen = arranged if among.all() else arranged[among[arranged]]
     first = (0 if after is None else _behind(columns, chosen, order, after)) + offset
     rows = chosen[first : first + limit]
@@ -21,15 +21,15 @@ def places_of(columns: Columns, among: Mask, order: Order, after: Place | None, 
     named = zip(columns["names"][rows], columns["keys"][rows].tolist(), strict=True)
     if order.column == "name":
         return [Place(name, name, key) for name, key in named]
-    return [Place(_told(columns, order.column, value), *at) for value, at in zip(values.tolist(), named, strict=True)]
+    return [Place(_decode(columns, order.column, value), *at) for value, at in zip(values.tolist(), named, strict=True)]
 
 
-def _arranged(columns: Columns, order: Order) -> Numbers:
+def _arrange(columns: Columns, order: Order) -> Numbers:
     """Places of documents in the columns, in an order. Equal values stay as they are: by name and key."""
-    return np.argsort(_directed(columns, order), kind="stable")
+    return np.argsort(_direct(columns, order), kind="stable")
 
 
-def _directed(columns: Columns, order: Order) -> Column:
+def _direct(columns: Columns, order: Order) -> Column:
     values: Column = columns.once(("value", order.column), lambda: _values(columns, order.column))
     return -values if order.descending else values
 
@@ -40,7 +40,7 @@ def _values(columns: Columns, column: str) -> Column:
         names = columns["names"]
         return np.cumsum(np.concatenate([np.zeros(1), names[1:] != names[:-1]])[: len(names)])
     if column in ("project", "format"):
-        vocabulary, codes = _coded(columns, column)
+        vocabulary, codes = _encode(columns, column)
         return _ranks(columns, vocabulary)[codes]
     if column == "duration":
         return np.asarray(columns["frames"] * columns["seconds"])
@@ -58,31 +58,31 @@ _HELD = {
 """Columns that are kept as they are."""
 
 
-def _coded(columns: Columns, column: str) -> tuple[Numbering[str], Column]:
+def _encode(columns: Columns, column: str) -> tuple[Numbering[str], Column]:
     name = f"{column}s"
     return getattr(columns.words, name), columns[name]
 
 
-def _sorted(columns: Columns, vocabulary: Numbering[str]) -> list[str]:
+def _sort(columns: Columns, vocabulary: Numbering[str]) -> list[str]:
     found: list[str] = columns.once(("sorted", id(vocabulary)), lambda: sorted(vocabulary.values))
     return found
 
 
 def _ranks(columns: Columns, vocabulary: Numbering[str]) -> Numbers:
-    ranks = {value: rank for rank, value in enumerate(_sorted(columns, vocabulary))}
+    ranks = {value: rank for rank, value in enumerate(_sort(columns, vocabulary))}
     return np.array([ranks.get(value, 0) for value in vocabulary.values], np.int64)
 
 
-def _told(columns: Columns, column: str, value: int | float) -> Value:
+def _decode(columns: Columns, column: str, value: int | float) -> Value:
     """The value itself that a number stands for."""
     if column in ("project", "format"):
-        return _sorted(columns, _coded(columns, column)[0])[int(value)]
+        return _sort(columns, _encode(columns, column)[0])[int(value)]
     return None if value != value else value  # NaN
 
 
 def _behind(columns: Columns, chosen: Numbers, order: Order, after: Place) -> int:
     """How many of the chosen documents, which stand in the order, come before a place or there."""
-    values = _directed(columns, order)[chosen]
+    values = _direct(columns, order)[chosen]
     number = _number(columns, order.column, after)
     if number is None:
         first, last = int(np.searchsorted(values, np.nan)), len(values)
@@ -106,7 +106,7 @@ def _number(columns: Columns, column: str, after: Place) -> float | None:
             return float(ranks[-1] + 1) if len(columns) else 0.0
         return float(ranks[at]) - (0.0 if columns["names"][at] == after.name else 0.5)
     if column in ("project", "format"):
-        known = _sorted(columns, _coded(columns, column)[0])
+        known = _sort(columns, _encode(columns, column)[0])
         at = bisect_left(known, str(after.value))
         return at if known[at : at + 1] == [after.value] else at - 0.5
     if column in UNKNOWN and after.value is None:

@@ -54,7 +54,7 @@ class Register:
         columns = self.columns(tx, wanted, is_needed=not is_plain)
         if columns is None:
             return Found(tx.documents.places(wanted, order, after, limit, offset), tx.documents.count(wanted))
-        among = _seen(tx, columns, fulfilling(columns, wanted))
+        among = _mark_seen(tx, columns, fulfilling(columns, wanted))
         return Found(places_of(columns, among, order, after, limit, offset), int(among.sum()))
 
     def facets(self, tx: Transaction, wanted: DocumentFilter, most: int, bins: int) -> Facets:
@@ -62,7 +62,7 @@ class Register:
         columns = self.columns(tx, wanted)
         if columns is None:
             return facets.facets(tx, wanted, most, bins)
-        return facets_of(columns, _seen(tx, columns, fulfilling(columns, wanted)), tx.heads.joints, most, bins)
+        return facets_of(columns, _mark_seen(tx, columns, fulfilling(columns, wanted)), tx.heads.joints, most, bins)
 
     def columns(self, tx: Transaction, wanted: DocumentFilter, *, is_needed: bool = True) -> Columns | None:
         """As the transaction sees the library; None where the store shall answer.
@@ -89,7 +89,7 @@ class Register:
         if last is not None and last.words.values() > STALE * self._whole:
             last = None
         if last is None:
-            found = no_columns().changed(newest, whole_since, (), read_list_rows(tx))
+            found = no_columns().update(newest, whole_since, (), read_list_rows(tx))
             self._whole = found.words.values() + 1000
         elif last.commit > newest:
             # An older state, which a transaction still reads.
@@ -99,13 +99,13 @@ class Register:
             gone = set(changed)
             if whole_since != last.whole_since:
                 gone |= set(last["keys"].tolist()).difference(find_keys(tx))
-            found = last.changed(newest, whole_since, sorted(gone), read_list_rows(tx, changed))
+            found = last.update(newest, whole_since, sorted(gone), read_list_rows(tx, changed))
         self._is_too_large = found.words.characters() > MOST_CHARACTERS
         self._last = None if self._is_too_large else found
         return self._last
 
 
-def _seen(tx: Transaction, columns: Columns, among: Mask) -> Mask:
+def _mark_seen(tx: Transaction, columns: Columns, among: Mask) -> Mask:
     """Those of projects that are seen."""
     if tx.view.is_whole:
         return among

@@ -30,7 +30,7 @@ class Numbering(Generic[Value]):
     def __len__(self) -> int:
         return len(self.values)
 
-    def added(self, value: Value) -> None:
+    def add(self, value: Value) -> None:
         """What is to be done with a value that is new."""
 
     def codes(self, values: Iterable[Value]) -> Codes:
@@ -39,7 +39,7 @@ class Numbering(Generic[Value]):
         for value in values:
             code = self._codes.get(value)
             if code is None:
-                self.added(value)
+                self.add(value)
                 self.values.append(value)
                 code = self._codes[value] = len(self.values) - 1
             found.append(code)
@@ -63,7 +63,7 @@ class Vocabulary(Numbering[Value]):
         """In which words are looked for."""
         return str(value)
 
-    def added(self, value: Value) -> None:
+    def add(self, value: Value) -> None:
         text = fold(self.text_of(value))
         self._folded.append(text)
         self.characters += len(text)

@@ -374,6 +374,6 @@ def find_operation(name: str) -> Operation:
 
 def all_operations() -> list[Operation]:
     """Those of OPERATIONS, and those that the catalogue of analyses makes."""
-    from mcml_service.operations.analyses import offered
+    from mcml_service.operations.analyses import make_operations
 
-    return [*_ROWS, *offered()]
+    return [*_ROWS, *make_operations()]

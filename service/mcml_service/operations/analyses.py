@@ -56,7 +56,7 @@ def read_music(
     return beats_of(file, call.settings, bpm, beats_per_bar)
 
 
-def offered() -> Iterator[Operation]:
+def make_operations() -> Iterator[Operation]:
     """The operations that the catalogue makes: to start each analysis, and to use its results."""
     for analysis in ANALYSES.values():
         yield Operation(
@@ -214,12 +214,12 @@ def _motion(clip: MadeClip, positions: bool) -> ClipMotion:
 def motion_block(told: BaseModel, done: Done) -> Content:
     """An answer for an eye: the length of its JSON as u4, the JSON, then positions as f4. The JSON has the head of the
     motion as `motion`, and spaces at its end so that the numbers are aligned."""
-    from mcml_service.actions.analysing.show_motion import shown_motion
+    from mcml_service.actions.analysing.show_motion import show_motion
 
     clip = done.answer.clip
     if clip is None:
         raise NotFoundError("The operation makes no clip.", remedy="Ask for format=json.")
-    head, positions = shown_motion(clip)
+    head, positions = show_motion(clip)
     text = orjson.dumps({**told.model_dump(mode="json", exclude_none=True), "motion": head.model_dump(mode="json")})
     text += b" " * (-len(text) % 4)
     blocks = [struct.pack("<I", len(text)) + text, positions.tobytes()]

@@ -126,7 +126,7 @@ def tag(stored: StoredDocument, form: str = "json") -> str:
     return f"{stored.revision}-{form}"
 
 
-def checked_for_write(tx: Transaction, uuid: str, if_match: str | None, *, deleted: bool = False) -> StoredDocument:
+def find_for_write(tx: Transaction, uuid: str, if_match: str | None, *, deleted: bool = False) -> StoredDocument:
     """The document, locked for a change, if the request was made for its current revision."""
     found = tx.documents.find(uuid, deleted=deleted)
     if found is None:

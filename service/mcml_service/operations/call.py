@@ -163,7 +163,7 @@ class Call:
         """A read transaction that lives until the answer is sent, for answers that are made while they are sent."""
         return self.held.enter_context(self.database.read())
 
-    def tagged(self, tag: str, *, lasting: bool = False) -> None:
+    def set_tag(self, tag: str, *, lasting: bool = False) -> None:
         """Say the version of the answer. SameError where whoever asks has it.
 
         lasting: it is of a revision that the question names, so it will never be another.

@@ -100,7 +100,7 @@ def get_rest_pose(call: Call, id: DocumentId, revision: AtRevision = None) -> Re
     """What stands where before anything moves, for those who draw a skeleton."""
     with call.database.read() as tx:
         then, stored = at_revision(tx, id, revision)
-        call.tagged(tag(stored, "rest"))
+        call.set_tag(tag(stored, "rest"))
         head = to_head(then.heads.document(stored), stored.frame_time)
     positions = rest_positions(head.skeleton, reading_of(head))[: len(head.skeleton.joints)]
     return RestPose(

@@ -31,7 +31,7 @@ from mcml_service.operations.arguments import (
     InProject,
     Page,
     at_revision,
-    checked_for_write,
+    find_for_write,
     tag,
 )
 from mcml_service.operations.call import Call
@@ -190,7 +190,7 @@ def list_documents(
     with call.database.read() as tx:
         found = call.repository.register.page(tx, conditions, order, after, page.most(call) + 1, offset)
         places, more = page.cut(call, found.places, lambda place: _cursor(place, order))
-        shown = tx.documents.told([place.key for place in places])
+        shown = tx.documents.get_many([place.key for place in places])
         also = frozenset((with_ or "").split(",")) - {""}
         items = _cards(call, tx, shown, also)
     return DocumentPage(items=items, next_cursor=more, total=found.total)
@@ -238,14 +238,14 @@ def get_document(call: Call, id: DocumentId, revision: AtRevision = None) -> Doc
         then, stored = at_revision(tx, id, revision)
         # What it carries for reference belongs to no revision, and changes without one.
         media = tx.media.of(stored.key)
-        call.tagged(tag(stored, "json" if media is None else f"json-{media.sha256[:12]}-{media.offset!r}"))
+        call.set_tag(tag(stored, "json" if media is None else f"json-{media.sha256[:12]}-{media.offset!r}"))
         return detail(then, stored)
 
 
 def change_document(call: Call, id: DocumentId, change: DocumentChange, if_match: IfMatch = None) -> DocumentDetail:
     """Makes a revision."""
     with call.database.write(call.author) as tx:
-        stored = checked_for_write(tx, id, if_match)
+        stored = find_for_write(tx, id, if_match)
         facts = change.model_dump(exclude_unset=True, exclude={"message", "properties"})
         if change.properties is not None:
             facts["properties"] = [(item.name, item.value, item.unit) for item in change.properties]
@@ -259,7 +259,7 @@ def delete_document(call: Call, id: DocumentId, if_match: IfMatch = None) -> Non
 
     def delete() -> None:
         with call.database.write(call.author) as tx:
-            changes.delete_document(tx, checked_for_write(tx, id, if_match))
+            changes.delete_document(tx, find_for_write(tx, id, if_match))
 
     call.database.reserve.spend(delete)
 
@@ -274,7 +274,7 @@ def restore_document(
     if_match: IfMatch = None,
 ) -> DocumentDetail:
     with call.database.write(call.author) as tx:
-        stored = checked_for_write(tx, id, if_match, deleted=True)
+        stored = find_for_write(tx, id, if_match, deleted=True)
         if revision is None:
             changed = changes.restore_document(tx, stored)
         else:
@@ -293,7 +293,7 @@ def undo_revision(
 ) -> DocumentDetail:
     """Later ones stay; 409 where they touched the same. An undo can be undone."""
     with call.database.write(call.author) as tx:
-        stored = checked_for_write(tx, id, if_match)
+        stored = find_for_write(tx, id, if_match)
         changed = changes.undo_revision(tx, stored, stored.revision if revision is None else revision)
         call.tag = tag(changed)
         return detail(tx, changed)
@@ -316,11 +316,11 @@ def list_revisions(
         shown = [Revision.model_validate(item, from_attributes=True) for item in items]
         if with_ is not None:
             for item, answer in zip(items, shown, strict=True):
-                answer.touched = _touched(tx, stored, item)
+                answer.touched = _find_touched(tx, stored, item)
     return RevisionPage(items=shown, next_cursor=more)
 
 
-def _touched(tx: Transaction, stored: StoredDocument, revision: StoredRevision) -> list[FrameRange] | None:
+def _find_touched(tx: Transaction, stored: StoredDocument, revision: StoredRevision) -> list[FrameRange] | None:
     """None of the first revision that is kept, before which there is none."""
     from mcml_service.storage.undo.changed_frames import find_changed_frames
 
@@ -367,10 +367,10 @@ def set_properties(
 
     with call.database.write(call.author) as tx:
         changed = setting.set_properties(tx, content, project)
-    return changed_documents(changed)
+    return describe_changed(changed)
 
 
-def changed_documents(documents: list[StoredDocument]) -> ChangedDocuments:
+def describe_changed(documents: list[StoredDocument]) -> ChangedDocuments:
     return ChangedDocuments(
         items=[ChangedDocument(id=item.uuid, name=item.name, revision=item.revision) for item in documents]
     )

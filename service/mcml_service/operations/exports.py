@@ -105,7 +105,7 @@ def export_documents(call: Call, request: ExportRequest) -> Content:
 def _content(call: Call, uuid: str, revision: int | None, options: ExportOptions) -> Content:
     then, stored = at_revision(call.read(), uuid, revision)
     if options.whole and not options.pretty:
-        call.tagged(tag(stored, f"{options.format}{'-raw' * options.raw}"))
+        call.set_tag(tag(stored, f"{options.format}{'-raw' * options.raw}"))
     export = exported(then, stored, options)
     # A conversion looks through the motion before its first block, and says then what the target cannot hold.
     content = chain((next(export.content, b""),), export.content)
@@ -116,7 +116,7 @@ def _window(
     call: Call, uuid: str, revision: int | None, part: str, first: int, last: int | None, layout: Layout
 ) -> Content:
     then, stored = at_revision(call.read(), uuid, revision)
-    call.tagged(tag(stored, f"mcml-{part}-{first}-{last}-{layout.value}"), lasting=revision is not None)
+    call.set_tag(tag(stored, f"mcml-{part}-{first}-{last}-{layout.value}"), lasting=revision is not None)
     if part == "head":
         window = head_window(then, stored, layout)
     else:

@@ -39,7 +39,7 @@ def put_media(
 def get_media(call: Call, id: DocumentId) -> Content:
     tx = call.read()
     media = _media(tx, tx.documents.get(id))
-    call.tagged(f"{media.sha256[:32]}-media")
+    call.set_tag(f"{media.sha256[:32]}-media")
     return Content(
         tx.media.read(media),
         media.media_type,

@@ -102,7 +102,7 @@ class Argument:
     def required(self) -> bool:
         return self.default is inspect.Parameter.empty
 
-    def checked(self, value: Any) -> Any:
+    def check(self, value: Any) -> Any:
         """The value as the type has it. RequestError where it does not fit."""
         if self.place == "file":
             return value
@@ -254,7 +254,7 @@ class Operation:
         grouped = {name: self.groups[name](**stated) for name, stated in parts.items()}
         return self.function(call, **values, **grouped)
 
-    def checked(self, given: Mapping[str, Any]) -> dict[str, Any]:
+    def check(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """Values as the arguments' types have them. RequestError for an unknown name, or a value that does not fit."""
         known = {argument.name: argument for argument in self.arguments}
         for name in given:
@@ -263,7 +263,7 @@ class Operation:
         for name, argument in known.items():
             if argument.required and name not in given:
                 raise RequestError(f"{name} is missing.", remedy=f"{self.name} needs it.")
-        return {name: known[name].checked(value) for name, value in given.items()}
+        return {name: known[name].check(value) for name, value in given.items()}
 
 
 def _as_shared(share: Share, given: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -279,17 +279,17 @@ def _as_shared(share: Share, given: Mapping[str, Any]) -> Mapping[str, Any]:
                 remedy=f"It gives {', '.join(sorted(share.formats)) or 'none'}.",
             )
         given = {**given, "original": False}
-    return {**given, "revision": found.shown(given.get("revision"))}
+    return {**given, "revision": found.choose_revision(given.get("revision"))}
 
 
 def gives(words: str, types: Mapping[str, Any]) -> Callable[[Function], Function]:
     """Says that a function may answer content of these media types, each with an example (None: the words say all)."""
 
-    def said(function: Function) -> Function:
+    def attach(function: Function) -> Function:
         function.media = Media(words, types)  # type: ignore[attr-defined]  # functions take any attribute
         return function
 
-    return said
+    return attach
 
 
 def _arguments(

@@ -81,5 +81,5 @@ def import_project(
 
 
 def _view(tx: Transaction, key: int) -> ProjectView:
-    documents, size = tx.quotas.held(key)
+    documents, size = tx.quotas.measure(key)
     return ProjectView(name=tx.projects.name(key), documents=documents, bytes=size, **vars(tx.quotas.of(key)))

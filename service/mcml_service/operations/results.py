@@ -90,7 +90,7 @@ def get_result_array(
     with call.database.read() as tx:
         stored, found = _part(tx, id, part)
         asked = crc32(repr((id, part, array, first, rows, row, dtype, format)).encode())
-        call.tagged(f"{array}-{asked:08x}", lasting=True)
+        call.set_tag(f"{array}-{asked:08x}", lasting=True)
         if row is not None:
             values = tx.results.rows(stored.key, found, array, np.array(row, dtype=np.intp))
         else:
@@ -134,7 +134,7 @@ def get_result_picture(
 
     with call.database.read() as tx:
         asked = crc32(repr((id, name, format, dpi, width, height)).encode())
-        call.tagged(f"picture-{asked:08x}", lasting=True)
+        call.set_tag(f"picture-{asked:08x}", lasting=True)
         chosen, data = draw_result(tx, id, name, format, dpi, (width, height))
     kind = {"svg": "image/svg+xml", "png": "image/png"}[format]
     return Content(iter([data]), kind, f"{chosen}.{format}", size=len(data), shown=True)

@@ -46,7 +46,7 @@ def list_saved_queries(call: Call, page: Page, project: InProject = None) -> Sav
 def get_saved_query(call: Call, name: Name, project: Keeper = "default") -> SavedQuery:
     with call.database.read() as tx:
         thing = tx.saved.get("query", project, name)
-    call.tagged(str(thing.version))
+    call.set_tag(str(thing.version))
     return _query(thing)
 
 
@@ -125,7 +125,7 @@ def save_vocabulary(
 ) -> Vocabulary:
     """All of the project, each name in the form in which documents keep it. A present one is changed with `If-Match`,
     its version."""
-    items = _agreed(vocabulary.items)
+    items = _check_vocabulary(vocabulary.items)
     return _vocabulary(_put(call, "vocabulary", project, ALL, {"items": items}, if_match))
 
 
@@ -134,7 +134,7 @@ def delete_vocabulary(call: Call, project: Keeper = "default", if_match: IfMatch
     _delete(call, "vocabulary", project, ALL, if_match)
 
 
-def _agreed(words: list[VocabularyWord]) -> list[dict[str, object]]:
+def _check_vocabulary(words: list[VocabularyWord]) -> list[dict[str, object]]:
     """As they are kept. VocabularyError for names that cannot be, DocumentError for one that is there twice."""
     from mcml.language.motion_names import canonical
 

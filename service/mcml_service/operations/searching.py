@@ -17,17 +17,15 @@ def search_motion(call: Call, request: SearchRequest) -> SearchAnswer:
     they are of. A motion may be half as fast or twice as fast.
     """
     # Imported here: other operations need no mathematics.
-    from mcml_service.actions.reading.search_motion import Where, asked_of_document, asked_of_positions, find_alike
+    from mcml_service.actions.reading.search_motion import Where, ask_document, ask_positions, find_alike
 
     where = Where(tuple(request.within), request.project, request.limit, request.apart)
     with call.database.read() as tx:
         if request.document is not None:
             then, stored = at_revision(tx, request.document, request.revision)
-            asked = asked_of_document(then, stored, request.first, request.last)
+            asked = ask_document(then, stored, request.first, request.last)
         else:
-            asked = asked_of_positions(
-                request.joints or [], request.positions or [], request.seconds_per_frame, request.up
-            )
+            asked = ask_positions(request.joints or [], request.positions or [], request.seconds_per_frame, request.up)
         return find_alike(tx, call.queries.caches, asked, where, call.limits)
 
 
@@ -53,9 +51,9 @@ def search_file(
     ] = None,
 ) -> SearchAnswer:
     """Nothing is stored. The files are those of one clip."""
-    from mcml_service.actions.reading.search_motion import Where, asked_of_file, find_alike
+    from mcml_service.actions.reading.search_motion import Where, ask_file, find_alike
 
-    asked = asked_of_file(file, call.settings, first, last)
+    asked = ask_file(file, call.settings, first, last)
     with call.database.read() as tx:
         where = Where(tuple(within or ()), project, limit, apart)
         return find_alike(tx, call.queries.caches, asked, where, call.limits)

@@ -6,7 +6,7 @@ from mcml.answers import Content
 from mcml.errors import NotFoundError
 from mcml_schemas.bodies import Calibration, CalibrationChange
 from mcml_schemas.skeletons import SkeletonView
-from mcml_service.operations.arguments import AtRevision, DocumentId, IfMatch, at_revision, checked_for_write, tag
+from mcml_service.operations.arguments import AtRevision, DocumentId, IfMatch, at_revision, find_for_write, tag
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import gives
 
@@ -22,7 +22,7 @@ def get_skeleton(call: Call, id: DocumentId, revision: AtRevision = None) -> Ske
 
     with call.database.read() as tx:
         then, stored = at_revision(tx, id, revision)
-        call.tagged(tag(stored, "skeleton"), lasting=revision is not None)
+        call.set_tag(tag(stored, "skeleton"), lasting=revision is not None)
         return describe_skeleton(then, stored)
 
 
@@ -41,7 +41,7 @@ def change_calibration(call: Call, id: DocumentId, change: CalibrationChange, if
     from mcml_service.actions.editing.calibration import describe_calibration
 
     with call.database.write(call.author) as tx:
-        stored = changed(tx, checked_for_write(tx, id, if_match), change)
+        stored = changed(tx, find_for_write(tx, id, if_match), change)
         call.tag = tag(stored)
     with call.database.read() as tx:
         return describe_calibration(tx, tx.documents.get(id))
@@ -56,7 +56,7 @@ def get_thumbnail(call: Call, id: DocumentId, revision: AtRevision = None) -> Co
 
     with call.database.read() as tx:
         then, stored = at_revision(tx, id, revision)
-        call.tagged(tag(stored, "thumbnail"), lasting=revision is not None)
+        call.set_tag(tag(stored, "thumbnail"), lasting=revision is not None)
         found = then.thumbnails.of([stored]).get(stored.key)
         if found is None:
             found = picture_of(then, stored)

@@ -23,7 +23,7 @@ def bound_growth(memory: int) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     if sys.platform == "linux":
         hard = resource.getrlimit(resource.RLIMIT_DATA)[1]
-        resource.setrlimit(resource.RLIMIT_DATA, (_at_most(_held() + memory, hard), hard))
+        resource.setrlimit(resource.RLIMIT_DATA, (_at_most(_count_held_bytes() + memory, hard), hard))
 
 
 def end_after(seconds: float | None) -> None:
@@ -83,7 +83,7 @@ def bounded(memory: int, late: Callable[[], Exception | None]) -> Iterator[None]
     soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
     before = signal.signal(signal.SIGALRM, look)
     if sys.platform == "linux":
-        resource.setrlimit(resource.RLIMIT_DATA, (_at_most(_held() + memory, hard), hard))
+        resource.setrlimit(resource.RLIMIT_DATA, (_at_most(_count_held_bytes() + memory, hard), hard))
     signal.setitimer(signal.ITIMER_REAL, LOOK_SECONDS, LOOK_SECONDS)
     try:
         yield
@@ -98,6 +98,6 @@ def _at_most(limit: int, hard: int) -> int:
     return limit if hard == resource.RLIM_INFINITY else min(limit, hard)
 
 
-def _held() -> int:
+def _count_held_bytes() -> int:
     """Return the bytes that `resource.RLIMIT_DATA` counts."""
     return int(_SIZES.read_text().split()[_DATA]) * resource.getpagesize()

@@ -15,7 +15,7 @@ _COPIED = [table for table in metadata.sorted_tables if table is not store]
 """All tables but what a store says of itself, which its migration and `copy_rows` write."""
 
 
-def filled_tables(tx: Transaction) -> list[str]:
+def find_filled_tables(tx: Transaction) -> list[str]:
     """Names of the tables that hold any row."""
     return [table.name for table in _COPIED if tx.fetch_one(select(table).limit(1)) is not None]
 

@@ -17,7 +17,7 @@ from mcml.motion.rotations import from_euler, inverse, multiply, rotate
 from mcml.motion.skeleton import numbers
 from mcml_schemas.analyses.dance import BeatsParameters, DanceParameters, GraphParameters
 from mcml_service.analysis.dance.analyses import BEATS, DANCE, MOTION_GRAPH
-from mcml_service.analysis.dance.figure import laid_back, upright
+from mcml_service.analysis.dance.figure import lay_back, upright
 from mcml_service.analysis.interface import MadeClip, Motion, Parts, silent
 from tests import fuzz
 from tests.analysis.dance.motions import enlarged, generated, moved
@@ -125,7 +125,7 @@ def test_the_unit_of_length_changes_nothing(factor: float) -> None:
 
 @pytest.mark.parametrize("up", ["X", "Z"])
 def test_an_axis_up_other_than_y_is_turned_and_turned_back(up: str) -> None:
-    lying = [laid_back(motion, up) for motion in PAIR]
+    lying = [lay_back(motion, up) for motion in PAIR]
     assert lying[0].up == up
     height = "XYZ".index(up)
     assert lying[0].walk()[0][..., height] == pytest.approx(PAIR[0].walk()[0][..., 1])
@@ -144,7 +144,7 @@ def test_an_axis_up_other_than_y_is_turned_and_turned_back(up: str) -> None:
 
 def test_turning_the_axes_turns_all_positions_alike() -> None:
     turn = from_euler(np.array([-np.pi / 2, 0, 0]), "XYZ")
-    lying = laid_back(PAIR[1], "Z")
+    lying = lay_back(PAIR[1], "Z")
     assert np.allclose(rotate(turn, lying.walk()[0]), PAIR[1].walk()[0])
     bone = multiply(multiply(turn, lying.rotations[5]), inverse(turn))
     assert np.allclose(np.abs(np.sum(bone * PAIR[1].rotations[5], axis=-1)), 1)

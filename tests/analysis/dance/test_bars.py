@@ -50,7 +50,7 @@ def test_the_lead_in_is_the_beat_before_or_a_third_of_the_bar() -> None:
     thirds = bars_of([6, 15, 25, 35, 45, 56, 66, 76], lead_in="third")
     assert thirds.entries.tolist() == [-4, 35]
     assert thirds.leaves.tolist() == [45, 86]
-    assert bars.held_frames(found.entries, found.leaves, 80).tolist() == [4, 7]
+    assert bars.find_held_frames(found.entries, found.leaves, 80).tolist() == [4, 7]
 
 
 def test_no_period_or_too_few_beats_give_no_bars() -> None:

@@ -34,9 +34,9 @@ def test_kovars_formula_is_the_same_curve() -> None:
 def test_joined_transforms_are_one_after_the_other(outer: np.ndarray, inner: np.ndarray, seed: int) -> None:
     rng = np.random.default_rng(seed)
     point, turn = rng.normal(0, 1, (1, 1, 3)), from_euler(rng.normal(0, 1, (1, 1, 3)), "XYZ")
-    step = blend.placed(inner[None], point, turn)
-    expected = blend.placed(outer[None], *step)
-    found = blend.placed(blend.joined(outer, inner)[None], point, turn)
+    step = blend.place_roots(inner[None], point, turn)
+    expected = blend.place_roots(outer[None], *step)
+    found = blend.place_roots(blend.join_transforms(outer, inner)[None], point, turn)
     assert np.allclose(found[0], expected[0])
     assert np.allclose(abs((found[1] * expected[1]).sum()), 1)
 
@@ -47,7 +47,7 @@ def test_a_placed_root_carries_its_body_along(transform: np.ndarray, seed: int) 
     rng = np.random.default_rng(seed)
     place, bone = rng.normal(0, 1, (1, 1, 3)), rng.normal(0, 1, (1, 1, 3))
     turn = from_euler(rng.normal(0, 1, (1, 1, 3)), "XYZ")
-    moved, turned = blend.placed(transform[None], place, turn)
+    moved, turned = blend.place_roots(transform[None], place, turn)
     x, y, z = (place + rotate(turn, bone))[0, 0]
     theta, x0, z0 = transform
     expected = [x * np.cos(theta) + z * np.sin(theta) + x0, y, -x * np.sin(theta) + z * np.cos(theta) + z0]
@@ -63,7 +63,7 @@ def test_facing_turns_heading_and_place_of_the_second_root_to_the_first(
     turns = [(Rotation.from_euler("y", angle) * Rotation.from_quat(lean)).as_quat() for angle in (heading, other)]
     places = rng.normal(0, 1, (2, 3))
     transform = blend.facing(turns[0], places[0], turns[1], places[1])
-    moved, turned = blend.placed(transform[None], places[1][None, None], turns[1][None, None])
+    moved, turned = blend.place_roots(transform[None], places[1][None, None], turns[1][None, None])
     assert np.allclose(moved[0, 0, [0, 2]], places[0][[0, 2]])
     assert moved[0, 0, 1] == places[1][1]
     assert abs((turned[0, 0] * turns[0]).sum()) == pytest.approx(1)
@@ -103,7 +103,7 @@ def test_a_blend_does_not_flip_where_two_tracks_pass_half_a_turn() -> None:
     second = from_euler(angles[:, None], "Y")[:, None]
     signs = np.where(np.sum(first * second, axis=-1) < 0, -1.0, 1.0)[..., None]
     part = np.linspace(0, 1, frames + 2)[1:-1]
-    found = Rotation.from_quat(blend.blended(first, second, blend.weight(part))[:, 0])
+    found = Rotation.from_quat(blend.blend_rotations(first, second, blend.weight(part))[:, 0])
     steps = np.degrees((found[1:] * found[:-1].inv()).magnitude())
     assert steps.max() < 8
     shortest = Rotation.from_quat(blend.arc(first, second * signs, 1 - blend.weight(part)[:, None])[:, 0])
@@ -117,7 +117,7 @@ def test_a_spin_is_blended_without_a_jolt(spin: float) -> None:
     tilt = from_euler(np.array([0.02, 0.01]), "XZ")
     first = from_euler(np.radians(spin * np.minimum(part * 3, 1))[:, None], "Y")[:, None]
     second = np.tile(tilt, (100, 1, 1))
-    found = Rotation.from_quat(blend.blended(first, second, blend.weight(part))[:, 0])
+    found = Rotation.from_quat(blend.blend_rotations(first, second, blend.weight(part))[:, 0])
     steps = np.degrees((found[1:] * found[:-1].inv()).magnitude())
     assert steps.max() < 16
 
@@ -128,9 +128,9 @@ def test_a_blend_begins_with_the_first_and_ends_with_the_second(seed: int) -> No
     first, second = from_euler(np.cumsum(rng.normal(0, 0.1, (2, 20, 3, 3)), axis=1), "ZXY")
     alpha = np.ones(20)
     alpha[-1] = 0.0
-    found = blend.blended(first, second, alpha)
+    found = blend.blend_rotations(first, second, alpha)
     assert np.allclose(np.abs(np.sum(found[:-1] * first[:-1], axis=-1)), 1)
     assert np.allclose(np.abs(np.sum(found[-1] * second[-1], axis=-1)), 1)
     even, signs = np.linspace(1, 0, 20), rng.choice([-1.0, 1.0], (20, 3, 1))
-    same, other = blend.blended(first, second, even), blend.blended(-first, second * signs, even)
+    same, other = blend.blend_rotations(first, second, even), blend.blend_rotations(-first, second * signs, even)
     assert np.allclose(np.abs(np.sum(other * same, axis=-1)), 1)

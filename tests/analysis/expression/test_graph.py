@@ -115,7 +115,7 @@ def test_bridges_join_parts_by_their_closest_frames() -> None:
     pairs, lengths = closest_bridges(points, labels)
     wanted = sorted([apart[:20, 20:40].min(), apart[20:40, 40:].min()])
     assert sorted(lengths) == pytest.approx(wanted)
-    graph = threshold_graph(apart, 15.0).bridged(pairs, lengths)
+    graph = threshold_graph(apart, 15.0).add_bridges(pairs, lengths)
     assert graph.components().max() == 0
     assert len(graph.bridges) == 2
 

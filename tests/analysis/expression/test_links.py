@@ -103,7 +103,7 @@ def test_links_over_bridges_say_so() -> None:
     assert graph.components().max() >= 1
     corner = np.unravel_index(apart[:30, 30:].argmin(), (30, 30))
     pair = np.array([[corner[0], corner[1] + 30]])
-    graph = graph.bridged(pair, apart[pair[:, 0], pair[:, 1]])
+    graph = graph.add_bridges(pair, apart[pair[:, 0], pair[:, 1]])
     candidates = np.array([0, 10, 40, 50], dtype=np.int32)
     for links in (voronoi_links(graph, candidates), paper_links(graph, candidates, points, 0.0)):
         over = {

@@ -11,8 +11,8 @@ import pytest
 from mcml.errors import SizeError
 from mcml_service.analysis.expression_space.navigation import (
     Ground,
-    accepted,
-    linked_keys,
+    accept_keys,
+    link_keys,
     offers_near,
     offers_on_the_way,
     shortest_walk,
@@ -72,25 +72,25 @@ def test_keys_that_are_not_linked_are_refused_with_a_way() -> None:
     here = ground()
     keys = farthest_keys(count=2)
     with pytest.raises(AnalysisError) as error:
-        linked_keys(here, 0, keys, auto_route=False)
+        link_keys(here, 0, keys, auto_route=False)
     assert error.value.code == "not-linked"
     way = error.value.details["suggestion"]
     assert way[0] == keys[0]
     assert way[-1] == keys[-1]
-    assert linked_keys(here, 0, way, auto_route=False) == way
-    assert linked_keys(here, 0, keys, auto_route=True) == way
+    assert link_keys(here, 0, way, auto_route=False) == way
+    assert link_keys(here, 0, keys, auto_route=True) == way
 
 
 def test_keys_may_come_again_but_not_at_once() -> None:
     here = ground()
-    a, b = linked_keys(here, 0, farthest_keys(count=2), auto_route=True)[:2]
-    assert linked_keys(here, 0, [a, b, a], auto_route=False) == [a, b, a]
+    a, b = link_keys(here, 0, farthest_keys(count=2), auto_route=True)[:2]
+    assert link_keys(here, 0, [a, b, a], auto_route=False) == [a, b, a]
     walk = walk_over(here, [a, b, a])
     assert walk.length == pytest.approx(2 * here.between(a, b), rel=1e-5)
     assert walk.frames[walk.at].tolist() == [a, b, a]
     for keys, code in (([a, a], "repeated-key"), ([a], "too-few-keys"), ([a, _other(here)], "not-a-candidate")):
         with pytest.raises(AnalysisError) as error:
-            linked_keys(here, 0, keys, auto_route=True)
+            link_keys(here, 0, keys, auto_route=True)
         assert error.value.code == code
 
 
@@ -106,7 +106,7 @@ def test_what_links_do_not_reach_is_unreachable() -> None:
     codes = set()
     for other in candidates[1:].tolist():
         try:
-            linked_keys(here, level, [int(candidates[0]), other], auto_route=True)
+            link_keys(here, level, [int(candidates[0]), other], auto_route=True)
         except AnalysisError as error:
             codes.add(error.code)
     assert codes == {"unreachable"}
@@ -118,7 +118,7 @@ def test_refinement_keeps_the_keys_and_grows_by_a_tenth_at_most(stored: bool) ->
     walk = walk_over(here, farthest_keys())
     first = walk
     for level in (2, 4, len(here.candidates) - 1):
-        keys = accepted(here, walk, offers_on_the_way(here, walk, level), 0.1)
+        keys = accept_keys(here, walk, offers_on_the_way(here, walk, level), 0.1)
         finer = walk_over(here, keys)
         rest = iter(keys)
         # In their order; another part of the path may lead over a key once more.

@@ -71,7 +71,7 @@ def test_a_single_take_is_no_time_line(shared: Path, number: int) -> None:
     options = options_of()
     frames = frames_of([faces(shared, 1)[number]], options)
     trials = Trials(distances(state_vectors(frames.positions)))
-    tried = [trials.tried(tau) for tau in trials.steps(STEPS)]
+    tried = [trials.try_threshold(tau) for tau in trials.steps(STEPS)]
     chosen = choose(trials, tried, options.tau_rule, len(frames.markers))
     assert tried[0].broken > 0.1
     assert 0.08 < chosen.tau / trials.far < 0.3

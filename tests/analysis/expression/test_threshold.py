@@ -20,7 +20,7 @@ from mcml_service.analysis.expression_space.options import options_of
 from mcml_service.analysis.expression_space.planar_map import agreement, classical_scaling
 from mcml_service.analysis.expression_space.space import build
 from mcml_service.analysis.expression_space.threshold import STEPS, Chosen, choose
-from mcml_service.analysis.expression_space.trials import Trials, Tried, sampled_geodesics
+from mcml_service.analysis.expression_space.trials import Trials, Tried, sample_geodesics
 from tests.analysis.expression.face_motions import motions, space
 
 FRAMES = 500
@@ -66,7 +66,7 @@ def roll() -> tuple[Array, Array]:
 
 def searched(points: Array) -> tuple[Trials, list[Tried], Chosen]:
     trials = Trials(cdist(points, points))
-    tried = [trials.tried(tau) for tau in trials.steps(STEPS)]
+    tried = [trials.try_threshold(tau) for tau in trials.steps(STEPS)]
     return trials, tried, choose(trials, tried, "unbroken", 10)
 
 
@@ -98,7 +98,7 @@ def test_a_large_space_keeps_the_shape_too() -> None:
     hubs = farthest_order(points, 200)
     radius = float(cdist(points, points[hubs]).min(axis=1).max())
     trials = Trials(cdist(points[hubs], points[hubs]), 2 * radius)
-    tried = [trials.tried(tau) for tau in trials.steps(STEPS)]
+    tried = [trials.try_threshold(tau) for tau in trials.steps(STEPS)]
     tau = choose(trials, tried, "unbroken", 10).tau
     assert tau >= trials.low >= 2 * radius
     graph = hub_graph(points, hubs, tau, np.zeros(FRAMES, np.int32), np.arange(FRAMES, dtype=np.int32))
@@ -135,7 +135,7 @@ def test_the_curve_is_that_of_the_whole_graph(monkeypatch: pytest.MonkeyPatch) -
     trials = Trials(apart)
     tau = 1.1 * trials.low
     paths = dijkstra(csr_array(np.where(apart <= tau, apart, 0.0)))
-    tried, chosen = trials.tried(tau), trials.spread
+    tried, chosen = trials.try_threshold(tau), trials.spread
     assert np.allclose(trials.geodesics(tau, chosen), paths[np.ix_(chosen, chosen)])
     among = paths[np.ix_(chosen, chosen)]
     assert tried.r == pytest.approx(agreement(among, classical_scaling(among, 2).coordinates).r)
@@ -166,7 +166,7 @@ def test_parts_that_stay_apart_are_counted() -> None:
     apart[:40, 40:] = apart[40:, :40] = np.inf
     trials = Trials(apart)
     assert np.isfinite(trials.low)
-    tried = trials.tried(trials.longest)
+    tried = trials.try_threshold(trials.longest)
     assert (tried.components, tried.broken) == (2, 0.0)
     assert tried.giant == pytest.approx(40 / 60)
 
@@ -177,7 +177,7 @@ def test_thinning_hardly_lengthens_geodesics() -> None:
     frames = np.arange(600)
     sample = frames[::9]
     exact = dijkstra(csr_array(np.where(apart <= 120, apart, 0.0)), indices=sample)[:, sample]
-    found = sampled_geodesics(apart, 120.0, frames, sample)
+    found = sample_geodesics(apart, 120.0, frames, sample)
     assert (found >= exact - 1e-9).all()
     assert found.mean() < 1.01 * exact.mean()
 

@@ -15,7 +15,7 @@ from mcml_service.analysis.reach_blending.blend import (
     groups_of,
     invert,
     leavable,
-    left_out,
+    leave_out,
     linear_left_out,
     nearest_distances,
     nearest_left_out,
@@ -60,7 +60,7 @@ def test_without_ridge_examples_are_met(seed: int) -> None:
 def test_left_out_predictions_are_those_of_refits(seed: int, lam: float, degree: int) -> None:
     x, y = scattered(seed)
     groups = groups_of((np.arange(30) * 7 % 9).tolist())
-    found = left_out(invert(x, 0.9, lam, degree), y, groups)
+    found = leave_out(invert(x, 0.9, lam, degree), y, groups)
     linear, nearest = linear_left_out(x, y, degree, groups), nearest_left_out(x, y, groups)
     for rows in groups:
         others = np.setdiff1d(np.arange(30), rows)

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from mcml_service.analysis.interface import AnalysisError
-from mcml_service.analysis.reach_blending.phases import angular_speed, find_phases, given_phases
+from mcml_service.analysis.reach_blending.phases import angular_speed, check_phases, find_phases
 from mcml_service.analysis.reach_blending.quaternion_tracks import exp
 from tests.analysis.reach.reach_motions import generated
 
@@ -139,10 +139,10 @@ def test_clips_without_phases_say_why(method: str, speed: np.ndarray, code: str)
 
 def test_a_person_knows_better_but_not_out_of_order() -> None:
     rotations = turning(bell(60, 30, 8))
-    found = given_phases(rotations, FPS, (10.5, 40, 59), "robust")
+    found = check_phases(rotations, FPS, (10.5, 40, 59), "robust")
     assert found.times == (10.5, 40, 59)
     assert found.flags == ("given",)
     for times in ((0, 40, 59), (41, 40, 59), (10, 59, 59), (10, 40, 60)):
         with pytest.raises(AnalysisError) as error:
-            given_phases(rotations, FPS, times, "robust")
+            check_phases(rotations, FPS, times, "robust")
         assert error.value.code == "phase-order"

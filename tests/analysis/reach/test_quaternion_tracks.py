@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from mcml.motion.rotations import from_euler, slerp
 from mcml_service.analysis.interface import AnalysisError
 from mcml_service.analysis.reach_blending.quaternion_tracks import (
-    aligned,
+    align_tracks,
     angle_between,
     continuous,
     exp,
@@ -81,9 +81,9 @@ def test_clips_are_put_on_the_reference_s_side() -> None:
     raw = continuous(tracks(3))
     reference = mean_rotations(second_moments(raw))
     for signs in ((1, 1, 1), (-1, 1, -1)):
-        turned = aligned(raw * np.array(signs)[:, None], reference)
+        turned = align_tracks(raw * np.array(signs)[:, None], reference)
         assert (np.einsum("fjc,jc->j", turned, reference) >= 0).all()
-        assert np.array_equal(turned, aligned(raw, reference))
+        assert np.array_equal(turned, align_tracks(raw, reference))
 
 
 def test_jumps_name_frame_and_joint() -> None:

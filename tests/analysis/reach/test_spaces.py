@@ -12,7 +12,7 @@ from mcml_service.analysis.reach_blending.attribute_space import attribute_space
 from mcml_service.analysis.reach_blending.motion_spaces import EigenposeSpace, GlobalPoseSpace, TangentSpace, Track
 from mcml_service.analysis.reach_blending.principal_components import principal_components
 from mcml_service.analysis.reach_blending.quaternion_tracks import (
-    aligned,
+    align_tracks,
     angle_between,
     continuous,
     mean_rotations,
@@ -35,7 +35,7 @@ def make_tracks(seed: int = 0, clips: int = 6, joints: int = 4) -> tuple[list[Tr
         at = instants(PAPER_KNOTS, (8.0, 30.0, frames - 1.0))
         found.append(Track(root, continuous(from_euler(angles, "XYZ")), at))
     reference = mean_rotations(sum(second_moments(track.rotations) for track in found))
-    return [Track(t.root, aligned(t.rotations, reference), t.at) for t in found], reference
+    return [Track(t.root, align_tracks(t.rotations, reference), t.at) for t in found], reference
 
 
 @given(seeds, st.integers(1, 6))

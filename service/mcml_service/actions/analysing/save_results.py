@@ -47,7 +47,14 @@ def save_results(database: Database, settings: Settings, job: StoredJob, runner:
         parent = job.parameters.get("extends")
         inputs = [*(tx.results.get(parent).inputs if parent else ()), *job.inputs]
         key, uuid = tx.results.add(
-            job.project_key, job.analysis, job.name, job.owner, inputs, job.parameters, made_with(job.analysis), parent
+            job.project_key,
+            job.analysis,
+            job.name,
+            job.owner,
+            inputs,
+            job.parameters,
+            list_versions(job.analysis),
+            parent,
         )
         add_parts(tx, key, parts, documents)
         tx.jobs.end(job.uuid, runner, "done", result_key=key)
@@ -96,7 +103,7 @@ def load_parts(tx: Transaction, key: int) -> Parts:
     }
 
 
-def made_with(analysis: str) -> dict[str, str]:
+def list_versions(analysis: str) -> dict[str, str]:
     """Versions of the libraries, and of the rules of an analysis."""
     found = {f"rule {name}": number for name, number in ANALYSES[analysis].rules.items()}
     for library in LIBRARIES:

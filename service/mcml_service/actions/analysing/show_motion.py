@@ -13,7 +13,7 @@ from mcml_schemas.frames import MotionHead
 from mcml_service.analysis.interface import MadeClip
 
 
-def shown_motion(clip: MadeClip) -> tuple[MotionHead, NDArray[np.float32]]:
+def show_motion(clip: MadeClip) -> tuple[MotionHead, NDArray[np.float32]]:
     """Positions (F, P, 3) of joints and, after them, ends of chains, told from the first joint's in frame 1; and what
     they mean. NaN where there is no sample."""
     skeleton = clip.skeleton

@@ -10,7 +10,7 @@ from mcml.errors import NotFoundError, SizeError
 from mcml.files.check_names import given_name
 from mcml_schemas.jobs import Selection
 from mcml_service.actions.composing.fit_skeleton import are_markers
-from mcml_service.actions.composing.select_documents import captured, select_documents
+from mcml_service.actions.composing.select_documents import select_captured, select_documents
 from mcml_service.actions.editing.motion_processing import read_whole
 from mcml_service.analysis.catalogue import ANALYSES
 from mcml_service.analysis.interface import Analysis, AnalysisError
@@ -52,7 +52,7 @@ def start_analysis(
     skeleton: id of a document; the clips are brought onto its skeleton when they are read.
     Raises AnalysisError for wrong parameters or too few documents, SizeError for too many.
     """
-    checked = checked_parameters(analysis.parameters, parameters)
+    checked = check_parameters(analysis.parameters, parameters)
     if extends is not None:
         with database.read() as tx:
             result = tx.results.get(extends)
@@ -62,7 +62,7 @@ def start_analysis(
             )
         checked |= {EXTENDS: extends}
     selected, projects = select_documents(database, queries, selection)
-    found = captured(database, selection, selected)
+    found = select_captured(database, selection, selected)
     if len(found) < len(selected):
         checked |= {LEFT_OUT: len(selected) - len(found)}
     if len(found) < (1 if extends else analysis.fewest):
@@ -100,7 +100,7 @@ def start_analysis(
         )
 
 
-def checked_parameters(model: Any, parameters: dict[str, Any]) -> dict[str, Any]:
+def check_parameters(model: Any, parameters: dict[str, Any]) -> dict[str, Any]:
     """The parameters with defaults, as plain values. AnalysisError names what does not fit."""
     try:
         checked: dict[str, Any] = model.model_validate(parameters).model_dump(mode="json")

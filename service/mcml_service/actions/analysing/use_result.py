@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from mcml.errors import NotFoundError
-from mcml_service.actions.analysing.save_results import add_parts, load_parts, made_with
-from mcml_service.actions.analysing.start_analysis import checked_parameters
+from mcml_service.actions.analysing.save_results import add_parts, list_versions, load_parts
+from mcml_service.actions.analysing.start_analysis import check_parameters
 from mcml_service.actions.importing.store_clip import store_clip
 from mcml_service.analysis.catalogue import ANALYSES
 from mcml_service.analysis.interface import Answer, Parts, ResultUse
@@ -63,9 +63,9 @@ class Results:
 
         Raises NotFoundError for a result or operation that does not exist, AnalysisError for unfit parameters.
         """
-        stored, ready = self._prepared(uuid)
+        stored, ready = self._prepare(uuid)
         chosen = self._operation(stored, operation)
-        checked = chosen.parameters.model_validate(checked_parameters(chosen.parameters, parameters))
+        checked = chosen.parameters.model_validate(check_parameters(chosen.parameters, parameters))
         answer = chosen.run(ready, checked)
         if name and answer.clip is not None:
             answer = replace(answer, clip=replace(answer.clip, name=name))
@@ -96,7 +96,7 @@ class Results:
                     author,
                     stored.inputs,
                     {OPERATION: operation, **checked.model_dump(mode="json")},
-                    made_with(stored.analysis),
+                    list_versions(stored.analysis),
                     parent=uuid,
                 )
                 add_parts(tx, key, answer.keep, {})
@@ -106,7 +106,7 @@ class Results:
         with self._lock:
             self._ready.pop(uuid, None)
 
-    def _prepared(self, uuid: str) -> tuple[StoredResult, Any]:
+    def _prepare(self, uuid: str) -> tuple[StoredResult, Any]:
         with self._database.read() as tx:
             try:
                 tx.results.get(uuid)

@@ -66,7 +66,7 @@ def compose_frames(
 
     Raises DocumentError where skeletons do not fit or a frame time is not known, NotFoundError for frames not there.
     """
-    segments = list(_resolved(queries, request.segments))
+    segments = list(_resolve_segments(queries, request.segments))
     with database.read() as tx:
         sources = [_source(tx, request.project, number, segment) for number, segment in segments]
         head = _head(tx, request, sources[0])
@@ -99,7 +99,7 @@ def compose_frames(
     block = made.block if request.labels else replace(made.block, motion_names=None)
     uuid = None
     if not request.preview:
-        stream = ClipStream(_timed(head, frame_time, sources), lambda: iter([block]), len(block))
+        stream = ClipStream(_set_frame_time(head, frame_time, sources), lambda: iter([block]), len(block))
         provenance = {
             "analysis": "compose",
             "sources": [
@@ -150,7 +150,7 @@ def _segment(source: _Source, first: int, last: int) -> ComposedSegment:
     )
 
 
-def _resolved(queries: Queries, segments: list[Segment]) -> Iterator[tuple[int, Segment]]:
+def _resolve_segments(queries: Queries, segments: list[Segment]) -> Iterator[tuple[int, Segment]]:
     """Segments with their numbers from 1; those by XPath as the runs that it finds."""
     for number, segment in enumerate(segments, 1):
         if segment.xpath is None:
@@ -197,7 +197,7 @@ def _head_of(tx: Transaction, uuid: str) -> ClipHead:
     return read_clip(tx, tx.documents.get(uuid), first=1, last=1).clip.head
 
 
-def _timed(head: ClipHead, frame_time: float, sources: list[_Source]) -> ClipHead:
+def _set_frame_time(head: ClipHead, frame_time: float, sources: list[_Source]) -> ClipHead:
     """The head at the frame time of the result: as it is written in the source, if it is still the same."""
     first = sources[0]
     fields = {name: text for name, text in head.fields.items() if name not in ("num_frames", "filename")}
@@ -227,19 +227,19 @@ class _Fitting:
             # At once, so that pieces of one clip are brought to another body in one way.
             first = sources[indices[0]]
             whole = replace(first.whole, block=joined(blocks[index] for index in indices))
-            fitted = self._fitted(first.stored, whole, first.mapping, first.frame_time)
+            fitted = self._fit_skeleton(first.stored, whole, first.mapping, first.frame_time)
             ends = np.cumsum([len(sources[index]) for index in indices])
             for index, end in zip(indices, ends.tolist(), strict=True):
                 blocks[index] = rows_of(fitted, end - len(sources[index]), end)
         for index, (source, (_, segment)) in enumerate(zip(sources, segments, strict=True)):
             for layer in segment.layers:
-                blocks[index] = self._layered(source, blocks[index], layer)
+                blocks[index] = self._layer(source, blocks[index], layer)
             if segment.mirror:
                 skeleton, reading = self._head.skeleton, reading_of(self._head)
                 blocks[index] = mirrored(skeleton, blocks[index], up=up_of(self._head), reading=reading).block
         return blocks
 
-    def _fitted(
+    def _fit_skeleton(
         self, stored: StoredDocument, whole: Whole, mapping: JointMapping | None, frame_time: float
     ) -> FrameBlock:
         fitted = fit(whole, self._head, mapping, frame_time)
@@ -247,7 +247,7 @@ class _Fitting:
         self.notices += [notice for notice in said if notice not in self.notices]
         return fitted.block
 
-    def _layered(self, source: _Source, block: FrameBlock, layer: Layer) -> FrameBlock:
+    def _layer(self, source: _Source, block: FrameBlock, layer: Layer) -> FrameBlock:
         skeleton, reading = self._head.skeleton, reading_of(self._head)
         unknown = [bone for bone in layer.bones if bone not in skeleton.names]
         if unknown:
@@ -255,7 +255,7 @@ class _Fitting:
         stored = self._tx.documents.get(layer.document)
         seconds = seconds_of(stored)
         whole = read_whole(self._tx, stored, layer.first, layer.last)
-        other = self._fitted(stored, whole, mapping_of(self._tx, self._project, layer.mapping), seconds)
+        other = self._fit_skeleton(stored, whole, mapping_of(self._tx, self._project, layer.mapping), seconds)
         if seconds != source.frame_time:
             other = resampled(skeleton, other, seconds, source.frame_time, reading).block
         begin = layer.at - 1

@@ -12,7 +12,7 @@ from mcml.files.targets import find_target
 from mcml.formats import WRITERS
 from mcml_schemas.jobs import Selection
 from mcml_service.actions.composing.select_documents import select_documents
-from mcml_service.actions.exporting.export_motion import ExportOptions, export_document, zipped
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document, zip_files
 from mcml_service.storage.database import Database
 from mcml_service.xpath.queries import Queries
 
@@ -33,7 +33,7 @@ def export_documents(
     found, _ = select_documents(database, queries, selection)
     # What was begun cannot be made again, as it would have to be where a replica goes away.
     database = database.for_call(database.view)
-    return zipped(_files(database, [str(item["document"]) for item in found], options, parts))
+    return zip_files(_files(database, [str(item["document"]) for item in found], options, parts))
 
 
 def _files(

@@ -58,7 +58,7 @@ def fit(source: Whole, body: ClipHead, mapping: JointMapping | None, frame_time:
     if all(kinds):
         return _markers(source, body)
     if mapping is None and _is_same_body(one, two):
-        return Fitted(_renumbered(source, two))
+        return Fitted(_renumber_joints(source, two))
     if any(kinds):
         raise DocumentError(
             "Markers have no skeleton: they fit on no body, and no body on them.",
@@ -142,7 +142,7 @@ def _parent(skeleton: Skeleton, index: int) -> str:
     return skeleton.joints[index].name if index >= 0 else ""
 
 
-def _renumbered(source: Whole, skeleton: Skeleton) -> FrameBlock:
+def _renumber_joints(source: Whole, skeleton: Skeleton) -> FrameBlock:
     """Frames with joints as the other skeleton numbers them; those that it does not have are left out."""
     block, names = source.block, source.head.skeleton.names
     if names == skeleton.names:
@@ -179,4 +179,4 @@ def _markers(source: Whole, body: ClipHead) -> Fitted:
         source = replace(source, block=joined(clip.blocks()))
     elif (units[0] is None) != (units[1] is None):
         notices.append("lengths stay as they are: only one of the units is stated")
-    return Fitted(_renumbered(source, body.skeleton), tuple(notices))
+    return Fitted(_renumber_joints(source, body.skeleton), tuple(notices))

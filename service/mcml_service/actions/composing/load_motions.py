@@ -37,14 +37,14 @@ def load_motions(
     joints match.
     """
     motions: list[Motion] = []
-    body = None if skeleton is None else read_whole(*_stored(tx, skeleton), 1, 1)
+    body = None if skeleton is None else read_whole(*_find_document(tx, skeleton), 1, 1)
     for item in sorted(inputs, key=lambda item: str(item["document"])):
         progress("reading clips", len(motions) / len(inputs))
-        motions.append(_motion(*_stored(tx, item), body))
+        motions.append(_motion(*_find_document(tx, item), body))
     return motions
 
 
-def _stored(tx: Transaction, item: Input) -> tuple[Transaction, StoredDocument]:
+def _find_document(tx: Transaction, item: Input) -> tuple[Transaction, StoredDocument]:
     """A document at a revision, and the transaction to read it with."""
     current = tx.documents.get(item["document"], deleted=True)
     then = tx.at_commit(tx.documents.commit_of(current.key, item["revision"]))
@@ -55,18 +55,18 @@ def _motion(then: Transaction, stored: StoredDocument, body: Whole | None) -> Mo
     seconds = seconds_of(stored)
     if not stored.frames:
         raise DocumentError(f"{stored.name} ({stored.uuid}) has no frames.", remedy="Leave it out.")
-    source = read_clip(then, stored).clip if body is None else _brought(then, stored, seconds, body)
+    source = read_clip(then, stored).clip if body is None else _retarget_clip(then, stored, seconds, body)
     if not len(source.head.skeleton):
         raise DocumentError(f"{stored.name} ({stored.uuid}) has no joints.", remedy="Leave it out.")
     presence: list[NDArray[np.bool_]] = []
 
-    def watched() -> Iterator[FrameBlock]:
+    def watch() -> Iterator[FrameBlock]:
         presence.clear()
         for block in source.blocks():
             presence.append(_present(source.head.skeleton, block))
             yield block
 
-    clip = ClipStream(source.head, watched, source.frames)
+    clip = ClipStream(source.head, watch, source.frames)
     markers = all(joint.convention is Convention.MARKER for joint in source.head.skeleton.joints)
     clip = clip if markers else convert(clip, Convention.LISTED)
     skeleton = clip.head.skeleton
@@ -93,7 +93,7 @@ def _motion(then: Transaction, stored: StoredDocument, body: Whole | None) -> Mo
     )
 
 
-def _brought(then: Transaction, stored: StoredDocument, seconds: float, body: Whole) -> ClipStream:
+def _retarget_clip(then: Transaction, stored: StoredDocument, seconds: float, body: Whole) -> ClipStream:
     """A clip on the skeleton of a body; one that has it already as it is."""
     whole = read_whole(then, stored)
     if are_markers(whole.head.skeleton):

@@ -146,7 +146,7 @@ def _retarget(
                 "parameters": _parameters(request, mapping),
             },
         )
-    told = _told(document, made, one, two, notices)
+    told = _describe(document, made, one, two, notices)
     if window is not None:
         told.motion = preview_motion(with_body(source.head, target.head), [made.block], window, seconds)
     return told
@@ -160,7 +160,7 @@ def _parameters(request: Retargeting, mapping: JointMapping | None) -> dict[str,
     return asked
 
 
-def _told(document: str | None, made: Result, source: Skeleton, target: Skeleton, notices: list[str]) -> Retargeted:
+def _describe(document: str | None, made: Result, source: Skeleton, target: Skeleton, notices: list[str]) -> Retargeted:
     report = made.report
     worst = max((bone for bone in report.bones if bone.leads), key=lambda bone: bone.largest, default=None)
     return Retargeted(

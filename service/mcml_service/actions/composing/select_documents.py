@@ -42,7 +42,7 @@ def select_documents(database: Database, queries: Queries, selection: Selection)
     return sorted(inputs, key=lambda item: str(item["document"])), {item.project for item in stored}
 
 
-def captured(database: Database, selection: Selection, found: list[Input]) -> list[Input]:
+def select_captured(database: Database, selection: Selection, found: list[Input]) -> list[Input]:
     """Selected documents without those that an analysis made: analysed again, they would count as what was captured.
 
     All of them, where documents are named by their ids or `include_made` asks for it. What was composed or retargeted

@@ -31,7 +31,7 @@ POSE = OVERRIDES + "pose"
 
 def describe_calibration(tx: Transaction, stored: StoredDocument) -> wire.Calibration:
     """What is known of the clip, and where from."""
-    kept = Body.restored(found) if (found := tx.bodies.of([stored]).get(stored.key)) is not None else None
+    kept = Body.restore(found) if (found := tx.bodies.of([stored]).get(stored.key)) is not None else None
     (listed,) = tx.columns.documents([stored.key])
     return _view(kept or read_bodies(tx, [listed])[stored.key], kept=kept is not None)
 
@@ -42,7 +42,7 @@ def _view(body: Body, *, kept: bool) -> wire.Calibration:
     values: dict[str, Any] = {
         "unit": (unit or known.metres, known.metres, "metres"),
         "up": (known.up, None, "up"),
-        "reference": (_shown(known), None, "reference"),
+        "reference": (_describe_pose_frame(known), None, "reference"),
         "leaps": (known.leaps, None, "leaps"),
     }
     for name in LENGTHS:
@@ -57,7 +57,7 @@ def _view(body: Body, *, kept: bool) -> wire.Calibration:
     return wire.Calibration(**shown, step=known.step, kept=kept)
 
 
-def _shown(known: Calibration) -> str | int | None:
+def _describe_pose_frame(known: Calibration) -> str | int | None:
     """The frame, from 1, that the reference pose was found in, or "rest"."""
     if known.origins["reference"].kind == "unknown":
         return None

@@ -70,7 +70,7 @@ class Merge:
         for run in runs:
             self._moved[run.before : run.before + run.count] = run.after + np.arange(run.count)
 
-    def carried(self, changes: Changes) -> Changes:
+    def carry_over(self, changes: Changes) -> Changes:
         """The changes as they are to be made now; `conflicts` has those that cannot be."""
         return Changes(
             [moved for edit in changes.elements for moved in self._element(edit)],
@@ -85,7 +85,7 @@ class Merge:
         if position is not None:
             to = int(self._moved[position]) if position < len(self._moved) else 0
             if not to:
-                self._conflict("element", edit.address, self.then.read(edit.address), None, _told(edit))
+                self._conflict("element", edit.address, self.then.read(edit.address), None, _describe(edit))
                 return
             moved = move_frame(edit.address, to)
         parts = [""]
@@ -97,7 +97,7 @@ class Merge:
                 state.read(address_attribute(address, part) if part else address)
                 for state, address in ((self.then, edit.address), (self.now, moved))
             )
-            mine = edit.what.attributes[part] if part and isinstance(edit.what, Change) else _told(edit)
+            mine = edit.what.attributes[part] if part and isinstance(edit.what, Change) else _describe(edit)
             if before != after and after != mine:
                 self._conflict("element", address_attribute(moved, part) if part else moved, before, after, mine)
                 return
@@ -116,7 +116,7 @@ class Merge:
             if not to:
                 if mine[rows].any():
                     what = address_frame(block.first + start)
-                    self._conflict("frames", what, _shown(base[rows]), None, _shown(wanted[rows]))
+                    self._conflict("frames", what, _list_values(base[rows]), None, _list_values(wanted[rows]))
                 continue
             theirs = _samples(self.now, to, to + stop - start - 1, block.columns)
             fought = mine[rows] & ~_same(theirs, base[rows]) & ~_same(theirs, wanted[rows])
@@ -127,9 +127,9 @@ class Merge:
                         Conflict(
                             "frames",
                             ".".join(name),
-                            _shown(base[some, column]),
-                            _shown(theirs[first:end, column]),
-                            _shown(wanted[some, column]),
+                            _list_values(base[some, column]),
+                            _list_values(theirs[first:end, column]),
+                            _list_values(wanted[some, column]),
                             to + first,
                             to + end - 1,
                         )
@@ -225,7 +225,7 @@ def _neighbours(places: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
     yield from pairwise(ends)
 
 
-def _shown(values: Array) -> list[Any]:
+def _list_values(values: Array) -> list[Any]:
     found: list[Any] = values[:MOST_VALUES].tolist()
     return found
 
@@ -248,5 +248,5 @@ def _like(label: Label, others: Sequence[Label]) -> Label | None:
     )
 
 
-def _told(edit: ElementEdit) -> Any:
+def _describe(edit: ElementEdit) -> Any:
     return {"attributes": edit.what.attributes, "text": edit.what.text} if isinstance(edit.what, Change) else None

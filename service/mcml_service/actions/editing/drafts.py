@@ -13,7 +13,7 @@ from typing import Any
 
 from mcml.language import motion_names
 from mcml.motion.skeleton import Array
-from mcml_service.actions.editing.element_edits import ElementEdit, make_edits, told_edits
+from mcml_service.actions.editing.element_edits import ElementEdit, describe_edits, make_edits
 from mcml_service.actions.editing.frame_ranges import write_values
 from mcml_service.actions.editing.frame_splicing import check_range
 from mcml_service.actions.editing.whole_document import set_facts
@@ -55,7 +55,7 @@ def apply_changes(tx: Transaction, stored: StoredDocument, changes: Changes, mes
         told += set_labels(tx, stored, changes.labels)
     if changes.elements:
         make_edits(tx, tx.documents.get(stored.uuid), changes.elements)
-        told.append(told_edits(changes.elements))
+        told.append(describe_edits(changes.elements))
     facts = set_facts(tx, tx.documents.get(stored.uuid), **changes.facts)
     if facts:
         told.append(f"changed {', '.join(facts)}")

@@ -74,7 +74,7 @@ def edit_elements(
     make_edits(tx, stored, edits)
     if gapless:
         _check_ids(tx, tx.documents.get(stored.uuid))
-    tx.documents.add_revision(stored, "edit", message or told_edits(edits))
+    tx.documents.add_revision(stored, "edit", message or describe_edits(edits))
     return tx.documents.get(stored.uuid)
 
 
@@ -113,7 +113,7 @@ def _check_ids(tx: Transaction, stored: StoredDocument) -> None:
         )
 
 
-def told_edits(edits: Sequence[ElementEdit]) -> str:
+def describe_edits(edits: Sequence[ElementEdit]) -> str:
     """What a history says of edits."""
     words = {Change: "changed", Insertion: "inserted at", Replacement: "replaced", Deletion: "deleted"}
     told = ", ".join(f"{words[type(edit.what)]} {edit.address}" for edit in edits[:3])
@@ -128,7 +128,7 @@ def _place(address: str, order: dict[str, int]) -> tuple[int, int, int, int]:
     return 2, place.frame, _KINDS.index(place.tag), place.number
 
 
-def carried_over(
+def carry_over(
     then: Transaction, base: StoredDocument, now: Transaction, current: StoredDocument, addresses_then: Sequence[str]
 ) -> list[str]:
     """The addresses as they are now, of elements that nobody has changed since a revision.

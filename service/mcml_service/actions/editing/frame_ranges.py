@@ -18,7 +18,7 @@ from mcml_schemas.frames import DeleteFrames, FrameEdits, InsertFrames, KeepFram
 from mcml_service.actions.editing.frame_splicing import (
     check_range,
     counts_up,
-    merged_spans,
+    merge_spans,
     splice_frames,
     write_counts,
 )
@@ -92,7 +92,7 @@ def insert_frames(
         )
     blocks = list(_frames(tx, source, first, last))
     if source.key != stored.key:
-        blocks = [_renumbered(tx, stored, source, block) for block in blocks]
+        blocks = [_renumber_bones(tx, stored, source, block) for block in blocks]
     splice_frames(tx, stored, at, 0, blocks, renumber=renumber)
 
 
@@ -120,12 +120,12 @@ def reverse(tx: Transaction, stored: StoredDocument, first: int, last: int) -> N
         at = end
     splice_frames(tx, stored, first, last - first + 1, turned, renumber=False)
     # As spans, not frame by frame: each stays one label, with its rank.
-    rows = [row for span in spans for row in _turned_span(span, first, last)]
+    rows = [row for span in spans for row in _reverse_span(span, first, last)]
     tx.spans.close([span.key for span in tx.spans.of(stored.key)])
-    tx.spans.write(stored.key, merged_spans(rows), tx.commit)
+    tx.spans.write(stored.key, merge_spans(rows), tx.commit)
 
 
-def _turned_span(span: StoredSpan, first: int, last: int) -> list[dict[str, Any]]:
+def _reverse_span(span: StoredSpan, first: int, last: int) -> list[dict[str, Any]]:
     """A span where frames first to last run backwards: what lies in front, among, and behind them."""
     inside = first + last - min(span.last, last), first + last - max(span.first, first)
     parts = [(span.first, min(span.last, first - 1)), inside, (max(span.first, last + 1), span.last)]
@@ -211,7 +211,7 @@ def _frames(tx: Transaction, stored: StoredDocument, first: int, last: int) -> I
         position = end
 
 
-def _renumbered(tx: Transaction, stored: StoredDocument, source: StoredDocument, block: FrameBlock) -> FrameBlock:
+def _renumber_bones(tx: Transaction, stored: StoredDocument, source: StoredDocument, block: FrameBlock) -> FrameBlock:
     """A block of another document with the bones as this one numbers them."""
     here = {name: number for number, name in tx.heads.bone_names(stored.key).items()}
     there = tx.heads.bone_names(source.key)

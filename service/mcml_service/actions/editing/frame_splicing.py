@@ -60,7 +60,7 @@ def splice_frames(
     after = [_cut(p, behind, count - removed) for p in pieces if p.first + p.count > behind]
     tx.tracks.close(timeline, stored.key)
     new = [Piece(first, slot, count)] if count else []
-    tx.tracks.write_timeline(stored.key, _joined([*before, *new, *after]), tx.commit)
+    tx.tracks.write_timeline(stored.key, _join_pieces([*before, *new, *after]), tx.commit)
     _write_ids(tx, stored, first, behind, encoder, renumber)
     _write_spans(tx, stored, first, removed, encoder)
     write_counts(tx, stored, stored.frames - removed + count)
@@ -104,7 +104,7 @@ def _cut(piece: Piece, start: int, shift: int) -> Piece:
     return Piece(piece.first + skip + shift, piece.slot + skip, piece.count - skip)
 
 
-def _joined(pieces: Sequence[Piece]) -> list[Piece]:
+def _join_pieces(pieces: Sequence[Piece]) -> list[Piece]:
     """Pieces that go on in the next slot are one piece."""
     result: list[Piece] = []
     for piece in pieces:
@@ -141,10 +141,10 @@ def _write_spans(tx: Transaction, stored: StoredDocument, first: int, removed: i
         if span.last >= behind:
             rows.append(_row(span, max(span.first, behind) + shift, span.last + shift))
     tx.spans.close([span.key for span in old])
-    tx.spans.write(stored.key, merged_spans(rows), tx.commit)
+    tx.spans.write(stored.key, merge_spans(rows), tx.commit)
 
 
-def merged_spans(rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
+def merge_spans(rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
     """Spans ({name, rank, first, last}) in their order, those of a name and rank that touch as one."""
     merged: list[dict[str, Any]] = []
     for row in sorted(rows, key=lambda row: (row["rank"], row["name"], row["first"])):

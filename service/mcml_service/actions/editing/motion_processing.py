@@ -74,9 +74,9 @@ def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping) -> None:
         whole = read_whole(tx, stored, start, end)
         strength = eased(end - start + 1, first - start, last - start, edit.ease)
         if isinstance(edit, SmoothFrames):
-            block = _smoothed(whole, edit, strength, _rate(stored))
+            block = _smooth(whole, edit, strength, _rate(stored))
         else:
-            block = _adjusted(whole, edit, strength)
+            block = _adjust(whole, edit, strength)
         block = rows_of(block, first - start, last - start + 1)
     splice_frames(tx, stored, first, last - first + 1, [_as_bones(tx, stored, whole, block)], renumber=False)
 
@@ -85,12 +85,12 @@ def _rate(stored: StoredDocument) -> float:
     return 1.0 / seconds_of(stored)
 
 
-def _smoothed(whole: Whole, edit: SmoothFrames, strength: Array, rate: float) -> FrameBlock:
+def _smooth(whole: Whole, edit: SmoothFrames, strength: Array, rate: float) -> FrameBlock:
     joints = whole.joints(edit.bones)
     return smoothed(whole.head.skeleton, whole.block, edit.seconds * rate, strength, joints, whole.reading).block
 
 
-def _adjusted(whole: Whole, edit: AdjustFrames, strength: Array) -> FrameBlock:
+def _adjust(whole: Whole, edit: AdjustFrames, strength: Array) -> FrameBlock:
     wanted = {CHANNEL_INDEX[channel] for channel in edit.channels}
     joints = set(whole.joints(edit.bones))
     columns = [column for column in whole.block.columns if column[0] in joints and column[1] in wanted]

@@ -10,7 +10,7 @@ from mcml.files.edit_header import with_facts
 from mcml.formats import FORMATS
 from mcml.language import motion_names
 from mcml.language.elements import Element
-from mcml_service.storage.core.identifiers import stored_form
+from mcml_service.storage.core.identifiers import normalise_name
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.documents.rows import skeleton_rows
 from mcml_service.storage.documents.spans import StoredSpan
@@ -67,7 +67,7 @@ def set_facts(
     """As `change_document`, but the caller makes the revision; answers which facts were given."""
     if name is not None:
         tx.documents.rename(stored.key, given_name(name, "document"))
-    if project is not None and stored_form(given_name(project, "project")) != stored.project:
+    if project is not None and normalise_name(given_name(project, "project")) != stored.project:
         move_to_project(tx, stored, project)
     facts = {"description": description, "properties": properties, "unit": unit, "up": up}
     changed = {key for key, value in facts.items() if value is not None}

@@ -80,10 +80,10 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
     part = part_without_frames(name) if stored.frames == 0 and part is None else part
     stem = file_stem(stored.name)
     if options.original and options.whole and stored.intact and stored.format == name and name in FORMATS:
-        kept = _kept(tx, stored, part)
+        kept = _read_upload(tx, stored, part)
         if kept is not None:
             return kept
-    source = _timed(read_clip(tx, stored, first=options.first, last=options.last), options.frame_time)
+    source = _add_frame_time(read_clip(tx, stored, first=options.first, last=options.last), options.frame_time)
     if name == "mcml":
         content = write_document(
             source.document, source.clip.frames or 0, source.clip.head.frame_time, source.clip.blocks(), source.names,
@@ -96,14 +96,14 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
             "text/csv; charset=utf-8",
             _csv(source, _columns(tx, source), str if options.raw else safe_cell),
         )
-    clip = _converted(source, name, options)
+    clip = _convert(source, name, options)
     if name in WITH_REFERENCE:
         start = read_bodies(tx, tx.columns.documents([stored.key]))[stored.key].calibration.start
         clip = clip.with_head(replace(clip.head, reference=start))
     parts = [item.name for item in WRITERS[name].parts]
     if part is None:
         files = {f"{stem}{_extension(name, item)}": partial(WRITERS[name].write, clip, item) for item in parts}
-        return Export(f"{stem}.zip", "application/zip", zipped(files.items()), clip.notices)
+        return Export(f"{stem}.zip", "application/zip", zip_files(files.items()), clip.notices)
     content = WRITERS[name].write(clip, part)
     return Export(f"{stem}{_extension(name, part)}", WRITERS[name].media_type, content, clip.notices)
 
@@ -111,12 +111,12 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
 def skeleton_file(tx: Transaction, stored: StoredDocument) -> SourceFile:
     """The ASF of a stored document, as a file that an AMC can be read with."""
     export = export_document(tx, stored, ExportOptions("asf", last=0 if stored.frames == 0 else 1, first=1))
-    kept = _kept(tx, stored, "asf") if stored.intact and stored.format == "asf-amc" else None
+    kept = _read_upload(tx, stored, "asf") if stored.intact and stored.format == "asf-amc" else None
     chosen = kept or export
     return SourceFile(chosen.file_name, io.BytesIO(b"".join(chosen.content)))
 
 
-def _kept(tx: Transaction, stored: StoredDocument, part: str | None) -> Export | None:
+def _read_upload(tx: Transaction, stored: StoredDocument, part: str | None) -> Export | None:
     """The bytes of the upload, None where they are not kept."""
     uploads = tx.uploads.of(stored.key)
     if part is not None:
@@ -133,10 +133,10 @@ def _kept(tx: Transaction, stored: StoredDocument, part: str | None) -> Export |
         return lambda: tx.uploads.read(stored.key, name) or iter(())
 
     files = {upload.file_name: opener(upload.part) for upload in uploads}
-    return Export(f"{file_stem(stored.name)}.zip", "application/zip", zipped(files.items()))
+    return Export(f"{file_stem(stored.name)}.zip", "application/zip", zip_files(files.items()))
 
 
-def _timed(source: StoredClip, frame_time: str | float | None) -> StoredClip:
+def _add_frame_time(source: StoredClip, frame_time: str | float | None) -> StoredClip:
     """The clip with a frame time, where it states none. Raises ConversionError where it states another."""
     if frame_time is None:
         return source
@@ -151,17 +151,17 @@ def _timed(source: StoredClip, frame_time: str | float | None) -> StoredClip:
     return replace(source, clip=source.clip.with_head(replace(head, frame_time=frame_time)))
 
 
-def _converted(source: StoredClip, name: str, options: ExportOptions) -> ClipStream:
+def _convert(source: StoredClip, name: str, options: ExportOptions) -> ClipStream:
     clip = source.clip
     if options.unit:
-        stated = metres_per_unit(_stated(clip, "calibration_unit", "length unit", "unit"))
+        stated = metres_per_unit(_read_fact(clip, "calibration_unit", "length unit", "unit"))
         clip = scale(clip, stated / metres_per_unit(options.unit), unit=options.unit)
     if options.up:
-        clip = turn_up(clip, _stated(clip, "global_axis_of_gravity", "up axis", "up").upper(), options.up.upper())
+        clip = turn_up(clip, _read_fact(clip, "global_axis_of_gravity", "up axis", "up").upper(), options.up.upper())
     return convert_clip(clip, name, options.names)
 
 
-def _stated(clip: ClipStream, field: str, what: str, parameter: str) -> str:
+def _read_fact(clip: ClipStream, field: str, what: str, parameter: str) -> str:
     """A fact of the header that a change of units or axes starts from. ConversionError where nobody stated it."""
     value = clip.head.fields.get(field)
     if not value:
@@ -214,7 +214,7 @@ def _cell(text: str) -> str:
     return '"' + text.replace('"', '""') + '"' if re.search(r'[",\r\n]', text) else text
 
 
-def zipped(
+def zip_files(
     files: Iterable[tuple[str, Callable[[], Iterator[bytes | memoryview]]]], *, compress: bool = False
 ) -> Iterator[bytes]:
     """A zip of the files, streamed: each is asked for when the one before is done. Unless it is wanted nothing is
@@ -230,8 +230,8 @@ def zipped(
             with archive.open(info, "w", force_zip64=True) as member:
                 for block in content():
                     member.write(block)
-                    yield from buffer.taken()
-    yield from buffer.taken()
+                    yield from buffer.take_blocks()
+    yield from buffer.take_blocks()
 
 
 class Tail(io.RawIOBase):
@@ -252,7 +252,7 @@ class Tail(io.RawIOBase):
     def tell(self) -> int:
         return self._told
 
-    def taken(self) -> Iterator[bytes]:
+    def take_blocks(self) -> Iterator[bytes]:
         blocks, self._blocks = self._blocks, []
         yield from blocks
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mcml.errors import UnsupportedError
 from mcml.motion.skeleton import Array
-from mcml_service.actions.exporting.export_motion import Tail, zipped
+from mcml_service.actions.exporting.export_motion import Tail, zip_files
 from mcml_service.cells import safe_cell
 
 Batches = Iterator[Mapping[str, Any]]
@@ -46,7 +46,7 @@ def plain_blocks(blocks: Iterator[Array], dtype: str) -> Iterator[memoryview]:
 
 def npz_blocks(arrays: Mapping[str, Callable[[], Iterator[bytes | memoryview]]]) -> Iterator[bytes]:
     """Arrays as numpy.savez writes them, each is asked for in turn."""
-    return zipped((f"{name}.npy", content) for name, content in arrays.items())
+    return zip_files((f"{name}.npy", content) for name, content in arrays.items())
 
 
 def npy_of(values: Sequence[str] | NDArray[Any]) -> Iterator[bytes]:
@@ -121,8 +121,8 @@ def write_columns(form: str, batches: Batches, about: About) -> Iterator[bytes]:
     with writer:
         for batch in chain((first,), (pa.RecordBatch.from_pydict(dict(item), first.schema) for item in batches)):
             writer.write_batch(batch)
-            yield from tail.taken()
-    yield from tail.taken()
+            yield from tail.take_blocks()
+    yield from tail.take_blocks()
 
 
 TABLES: Mapping[str, tuple[str, Callable[[Batches, About], Iterator[bytes]]]] = {

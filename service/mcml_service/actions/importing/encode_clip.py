@@ -82,7 +82,7 @@ def encode_clip(
     return EncodedClip(
         header=opened.document.children[0],
         version=opened.document.attributes.get("version", ""),
-        skeleton=skeleton_rows(forest) if opened.shared is None else _shared_rows(opened.shared),
+        skeleton=skeleton_rows(forest) if opened.shared is None else _make_rows_once(opened.shared),
         bones=list(head.skeleton.names),
         frames=encoder.frames,
         frame_time=head.frame_time,
@@ -99,7 +99,7 @@ def encode_clip(
 _ROWS: WeakKeyDictionary[SharedSkeleton, SkeletonRows] = WeakKeyDictionary()
 
 
-def _shared_rows(shared: SharedSkeleton) -> SkeletonRows:
+def _make_rows_once(shared: SharedSkeleton) -> SkeletonRows:
     """The rows of a skeleton, made once for the clips that share it."""
     if shared not in _ROWS:
         _ROWS[shared] = skeleton_rows(shared.elements)

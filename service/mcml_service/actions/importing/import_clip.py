@@ -109,14 +109,14 @@ class Importer:
         with self._whole_or_absent():
             twins = self._twins() if self.skips_twins else []
             if twins:
-                return self._stored(twins[0])
-            self._found = self._encoded() if self.apart is None else self._taken(self.apart)
+                return self._store(twins[0])
+            self._found = self._encode() if self.apart is None else self._take(self.apart)
         return None
 
-    def _encoded(self) -> EncodedClip:
+    def _encode(self) -> EncodedClip:
         return encode_clip(self.clip, self.options, self.settings, self.encoder, self._keep, self.progress, self.made)
 
-    def _taken(self, apart: ReadApart) -> EncodedClip:
+    def _take(self, apart: ReadApart) -> EncodedClip:
         if isinstance(apart.encoded, McmlError):
             raise apart.encoded
         self.rows = apart.rows
@@ -141,7 +141,7 @@ class Importer:
             with self._whole_or_absent(), self.database.write(self.author) as tx:
                 return self.store(tx)
         except _StoredMeanwhile as meanwhile:
-            return self._stored(meanwhile.uuid)
+            return self._store(meanwhile.uuid)
 
     @contextmanager
     def _whole_or_absent(self) -> Iterator[None]:
@@ -157,7 +157,7 @@ class Importer:
                             upload.abandon(tx)
             raise
 
-    def _stored(self, uuid: str) -> Imported:
+    def _store(self, uuid: str) -> Imported:
         with self.database.read() as tx:
             stored = tx.documents.get(uuid)
             return Imported(stored.uuid, stored.name, orjson.loads(tx.documents.receipt(stored.key)), skipped=True)
@@ -236,7 +236,7 @@ class Importer:
                     return
         pending: list[bytes] = []
         pending_bytes = 0
-        for block in upload.compressed(self.executor):
+        for block in upload.compress_blocks(self.executor):
             pending.append(block)
             pending_bytes += len(block)
             if pending_bytes >= FLUSH_BYTES:

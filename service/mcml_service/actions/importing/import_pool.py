@@ -67,7 +67,7 @@ class ImportPool:
     def submit(self, sent: list[SentClip], settings: Settings) -> Future[list[ReadApart | None]]:
         """Clips to be read. Starts workers where there are none, or where one has died."""
         for _ in range(2):
-            executor = self._started(settings.import_processes_at_a_time)
+            executor = self._start(settings.import_processes_at_a_time)
             try:
                 return executor.submit(_read_all, sent, settings)
             except (BrokenProcessPool, RuntimeError):
@@ -83,7 +83,7 @@ class ImportPool:
         if executor is not None:
             executor.shutdown(wait=True, cancel_futures=True)
 
-    def _started(self, processes: int) -> ProcessPoolExecutor:
+    def _start(self, processes: int) -> ProcessPoolExecutor:
         with self._lock:
             if self._executor is None:
                 context = multiprocessing.get_context(self._method)

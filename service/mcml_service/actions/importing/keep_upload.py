@@ -31,7 +31,7 @@ class PackedFile:
     blocks: list[bytes]
 
 
-def packed(part: str, content: bytes) -> PackedFile:
+def pack_file(part: str, content: bytes) -> PackedFile:
     """A file that fits in memory, compressed."""
     blocks = [content[start : start + BLOCK_BYTES] for start in range(0, len(content), BLOCK_BYTES)]
     return PackedFile(part, len(content), _digest_of(blocks), [compress_block(block) for block in blocks])
@@ -75,7 +75,7 @@ class Upload:
     def sha256(self) -> str:
         return self.digest()
 
-    def compressed(self, executor: ThreadPoolExecutor) -> Iterator[bytes]:
+    def compress_blocks(self, executor: ThreadPoolExecutor) -> Iterator[bytes]:
         """The blocks in order, a few of them compressed ahead."""
         if self.early or not self.size:
             for job in self.early:

@@ -13,7 +13,7 @@ from mcml.files.gather_files import Clip
 from mcml.files.import_options import ImportOptions
 from mcml.formats.format import SourceFile
 from mcml_service.actions.importing.encode_clip import EncodedClip, encode_clip
-from mcml_service.actions.importing.keep_upload import PackedFile, packed
+from mcml_service.actions.importing.keep_upload import PackedFile, pack_file
 from mcml_service.settings import Settings
 from mcml_service.storage.documents.encoding import ClipEncoder, TrackRow
 
@@ -68,7 +68,7 @@ def read_apart(sent: SentClip, settings: Settings) -> ReadApart | None:
             rows.extend(chunk)
 
     try:
-        uploads = [packed(name, part.content) for name, part in sent.parts.items()]
+        uploads = [pack_file(name, part.content) for name, part in sent.parts.items()]
         try:
             encoded = encode_clip(Clip(sent.format, files), sent.options, settings, encoder, keep)
         except McmlError as error:

@@ -21,7 +21,7 @@ from mcml_service.clips.read_clip import read_clip
 from mcml_service.settings import Settings
 from mcml_service.storage.core.schema import CHUNK
 from mcml_service.storage.documents.documents import StoredDocument
-from mcml_service.storage.documents.encoding import joined
+from mcml_service.storage.documents.encoding import join_blocks
 from mcml_service.storage.transaction import Transaction
 
 
@@ -57,7 +57,7 @@ def _compare(tx: Transaction, key: int, uuid: str, label: str, settings: Setting
     stored = then.documents.get(uuid, deleted=True)
     held = read_clip(then, stored, labelled=False).clip
     try:
-        kept = _kept(then, stored, held, settings)
+        kept = _open_upload(then, stored, held, settings)
         if kept is None:
             return Compared(key, label)
         return _differences(key, label, kept.blocks(), held.blocks(), held.head.skeleton.names)
@@ -65,7 +65,7 @@ def _compare(tx: Transaction, key: int, uuid: str, label: str, settings: Setting
         return Compared(key, label, unread=str(error))
 
 
-def _kept(tx: Transaction, stored: StoredDocument, held: ClipStream, settings: Settings) -> ClipStream | None:
+def _open_upload(tx: Transaction, stored: StoredDocument, held: ClipStream, settings: Settings) -> ClipStream | None:
     """The clip in the kept files, None where none are kept."""
     files = {}
     for upload in tx.uploads.of(stored.key):
@@ -107,11 +107,11 @@ def _chunks(blocks: Iterable[FrameBlock]) -> Iterator[FrameBlock]:
     for block in blocks:
         waiting.append(block)
         while sum(map(len, waiting)) >= CHUNK:
-            values, columns = joined(waiting)
+            values, columns = join_blocks(waiting)
             yield FrameBlock(values[:CHUNK], columns, (), [])
             waiting = [FrameBlock(values[CHUNK:], columns, (), [])]
     if sum(map(len, waiting)):
-        yield FrameBlock(*joined(waiting), (), [])
+        yield FrameBlock(*join_blocks(waiting), (), [])
 
 
 def _spread(block: FrameBlock | None, columns: tuple[tuple[int, int], ...]) -> Array:

@@ -69,7 +69,7 @@ def look_for_differing(database: Database, project: str | None, go_on: Callable[
 def differing(tx: Transaction, stored: StoredDocument) -> Iterator[Differing]:
     """What differs in a document."""
 
-    def said(what: str, remedy: str) -> Differing:
+    def describe(what: str, remedy: str) -> Differing:
         return Differing(stored.uuid, stored.name, what, remedy)
 
     again = "import its file again, then make its edits there"
@@ -78,7 +78,7 @@ def differing(tx: Transaction, stored: StoredDocument) -> Iterator[Differing]:
     changed = renames(tx, stored)[1]
     if changed:
         told = [f"{one.before} -> {one.after}" for one in changed]
-        yield said(f"names would be {_few(told)}", f"mcml names apply {stored.uuid}")
+        yield describe(f"names would be {_few(told)}", f"mcml names apply {stored.uuid}")
     step = max(1, -(-stored.frames // MOST_FRAMES))
     clip = read_clip(tx, stored, step=step, bare=True).clip
     skeleton = clip.head.skeleton
@@ -86,7 +86,7 @@ def differing(tx: Transaction, stored: StoredDocument) -> Iterator[Differing]:
         labels = set(_quantities(tx, stored))
         taken = [joint.source_name for joint in skeleton.joints if joint.source_name in labels]
         if taken:
-            yield said(f"angles, forces or the like are stored as markers: {_few(taken)}", again)
+            yield describe(f"angles, forces or the like are stored as markers: {_few(taken)}", again)
             # All else that is guessed rests on them, and is guessed anew.
             return
     if not len(skeleton):
@@ -95,10 +95,10 @@ def differing(tx: Transaction, stored: StoredDocument) -> Iterator[Differing]:
     readings = differing_translations(skeleton, sample)
     if readings:
         told = [f"{skeleton.joints[one.joint].source_name} {one.mode}" for one in readings]
-        yield said(f"positions would be read as {_few(told)}", again)
+        yield describe(f"positions would be read as {_few(told)}", again)
     up = changed_up(clip.head, _positions(clip, sample))
     if up is not None:
-        yield said(f"up was {up[0]}, and is guessed as {up[1]}", f"mcml calibrate {stored.uuid} --up {up[1]}")
+        yield describe(f"up was {up[0]}, and is guessed as {up[1]}", f"mcml calibrate {stored.uuid} --up {up[1]}")
 
 
 def _quantities(tx: Transaction, stored: StoredDocument) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from mcml.errors import ConflictError, SpaceError, StoreError
 from mcml_service.actions.keeping.seal_store import seal_store
-from mcml_service.storage.copying import copy_rows, filled_tables
+from mcml_service.storage.copying import copy_rows, find_filled_tables
 from mcml_service.storage.core.dialects.sqlite import PRIVATE, copy_file, fold_log
 from mcml_service.storage.database import Database
 from mcml_service.storage.transaction import Transaction
@@ -82,7 +82,7 @@ def restore(database: Database, source: Path) -> int:
     if not source.is_file():
         raise StoreError(f"{source} is not a file.", remedy="Name a file that `mcml db backup` wrote.")
     with database.read() as tx:
-        held = filled_tables(tx)
+        held = find_filled_tables(tx)
         if held or tx.newest_commit():
             raise ConflictError(
                 f"The store is not empty: it has rows in {', '.join(held)}.", remedy="Restore into a new store."

@@ -22,7 +22,7 @@ from typing import Any, BinaryIO
 import orjson
 
 from mcml.errors import ConflictError, FormatError, LimitError, Place
-from mcml_service.actions.exporting.export_motion import ExportOptions, export_document, zipped
+from mcml_service.actions.exporting.export_motion import ExportOptions, export_document, zip_files
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.storage.documents.uploads import BLOCK_BYTES, compress_block
@@ -42,7 +42,7 @@ _UNSAFE = re.compile(r"[^\w.-]+")
 def export_project(tx: Transaction, project: str) -> Iterator[bytes]:
     """The file, made while it is sent. NotFoundError, DamageError. tx: lives as long."""
     rows = ProjectRows(tx, tx.projects.get(project))
-    return zipped(_members(tx, project, rows), compress=True)
+    return zip_files(_members(tx, project, rows), compress=True)
 
 
 def _members(
@@ -57,7 +57,7 @@ def _members(
             yield orjson.dumps(row, option=orjson.OPT_APPEND_NEWLINE)
 
     for key in rows.documents:
-        stored = tx.documents.told([key])[0]
+        stored = tx.documents.get_many([key])[0]
         if tx.documents.find(stored.uuid) is not None:
             name = f"mcml/{_UNSAFE.sub('_', stored.name)[:80]}-{stored.uuid[-12:]}.mcml"
             yield name, lambda stored=stored: export_document(tx, stored, ExportOptions("mcml")).content  # type: ignore[misc]
@@ -144,10 +144,10 @@ class _Reading:
         for name in self._names:
             if name.startswith("files/"):
                 sha256 = name.removeprefix("files/")
-                kept[sha256] = self._kept(tx, name, sha256)
+                kept[sha256] = self._keep_upload(tx, name, sha256)
         return kept
 
-    def _kept(self, tx: Transaction, name: str, sha256: str) -> int:
+    def _keep_upload(self, tx: Transaction, name: str, sha256: str) -> int:
         size = self._names[name].file_size
         found = tx.uploads.find(sha256, size)
         if found is not None:

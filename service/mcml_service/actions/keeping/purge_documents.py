@@ -37,7 +37,7 @@ def purgeable(database: Database, uuids: Sequence[str], deleted_days: float | No
         wanted = list(uuids)
         if deleted_days is not None:
             limit = datetime.now(UTC) - timedelta(days=deleted_days)
-            wanted += tx.purging.deleted_before(limit.isoformat(timespec="milliseconds").replace("+00:00", "Z"))
+            wanted += tx.purging.find_deleted_before(limit.isoformat(timespec="milliseconds").replace("+00:00", "Z"))
         found = []
         for uuid in dict.fromkeys(wanted):
             stored = tx.documents.find(uuid, deleted=True)
@@ -45,8 +45,8 @@ def purgeable(database: Database, uuids: Sequence[str], deleted_days: float | No
                 raise NotFoundError(
                     f"There is no document {uuid}.", remedy="Name full ids; `mcml ls --deleted` lists deleted ones."
                 )
-            held = tx.purging.held(stored.key)
-            clips, results, own = tx.purging.made_from(uuid)
+            held = tx.purging.measure(stored.key)
+            clips, results, own = tx.purging.find_made_from(uuid)
             facts = (held.revisions, held.bytes, held.deleted, tuple(clips), tuple(results), len(own))
             found.append(Purgeable(uuid, stored.name, stored.project, *facts))
         return found
@@ -86,7 +86,7 @@ def finish_purges(
 ) -> int:
     """Remove what is left of documents that are being purged; answers how many there were."""
     with database.read() as tx:
-        begun = tx.purging.unfinished()
+        begun = tx.purging.find_unfinished()
     for key, uuid in begun:
         while database.reserve.spend(lambda key=key: _remove_tracks(database, key, author)):  # type: ignore[misc]
             pass

@@ -52,7 +52,7 @@ def change_label(
     tx.spans.close([found.key])
     rows = [{"name": wanted, "rank": found.rank, "first": a, "last": b} for a, b in ranges]
     tx.spans.write(stored.key, rows, tx.commit)
-    tx.documents.add_revision(stored, "label", f"{found.name} {found.first}-{found.last}: {_told(wanted, ranges)}")
+    tx.documents.add_revision(stored, "label", f"{found.name} {found.first}-{found.last}: {_describe(wanted, ranges)}")
     return [span for span in tx.spans.of(stored.key) if (span.name, span.rank) == (wanted, found.rank)
             and (span.first, span.last) in ranges]  # fmt: skip
 
@@ -67,7 +67,7 @@ def name_frames(tx: Transaction, stored: StoredDocument, name: str, first: int, 
     return [f"named {wanted} {first}-{last}"]
 
 
-def _told(name: str, ranges: Iterable[tuple[int, int]]) -> str:
+def _describe(name: str, ranges: Iterable[tuple[int, int]]) -> str:
     return f"{name} {', '.join(f'{first}-{last}' for first, last in ranges)}"
 
 
@@ -178,7 +178,7 @@ def write_label_table(
     Columns: `document` (an id) or `name`, `label`, `first`, `last`. replace: the labels that the documents of the table
     had go. DocumentError with the line.
     """
-    key, lines = _parsed(content)
+    key, lines = _parse_table(content)
     by_document: dict[str, list[_Line]] = {}
     for line in lines:
         by_document.setdefault(line.document, []).append(line)
@@ -219,7 +219,7 @@ def _document(tx: Transaction, text: str, key: str, line: int, project: str | No
     return matches[0]
 
 
-def _parsed(content: bytes) -> tuple[str, list[_Line]]:
+def _parse_table(content: bytes) -> tuple[str, list[_Line]]:
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

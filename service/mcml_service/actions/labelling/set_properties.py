@@ -88,7 +88,7 @@ def set_properties(tx: Transaction, content: bytes, project: str | None = None) 
     key, rows = parse_table(content)
     changed = []
     for row in rows:
-        stored = tx.documents.find(row.document) if key == "document" else _named(tx, row, project)
+        stored = tx.documents.find(row.document) if key == "document" else _find_named(tx, row, project)
         if stored is None:
             raise DocumentError(
                 f"There is no document {row.document!r}.", at=Place(line=row.line), remedy="List the documents."
@@ -101,7 +101,7 @@ def set_properties(tx: Transaction, content: bytes, project: str | None = None) 
     return changed
 
 
-def _named(tx: Transaction, row: Row, project: str | None) -> StoredDocument | None:
+def _find_named(tx: Transaction, row: Row, project: str | None) -> StoredDocument | None:
     found = tx.documents.page(DocumentFilter(project=project, name=row.document), after=None, limit=2)
     if len(found) > 1:
         raise DocumentError(

@@ -24,7 +24,7 @@ from mcml_schemas.revisions import (
 from mcml_service.clips.read_clip import read_clip
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
-from mcml_service.storage.undo.differences import Run, changed_chunks, common_frames, missing, within_chunks
+from mcml_service.storage.undo.differences import Run, common_frames, find_changed_chunks, missing, within_chunks
 
 MOST_HEAD = 1000
 """Differing elements of the head that are told one by one."""
@@ -39,7 +39,7 @@ def compare_revisions(
     runs = common_frames(old, new)
     gone = missing([(run.before, run.count) for run in runs], one.frames)
     come = missing([(run.after, run.count) for run in runs], other.frames)
-    changed = within_chunks(runs, new, changed_chunks(before, after, one.key))
+    changed = within_chunks(runs, new, find_changed_chunks(before, after, one.key))
     spans = [
         {(span.name, span.first, span.last) for span in tx.spans.of(item.key)}
         for tx, item in ((before, one), (after, other))
@@ -52,7 +52,7 @@ def compare_revisions(
         frames_after=other.frames,
         frames_removed=[FrameRange(first=first, last=last) for first, last in gone],
         frames_added=[FrameRange(first=first, last=last) for first, last in come],
-        frames_kept=[KeptFrames(before=run.before, after=run.after, count=run.count) for run in joined(runs)],
+        frames_kept=[KeptFrames(before=run.before, after=run.after, count=run.count) for run in join_runs(runs)],
         frames_moved=any(a.before > b.before for a, b in pairwise(runs)),
         labels_removed=[_label(item) for item in sorted(spans[0] - spans[1], key=lambda item: item[1:])],
         labels_added=[_label(item) for item in sorted(spans[1] - spans[0], key=lambda item: item[1:])],
@@ -60,7 +60,7 @@ def compare_revisions(
     )
 
 
-def joined(runs: list[Run]) -> list[Run]:
+def join_runs(runs: list[Run]) -> list[Run]:
     """Runs with those joined that follow each other in both revisions."""
     found: list[Run] = []
     for run in runs:
@@ -101,7 +101,7 @@ def _bones(
 ) -> list[BoneDifference]:
     found: dict[str, BoneDifference] = {}
     for run in runs:
-        for name, position, channels, angles in _changed(before, one, after, other, run):
+        for name, position, channels, angles in _compare_frame_bones(before, one, after, other, run):
             bone = found.setdefault(
                 name, BoneDifference(bone=name, first=position, last=position, frames=0, channels={}, angle=None)
             )
@@ -114,7 +114,7 @@ def _bones(
     return sorted(found.values(), key=lambda bone: (bone.first, bone.bone))
 
 
-def _changed(
+def _compare_frame_bones(
     before: Transaction, one: StoredDocument, after: Transaction, other: StoredDocument, run: Run
 ) -> Iterator[tuple[str, int, dict[str, float], float | None]]:
     """Each changed frame_bone: bone, position, difference of each channel, degrees between the rotations."""

@@ -18,7 +18,7 @@ def cards(tx: Transaction, documents: Sequence[StoredDocument], pictures: Pictur
     """also: of "thumbnail", "labels", "passport". pictures: as far as there are any."""
     keys = [stored.key for stored in documents]
     spans = tx.spans.of_many(keys) if "labels" in also else {}
-    stated = tx.heads.stated(keys, (UNIT, UP)) if "passport" in also else {}
+    stated = tx.heads.read_texts(keys, (UNIT, UP)) if "passport" in also else {}
     joints = tx.heads.joints([stored.skeleton for stored in documents]) if "passport" in also else {}
     found = []
     for stored in documents:

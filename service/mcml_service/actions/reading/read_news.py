@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 from mcml_schemas.team.activity import ActivityEvent
 from mcml_schemas.team.events import DocumentEvent
-from mcml_service.actions.reading.tell_event import told_event
+from mcml_service.actions.reading.tell_event import tell_event
 from mcml_service.storage.core.identifiers import now
 from mcml_service.storage.transaction import Transaction
 from mcml_service.storage.work.jobs import StoredJob
@@ -67,9 +67,9 @@ class News:
             return []
         found = tx.activity.after(self.event, AT_A_TIME, kind="comment")
         self.event = found[-1].number if len(found) == AT_A_TIME else newest
-        return [told_event(event) for event in found]
+        return [tell_event(event) for event in found]
 
-    def changed_jobs(self, tx: Transaction) -> list[StoredJob]:
+    def find_changed_jobs(self, tx: Transaction) -> list[StoredJob]:
         """Jobs that are in another state than was told, or further."""
         # Another server's clock may be behind, and what has ended is seen a little later.
         time, known = now(-timedelta(seconds=CLOCKS_APART)), self.jobs

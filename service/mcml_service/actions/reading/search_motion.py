@@ -47,13 +47,13 @@ class Where:
     apart: float | None
 
 
-def asked_of_document(tx: Transaction, stored: StoredDocument, first: int, last: int | None) -> Asked:
+def ask_document(tx: Transaction, stored: StoredDocument, first: int, last: int | None) -> Asked:
     """The pose of a frame of a document, or the motion to `last`. NotFoundError outside of it."""
     (listed,) = tx.columns.documents([stored.key])
-    return _asked(read_bodies(tx, [listed])[stored.key], stored.name, first, last)
+    return _ask(read_bodies(tx, [listed])[stored.key], stored.name, first, last)
 
 
-def asked_of_file(files: list[SourceFile], settings: Settings, first: int, last: int | None) -> Asked:
+def ask_file(files: list[SourceFile], settings: Settings, first: int, last: int | None) -> Asked:
     """The same of a clip that files hold, as an import would read them; nothing is stored."""
     with gathered(files, settings.file_limits) as found:
         for name, error in found.problems:
@@ -65,13 +65,13 @@ def asked_of_file(files: list[SourceFile], settings: Settings, first: int, last:
             with offering(clip):
                 opened = open_clip(clip, ImportOptions(), settings.file_limits)
                 head = to_head(opened.document, opened.stream.head.frame_time)
-                body = Body.packed(body_of(head, _until(opened.stream.blocks(), last or first)))
+                body = Body.pack(body_of(head, _until(opened.stream.blocks(), last or first)))
         except McmlError as error:
             raise error.in_file(clip.name) from None
-    return _asked(body, clip.name, first, last)
+    return _ask(body, clip.name, first, last)
 
 
-def asked_of_positions(
+def ask_positions(
     joints: list[str], positions: list[list[list[float] | None]], seconds: float | None, up: str | None
 ) -> Asked:
     """The same of joints (MCML's names) at positions of each frame, in any unit. RequestError where they are no
@@ -88,7 +88,7 @@ def asked_of_positions(
     points = np.array([[nowhere if point is None else point for point in frame] for frame in positions], np.float64)
     fields = {"global_axis_of_gravity": checked_axis(up)} if up else {}
     head = ClipHead("trc", marker_skeleton(joints), fields, None if seconds is None else repr(seconds))
-    return _asked(Body.packed(body_at(head, points)), "the positions", 1, len(points) if len(points) > 1 else None)
+    return _ask(Body.pack(body_at(head, points)), "the positions", 1, len(points) if len(points) > 1 else None)
 
 
 def find_alike(tx: Transaction, caches: Caches, asked: Asked, where: Where, limits: Limits) -> SearchAnswer:
@@ -127,7 +127,7 @@ def find_alike(tx: Transaction, caches: Caches, asked: Asked, where: Where, limi
     return SearchAnswer(frames=len(asked.poses), joints=joints, hits=hits, warnings=warnings)
 
 
-def _asked(body: Body, name: str, first: int, last: int | None) -> Asked:
+def _ask(body: Body, name: str, first: int, last: int | None) -> Asked:
     end = first if last is None else last
     if not first <= end <= body.frames:
         raise NotFoundError(

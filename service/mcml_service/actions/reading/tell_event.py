@@ -8,6 +8,6 @@ from mcml_schemas.team.activity import ActivityEvent
 from mcml_service.storage.projects.activity import Event
 
 
-def told_event(event: Event) -> ActivityEvent:
+def tell_event(event: Event) -> ActivityEvent:
     facts: dict[str, Any] = dict(vars(event))
     return ActivityEvent(id=facts.pop("number"), **facts)

@@ -22,7 +22,7 @@ from mcml_service.analysis.dance import tables
 from mcml_service.analysis.dance.assembly import Dance
 from mcml_service.analysis.dance.bar_graph import BarGraph, bar_graph
 from mcml_service.analysis.dance.choreography import MOST_OUT, Choice, Plan, Wish, check_pulse, dance_of, plan_dance
-from mcml_service.analysis.dance.figure import laid_back
+from mcml_service.analysis.dance.figure import lay_back
 from mcml_service.analysis.dance.measured import measure
 from mcml_service.analysis.dance.motion_graph import strong_components
 from mcml_service.analysis.dance.music import check_bpm, music_grid
@@ -179,11 +179,11 @@ def run_dance(motions: Sequence[Motion], parameters: DanceParameters, progress: 
     plan = plan_dance(clips, graph, grid, _choice(parameters, graph))
     fps = parameters.fps or clips[0].fps
     progress("motion", 0.76)
-    dance = _danced(clips, graph, plan, fps, parameters, parameters.blend)
+    dance = _dance(clips, graph, plan, fps, parameters, parameters.blend)
     progress("figures", 0.84)
     classic = None
     if parameters.blend != "classic":
-        classic = _danced(clips, graph, plan, fps, parameters, "classic")
+        classic = _dance(clips, graph, plan, fps, parameters, "classic")
     search = _search(parameters, "")
     measured = measure(clips, dance, classic, plan, fps, search)
     parts: dict[str, Part] = {
@@ -196,7 +196,7 @@ def run_dance(motions: Sequence[Motion], parameters: DanceParameters, progress: 
         parts["clips"] = tables.clips_table(clips)
         parts["graph"] = tables.graph_part(clips, graph)
         parts["speed"] = tables.dance_curve(measured.watched.speed, measured.watched.beats, plan.grid, fps)
-        parts["clip"] = Part("clip", clip=_made(clips, graph, plan, dance, fps, parameters, motions))
+        parts["clip"] = Part("clip", clip=_make_clip(clips, graph, plan, dance, fps, parameters, motions))
     progress("done", 1.0)
     return parts
 
@@ -263,7 +263,7 @@ def _choice(parameters: DanceParameters, graph: BarGraph) -> Choice:
     )
 
 
-def _danced(
+def _dance(
     clips: Sequence[Clip], graph: BarGraph, plan: Plan, fps: float, parameters: DanceParameters, blend: Any
 ) -> Dance:
     return dance_of(
@@ -271,7 +271,7 @@ def _danced(
     )  # fmt: skip
 
 
-def _made(
+def _make_clip(
     clips: Sequence[Clip],
     graph: BarGraph,
     plan: Plan,
@@ -283,7 +283,7 @@ def _made(
     """The new clip on the first clip's skeleton, with the axis up and the unit that clip has."""
     first = clips[0].motion
     original = min(motions, key=lambda motion: motion.document)
-    laid = laid_back(replace(first, translations=dance.translations, rotations=dance.rotations), original.up)
+    laid = lay_back(replace(first, translations=dance.translations, rotations=dance.rotations), original.up)
     names = ", ".join(f"{clip.motion.name} (revision {clip.motion.revision})" for clip in clips)
     tempo = f"{parameters.bpm:g} beats a minute" if parameters.bpm else "the beats of music"
     return MadeClip(

@@ -9,7 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.motion.skeleton import Array
-from mcml_service.analysis.dance.blend import Blend, Placement, blended, facing, joined, placed, weight
+from mcml_service.analysis.dance.blend import (
+    Blend,
+    Placement,
+    blend_rotations,
+    facing,
+    join_transforms,
+    place_roots,
+    weight,
+)
 from mcml_service.analysis.dance.sources import Clip
 from mcml_service.analysis.dance.time_warp import Segment, sample, source_frames
 
@@ -62,7 +70,7 @@ def assemble(
         jump = jumps[place - 1]
         if placement == "facing":
             jump = _facing(holds[place - 1], runs[place - 1], holds[place], runs[place])
-        worlds.append(joined(worlds[-1], jump))
+        worlds.append(join_transforms(worlds[-1], jump))
     where = np.searchsorted(starts[1:] + _SAME_TIME, time, side="left")
     joints = len(clips[0].motion.skeleton)
     translations, rotations, rate = np.empty((frames, joints, 3)), np.empty((frames, joints, 4)), np.zeros(frames)
@@ -84,7 +92,7 @@ def assemble(
             moved, turned = _pose(clips[0], holds[place - 1], before, worlds[place - 1])
             part = alpha[:, None, None]
             translations[window] = part * moved + (1 - part) * translations[window]
-            rotations[window] = blended(turned, rotations[window], alpha)
+            rotations[window] = blend_rotations(turned, rotations[window], alpha)
     return Dance(translations, rotations, rate, tuple(transitions), np.array(worlds))
 
 
@@ -95,7 +103,7 @@ def _pose(first: Clip, clip: Clip, frames: Array, world: Array) -> tuple[Array, 
     translations[:, still] = first.motion.translations[0, still]
     roots = _roots(first)
     transforms = np.broadcast_to(world, (len(frames), 3))
-    translations[:, roots], rotations[:, roots] = placed(transforms, translations[:, roots], rotations[:, roots])
+    translations[:, roots], rotations[:, roots] = place_roots(transforms, translations[:, roots], rotations[:, roots])
     return translations, rotations
 
 

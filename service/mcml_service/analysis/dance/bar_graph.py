@@ -130,7 +130,7 @@ def bar_graph(
 ) -> BarGraph:
     """Edges between the bars of clips on one skeleton, and the component that is kept. Dance.md 7, 8."""
     bars = all_bars(clips)
-    figures = shared_points(clips)
+    figures = find_shared_points(clips)
     points = figures[0].points
     middles = bars.entries if cloud_at == "entry" else bars.frames[:, 0]
     ends, starts = _clouds(clips, figures, bars, bars.frames[:, 3]), _clouds(clips, figures, bars, middles)
@@ -142,7 +142,7 @@ def bar_graph(
     return BarGraph(bars, edges, level, kept, size, ends, starts, weights, jumps)
 
 
-def shared_points(clips: Sequence[Clip]) -> list[Figure]:
+def find_shared_points(clips: Sequence[Clip]) -> list[Figure]:
     """The figures of clips with the same points: the first one's joints, tips of joints that have as many in all."""
     tips = [[joint for joint, _ in clip.figure.tips] for clip in clips]
     shared = {joint for joint in tips[0] if all(found.count(joint) == tips[0].count(joint) for found in tips)}

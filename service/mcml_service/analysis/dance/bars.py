@@ -162,7 +162,7 @@ def track(strength: Array, period: float) -> Frames:
     return np.array(path[::-1], dtype=np.intp)
 
 
-def held_frames(entries: Array, leaves: Array, frames: int) -> Array:
+def find_held_frames(entries: Array, leaves: Array, frames: int) -> Array:
     """(m,) frames of each bar's lead-in and leave that lie outside the clip, where a pose is held."""
     held: Array = np.maximum(0, -entries) + np.maximum(0, leaves - (frames - 1))
     return held

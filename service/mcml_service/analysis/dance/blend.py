@@ -29,8 +29,8 @@ def weight(part: Array) -> Array:
     return alpha
 
 
-def joined(outer: Array, inner: Array) -> Array:
-    """The transform (3,) theta, x0, z0 that applies `inner` first. See `placed`."""
+def join_transforms(outer: Array, inner: Array) -> Array:
+    """The transform (3,) theta, x0, z0 that applies `inner` first. See `place_roots`."""
     cosine, sine = np.cos(outer[0]), np.sin(outer[0])
     return np.array(
         [
@@ -41,7 +41,7 @@ def joined(outer: Array, inner: Array) -> Array:
     )
 
 
-def placed(transforms: Array, translations: Array, rotations: Array) -> tuple[Array, Array]:
+def place_roots(transforms: Array, translations: Array, rotations: Array) -> tuple[Array, Array]:
     """Roots moved on the floor: x = x' cos theta + z' sin theta + x0, z = -x' sin theta + z' cos theta + z0.
 
     transforms: (n, 3). translations: (n, R, 3), rotations: (n, R, 4) of roots. Heights stay.
@@ -81,7 +81,7 @@ def continuous(rotations: Array) -> Array:
     return followed
 
 
-def blended(first: Array, second: Array, alpha: Array) -> Array:
+def blend_rotations(first: Array, second: Array, alpha: Array) -> Array:
     """Rotations (n, J, 4) over a window, alpha (n,) parts of the first. Dance.md 11.
 
     Each track is made continuous, and the arc between them kept, even past 180 degrees: the shortest arc frame by frame

@@ -112,7 +112,7 @@ def plan_dance(clips: Sequence[Clip], graph: BarGraph, grid: Array, choice: Choi
     inside = graph.edges.among(graph.kept)
     if length > 1 and not len(inside):
         raise _no_edges(graph)
-    allowed = allowed_bars(clips, bars, graph.kept, length, choice.wishes)
+    allowed = find_allowed_bars(clips, bars, graph.kept, length, choice.wishes)
     reach = feasible(len(bars), inside, allowed)
     if not reach[0].any():
         position = first_impossible(inside, allowed)
@@ -182,7 +182,7 @@ def _no_edges(graph: BarGraph) -> AnalysisError:
     )
 
 
-def allowed_bars(
+def find_allowed_bars(
     clips: Sequence[Clip], bars: AllBars, kept: NDArray[np.bool_], length: int, wishes: Sequence[Wish]
 ) -> NDArray[np.bool_]:
     """(length, B) bars that may stand at each position. A bar has a label that covers at least half of it."""
@@ -195,7 +195,7 @@ def allowed_bars(
             owners = [index for index, clip in enumerate(clips) if clip.motion.document == wish.document]
             fits &= np.isin(bars.owners, owners)
         if wish.label is not None:
-            fits &= _labelled(clips, bars, wish.label)
+            fits &= _find_labelled(clips, bars, wish.label)
         if wish.position is None:
             allowed &= fits
         elif wish.position < length:
@@ -203,7 +203,7 @@ def allowed_bars(
     return allowed
 
 
-def _labelled(clips: Sequence[Clip], bars: AllBars, label: str) -> NDArray[np.bool_]:
+def _find_labelled(clips: Sequence[Clip], bars: AllBars, label: str) -> NDArray[np.bool_]:
     found = np.zeros(len(bars), dtype=bool)
     for bar in range(len(bars)):
         first, last = half_up(bars.frames[bar, 0]), half_up(bars.frames[bar, 3])

@@ -83,16 +83,16 @@ def body_size(parents: NDArray[np.intp], offsets: Array, sites: tuple[tuple[int,
     deepest = np.zeros(len(parents))
     longest = 0.0
     for joint, offset in sites:
-        longest, deepest[joint] = _joined(longest, deepest[joint], float(np.linalg.norm(offset)))
+        longest, deepest[joint] = _add_branch(longest, deepest[joint], float(np.linalg.norm(offset)))
     for joint in reversed(range(len(parents))):
         parent = parents[joint]
         if parent >= 0:
             reach = deepest[joint] + float(np.linalg.norm(offsets[joint]))
-            longest, deepest[parent] = _joined(longest, deepest[parent], reach)
+            longest, deepest[parent] = _add_branch(longest, deepest[parent], reach)
     return longest
 
 
-def _joined(longest: float, deepest: float, reach: float) -> tuple[float, float]:
+def _add_branch(longest: float, deepest: float, reach: float) -> tuple[float, float]:
     """The longest path and the deepest branch, once a branch of length `reach` hangs at the node too."""
     return max(longest, deepest + reach), max(deepest, reach)
 
@@ -145,16 +145,16 @@ def check_finite(motion: Motion) -> None:
 
 def upright(motion: Motion) -> Motion:
     """The motion with Y up: its whole frame of reference turned, rest pose included. The same where Y is up already."""
-    return _turned(motion, _TURNS.get((motion.up or "Y").upper()), "Y")
+    return _turn(motion, _TURNS.get((motion.up or "Y").upper()), "Y")
 
 
-def laid_back(motion: Motion, up: str | None) -> Motion:
+def lay_back(motion: Motion, up: str | None) -> Motion:
     """A motion with Y up, turned back to another axis up: the inverse of `upright`."""
     turn = _TURNS.get((up or "Y").upper())
-    return _turned(motion, None if turn is None else -turn, up)
+    return _turn(motion, None if turn is None else -turn, up)
 
 
-def scaled(motion: Motion, factor: float) -> Motion:
+def scale_motion(motion: Motion, factor: float) -> Motion:
     """The motion with every length multiplied, rest pose included."""
     joints = tuple(
         replace(
@@ -169,11 +169,11 @@ def scaled(motion: Motion, factor: float) -> Motion:
     return replace(motion, skeleton=skeleton, translations=motion.translations * factor, metres=metres)
 
 
-def _turned(motion: Motion, angles: Array | None, up: str | None) -> Motion:
+def _turn(motion: Motion, angles: Array | None, up: str | None) -> Motion:
     if angles is None:
         return motion if up == motion.up else replace(motion, up=up)
     turn = from_euler(angles, "XYZ")
-    joints = tuple(_turned_joint(joint, turn) for joint in motion.skeleton.joints)
+    joints = tuple(_turn_joint(joint, turn) for joint in motion.skeleton.joints)
     return replace(
         motion,
         skeleton=replace(motion.skeleton, joints=joints),
@@ -183,7 +183,7 @@ def _turned(motion: Motion, angles: Array | None, up: str | None) -> Motion:
     )
 
 
-def _turned_joint(joint: Joint, turn: Array) -> Joint:
+def _turn_joint(joint: Joint, turn: Array) -> Joint:
     if joint.convention is Convention.MARKER:
         return joint
     sites = tuple(EndSite(triple(_exact(turn, numbers(s.offset))), s.name, s.before) for s in joint.end_sites)

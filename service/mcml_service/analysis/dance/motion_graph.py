@@ -90,7 +90,7 @@ def align(end: Array, starts: Array, weights: Array) -> tuple[Array, Array]:
     x0 = float(weights @ x) - means[0] * cosine - means[1] * sine
     z0 = float(weights @ z) + means[0] * sine - means[1] * cosine
     transforms = np.stack([theta, x0, z0], axis=1)
-    return np.sqrt(squared_differences(end, starts, transforms) @ weights), transforms
+    return np.sqrt(square_differences(end, starts, transforms) @ weights), transforms
 
 
 def _moments(end: Array, planes: Array, weights: Array) -> tuple[tuple[Array, Array], Array, Array]:
@@ -118,7 +118,7 @@ def rough_squares(end: Array, planes: Array, norms: Array, weights: Array) -> Ar
     return rough
 
 
-def squared_differences(end: Array, starts: Array, transforms: Array) -> Array:
+def square_differences(end: Array, starts: Array, transforms: Array) -> Array:
     """(B, K) |p - T p'|^2 of clouds; see `align`."""
     cosine, sine = np.cos(transforms[:, :1]), np.sin(transforms[:, :1])
     x2, z2 = starts[..., 0], starts[..., 2]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mcml.motion.skeleton import Array, Convention, numbers
 from mcml_service.analysis.dance.bars import Bars, EntryFrom, Source, Tolerance, bars_of, find_bars
-from mcml_service.analysis.dance.figure import Figure, check_finite, figure_of, scaled, upright
+from mcml_service.analysis.dance.figure import Figure, check_finite, figure_of, scale_motion, upright
 from mcml_service.analysis.dance.motion_beats import (
     Candidates,
     Difference,
@@ -162,11 +162,11 @@ def on_one_skeleton(clips: Sequence[Clip]) -> tuple[list[Clip], list[str]]:
                 remedy="Use clips with a skeleton.",
                 document=clip.motion.document,
             )
-        fitted.append(clip if clip is first else _fitted(first, clip, warnings))
+        fitted.append(clip if clip is first else _fit(first, clip, warnings))
     return fitted, warnings
 
 
-def _fitted(first: Clip, clip: Clip, warnings: list[str]) -> Clip:
+def _fit(first: Clip, clip: Clip, warnings: list[str]) -> Clip:
     order = _order(first.motion, clip.motion)
     motion = clip.motion
     if (order != np.arange(len(order))).any():
@@ -182,7 +182,7 @@ def _fitted(first: Clip, clip: Clip, warnings: list[str]) -> Clip:
         )
     ours, theirs = first.motion.metres, motion.metres
     if ours and theirs and ours != theirs:
-        motion = scaled(motion, theirs / ours)
+        motion = scale_motion(motion, theirs / ours)
     _compare_bones(first, motion, warnings)
     return replace(clip, motion=motion, figure=figure_of(motion.skeleton, motion.translations[:1]))
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mcml.motion.skeleton import Array
 from mcml_service.analysis.dance.bar_graph import FAR, AllBars, BarGraph
-from mcml_service.analysis.dance.bars import held_frames
+from mcml_service.analysis.dance.bars import find_held_frames
 from mcml_service.analysis.dance.choreography import Plan
 from mcml_service.analysis.dance.motion_beats import REASONS, half_up, whole
 from mcml_service.analysis.dance.sources import Clip
@@ -142,7 +142,7 @@ def bars_table(clips: Sequence[Clip]) -> Part:
     rows = []
     for clip in clips:
         bars = clip.bars
-        held = held_frames(bars.entries, bars.leaves, len(clip.motion))
+        held = find_held_frames(bars.entries, bars.leaves, len(clip.motion))
         for number, beats in enumerate(bars.bars):
             seconds = float((beats[3] - beats[0]) / (3 * clip.fps))
             ends = [half_up(bars.entries[number]) + 1, half_up(bars.leaves[number]) + 1, half_up(held[number])]

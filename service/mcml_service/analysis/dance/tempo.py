@@ -143,13 +143,13 @@ def _movement(positions: Array) -> Array:
     return np.stack([speeds.mean(axis=0), slowing.mean(axis=0), velocity[:, 1].mean(axis=0)])
 
 
-def _blurred(series: Array, seconds: float) -> Array:
+def _blur(series: Array, seconds: float) -> Array:
     found: Array = scipy.ndimage.gaussian_filter1d(series, seconds * RATE, mode="nearest")
     return found
 
 
 def _quick(series: Array) -> Array:
-    return series - _blurred(series, 0.75)
+    return series - _blur(series, 0.75)
 
 
 def _rests(speed: Array) -> Array:
@@ -159,16 +159,14 @@ def _rests(speed: Array) -> Array:
 
 def _brakes(braking: Array) -> Array:
     mean = float(braking.mean())
-    return (
-        _quick(np.clip(braking / (_blurred(braking, 1.5) + 0.1 * mean), 0, 4)) if mean > 0 else np.zeros_like(braking)
-    )
+    return _quick(np.clip(braking / (_blur(braking, 1.5) + 0.1 * mean), 0, 4)) if mean > 0 else np.zeros_like(braking)
 
 
 def _bounce(rising: Array) -> Array:
     spread = float(rising.std())
     if not spread > 0:
         return np.zeros_like(rising)
-    return _quick(np.clip(rising / (np.sqrt(_blurred(rising**2, 1.5)) + 0.1 * spread), -3, 3))
+    return _quick(np.clip(rising / (np.sqrt(_blur(rising**2, 1.5)) + 0.1 * spread), -3, 3))
 
 
 def tempo_of(clips: Sequence[Array]) -> Tempo | None:

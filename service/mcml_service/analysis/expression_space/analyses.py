@@ -37,9 +37,9 @@ from mcml_schemas.analyses.expression_paths import (
 from mcml_service.analysis.expression_space.extension import extend
 from mcml_service.analysis.expression_space.navigation import (
     Offer,
-    accepted,
+    accept_keys,
     check_links,
-    linked_keys,
+    link_keys,
     offers_near,
     offers_on_the_way,
     walk_over,
@@ -146,7 +146,7 @@ def level(space: Stored, choice: ExpressionLevelChoice) -> Answer:
 def neighbours(space: Stored, choice: ExpressionCandidateChoice) -> Answer:
     """The candidates that are linked to one."""
     number = space.check_level(choice.level)
-    frame = _named(space, number, choice.key)
+    frame = _find_frame(space, number, choice.key)
     place = _place_of(space, number, frame)
     links, graph = space.ground.links[number], space.ground.graph
     found: list[tuple[float, int, bool]]
@@ -179,11 +179,11 @@ def neighbours(space: Stored, choice: ExpressionCandidateChoice) -> Answer:
 def path(space: Stored, wish: ExpressionPathWish) -> Answer:
     """A new path over candidates of a level."""
     number = space.check_level(wish.level)
-    keys = [_named(space, number, key) for key in wish.keys]
+    keys = [_find_frame(space, number, key) for key in wish.keys]
     try:
-        routed = linked_keys(space.ground, number, keys, auto_route=wish.auto_route)
+        routed = link_keys(space.ground, number, keys, auto_route=wish.auto_route)
     except AnalysisError as error:
-        raise _told(space, error) from error
+        raise _name_frames(space, error) from error
     made = Path(walk_over(space.ground, routed), number, 1)
     return Answer(_answer(space, made, [], set()), keep={"path": path_part(space, made)})
 
@@ -194,7 +194,7 @@ def refine(space: Stored, wish: ExpressionRefinement) -> Answer:
     number = space.check_level(wish.level)
     rule = wish.rule or space.values["method"]
     ground, walk = space.ground, old.walk
-    picks = [_named(space, number, key) for key in wish.keys]
+    picks = [_find_frame(space, number, key) for key in wish.keys]
     near = rule == "paper"
     offers = (
         offers_near(ground, walk, number, wish.radius_mm)
@@ -208,11 +208,11 @@ def refine(space: Stored, wish: ExpressionRefinement) -> Answer:
         if near and picks:
             check_links(ground, number, keys)
     except AnalysisError as error:
-        raise _told(space, error) from error
+        raise _name_frames(space, error) from error
     if wish.auto:
         base = walk_over(ground, keys)
         on_the_way = offers_on_the_way(ground, base, number, wish.delta)
-        keys = accepted(ground, base, on_the_way, wish.delta)
+        keys = accept_keys(ground, base, on_the_way, wish.delta)
     made = Path(walk_over(ground, keys), number, old.version + 1, old.warnings)
     return Answer(_answer(space, made, offers, set(keys)), keep={"path": path_part(space, made)})
 
@@ -276,7 +276,7 @@ def _candidates(space: Stored, level: int, places: Sequence[int]) -> list[Expres
     ]
 
 
-def _named(space: Stored, level: int, key: Key) -> int:
+def _find_frame(space: Stored, level: int, key: Key) -> int:
     """The number of the frame that a candidate is. Raises AnalysisError `unknown-frame`, `not-a-candidate`."""
     if isinstance(key, ExpressionKey):
         return space.number(key.document, key.frame)
@@ -310,7 +310,7 @@ def _path(space: Stored) -> Path:
     return space.path
 
 
-def _told(space: Stored, error: AnalysisError) -> AnalysisError:
+def _name_frames(space: Stored, error: AnalysisError) -> AnalysisError:
     """The error with frames as users name them."""
     told: dict[str, object] = {}
     what = error.what

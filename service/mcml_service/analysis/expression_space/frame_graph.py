@@ -53,7 +53,7 @@ class FrameGraph:
     def mean_degree(self) -> float:
         return 2.0 * len(self.first) / max(self.frames, 1)
 
-    def kept(self, frames: NDArray[np.bool_]) -> FrameGraph:
+    def keep(self, frames: NDArray[np.bool_]) -> FrameGraph:
         """The part of the graph among some frames, which are numbered anew."""
         number = np.cumsum(frames) - 1
         inside = frames[self.first] & frames[self.second]
@@ -65,7 +65,7 @@ class FrameGraph:
             self.bridge[inside],
         )
 
-    def bridged(self, pairs: NDArray[np.intp], length: Array) -> FrameGraph:
+    def add_bridges(self, pairs: NDArray[np.intp], length: Array) -> FrameGraph:
         """With further edges, (k, 2) frames, marked as bridges."""
         pairs = np.sort(pairs, axis=1)
         return FrameGraph(

@@ -45,7 +45,7 @@ def fuzzy_means(
             memberships = None
         else:
             assert centres is not None  # by the signature one of the two is given
-            sums = _weighted(points, norms, centres, fuzziness)
+            sums = _sum_weighted(points, norms, centres, fuzziness)
         moments, total, squares = sums
         centres = moments / np.maximum(total, 1e-300)[:, None]
         # Sum of w |x - v|^2 about the weighted mean v, from its moments.
@@ -73,7 +73,7 @@ def _memberships(points: Array, norms: Array, centres: Array, fuzziness: float) 
     return share
 
 
-def _weighted(points: Array, norms: Array, centres: Array, fuzziness: float) -> tuple[Array, Array, Array]:
+def _sum_weighted(points: Array, norms: Array, centres: Array, fuzziness: float) -> tuple[Array, Array, Array]:
     """Sums over all points, weighted by u^m: of points (c, p), of ones (c,), of squared lengths (c,)."""
     rows = max(1, BLOCK_BYTES // (8 * len(centres)))
     moments, total, squares = np.zeros_like(centres), np.zeros(len(centres)), np.zeros(len(centres))

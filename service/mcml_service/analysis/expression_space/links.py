@@ -65,7 +65,7 @@ def voronoi_links(graph: FrameGraph, candidates: Places) -> Links:
     shortest = np.flatnonzero(way == best[key])
     key, place = np.unique(key[shortest], return_index=True)
     first = shortest[place]
-    crossed = _crossed(graph, before, distance)
+    crossed = _find_crossings(graph, before, distance)
     edges = other[first]
     bridge = graph.bridge[edges] | crossed[graph.first[edges]] | crossed[graph.second[edges]]
     return _links(
@@ -77,7 +77,7 @@ def voronoi_links(graph: FrameGraph, candidates: Places) -> Links:
     )
 
 
-def _crossed(graph: FrameGraph, before: Places, distance: Array) -> NDArray[np.bool_]:
+def _find_crossings(graph: FrameGraph, before: Places, distance: Array) -> NDArray[np.bool_]:
     """(n,) whether the way of a frame to its source leads over a bridge."""
     crossed = np.zeros(graph.frames, dtype=bool)
     if graph.bridges:
@@ -125,7 +125,7 @@ def paper_links(graph: FrameGraph, candidates: Places, plane: Array, rho: float)
             firsts.append(np.full(len(linked), own, dtype=np.int32))
             seconds.append(linked.astype(np.int32))
             lengths.append(distance[candidates[linked]])
-            crossed = _crossed(graph, before, distance)
+            crossed = _find_crossings(graph, before, distance)
             bridges.append(crossed[candidates[linked]])
     return _links(
         count, np.concatenate(firsts), np.concatenate(seconds), np.concatenate(lengths), np.concatenate(bridges)

@@ -125,13 +125,13 @@ def shortest_walk(ground: Ground, first: int, last: int) -> list[int]:
         order = order[np.lexsort((near[order], row[near[order]]))]
         step = next((int(frame) for frame in near[order] if int(frame) not in seen), None)
         if step is None:
-            return _searched(ground, first, last)
+            return _search(ground, first, last)
         frames.append(step)
         seen.add(step)
     return frames[::-1]
 
 
-def _searched(ground: Ground, first: int, last: int) -> list[int]:
+def _search(ground: Ground, first: int, last: int) -> list[int]:
     before = search(ground.graph.matrix, first)[1]
     frames = [last]
     while frames[-1] != first:
@@ -156,7 +156,7 @@ def walk_over(ground: Ground, keys: Sequence[int]) -> Walk:
     )
 
 
-def linked_keys(ground: Ground, level: int, keys: Sequence[int], *, auto_route: bool) -> list[int]:
+def link_keys(ground: Ground, level: int, keys: Sequence[int], *, auto_route: bool) -> list[int]:
     """Keys that may follow each other at a level (7.1): as they are, or with the candidates between them put in.
 
     Raises AnalysisError `too-few-keys`, `repeated-key`, `not-a-candidate`, `not-linked` (details: suggestion, frames),
@@ -255,7 +255,7 @@ def offers_on_the_way(ground: Ground, walk: Walk, level: int, delta: float = 0.1
     return sorted(found, key=lambda offer: (offer.segment, offer.position, offer.frame))
 
 
-def accepted(ground: Ground, walk: Walk, offers: Sequence[Offer], delta: float = 0.1) -> list[int]:
+def accept_keys(ground: Ground, walk: Walk, offers: Sequence[Offer], delta: float = 0.1) -> list[int]:
     """Keys of a walk and, between each two, candidates by growing detour while the way over all of them grows by at
     most a share (7.3, robust). The walk over the result is at most (1 + delta) as long."""
     keys = [int(walk.keys[0])]
@@ -313,4 +313,4 @@ def check_links(ground: Ground, level: int, keys: Sequence[int]) -> None:
     known = set(ground.candidates[level].tolist())
     for first, last in pairwise(keys):
         if first in known and last in known:
-            linked_keys(ground, level, [first, last], auto_route=False)
+            link_keys(ground, level, [first, last], auto_route=False)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml_service.analysis.interface import Part, Parts, Picture
-from mcml_service.analysis.pictures import ACCENT, QUIET, WARM, columns_of, draw_edges, ink, say_more, thinned
+from mcml_service.analysis.pictures import ACCENT, QUIET, WARM, columns_of, draw_edges, ink, say_more, thin
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,7 +47,7 @@ def draw_map(parts: Parts, figure: Figure) -> None:
 
 
 def _frames(axes: Axes, part: Part, places: NDArray[np.float64]) -> None:
-    takes, chosen = np.asarray(part.arrays["take"]), thinned(len(places))
+    takes, chosen = np.asarray(part.arrays["take"]), thin(len(places))
     for number, name in enumerate(part.data["names"]):
         own = places[chosen][takes[chosen] == number]
         label = name if number < MOST_TAKES else None

@@ -46,7 +46,7 @@ def classical_scaling(apart: Array, dimensions: int, *, spectrum: bool = True) -
     squared = apart * apart
     mean = squared.mean(axis=0)
     wanted = min(dimensions, n)
-    values, vectors = _largest(_centred(squared, mean), wanted)
+    values, vectors = _largest(_centre(squared, mean), wanted)
     positive = np.where(values > 1e-12 * max(values[0], 1e-300), values, 0.0) if len(values) else values
     coordinates = np.zeros((n, dimensions))
     coordinates[:, :wanted] = vectors * np.sqrt(positive)
@@ -60,12 +60,12 @@ def classical_scaling(apart: Array, dimensions: int, *, spectrum: bool = True) -
 def _negative(squared: Array) -> float:
     step = -(-len(squared) // SAMPLE)
     part = squared[::step, ::step]
-    values = np.linalg.eigvalsh(_centred(part, part.mean(axis=0)))
+    values = np.linalg.eigvalsh(_centre(part, part.mean(axis=0)))
     total = float(np.abs(values).sum())
     return float(-values[values < 0].sum() / total) if total > 0 else 0.0
 
 
-def _centred(squared: Array, mean: Array) -> Array:
+def _centre(squared: Array, mean: Array) -> Array:
     b = squared - mean
     b -= mean[:, None]
     b += mean.mean()

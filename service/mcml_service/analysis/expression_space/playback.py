@@ -74,10 +74,10 @@ def markers_of(samples: Samples, positions: Array, *, smooth: bool = False) -> A
     a, b = np.where(np.isnan(a), b, a), np.where(np.isnan(b), a, b)
     alpha = samples.alpha[:, None, None]
     mixed = (1 - alpha) * a + alpha * b
-    return _smoothed(mixed) if smooth else mixed
+    return _smooth(mixed) if smooth else mixed
 
 
-def _smoothed(markers: Array) -> Array:
+def _smooth(markers: Array) -> Array:
     """Odd about its ends, so that these stay; around missing samples as if they were not there."""
     count = len(markers)
     margin = min(count - 1, int(4 * SMOOTHING + 0.5))

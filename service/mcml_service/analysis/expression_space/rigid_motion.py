@@ -18,11 +18,11 @@ def align(positions: Array, reference: Array) -> Array:
     aligned = np.empty_like(positions)
     for start in range(0, len(positions), BLOCK):
         part = slice(start, start + BLOCK)
-        aligned[part] = _aligned(positions[part], reference)
+        aligned[part] = _align(positions[part], reference)
     return aligned
 
 
-def _aligned(positions: Array, reference: Array) -> Array:
+def _align(positions: Array, reference: Array) -> Array:
     both = ~(np.isnan(positions[..., 0]) | np.isnan(reference[:, 0]))
     weight = both[..., None] / np.maximum(both.sum(axis=1), 1)[:, None, None]
     here, there = np.where(both[..., None], positions, 0.0), np.where(both[..., None], reference, 0.0)

@@ -32,7 +32,7 @@ from mcml_service.analysis.expression_space.planar_map import (
     neighbourhoods,
 )
 from mcml_service.analysis.expression_space.states import SAME, distances, state_vectors, step_lengths
-from mcml_service.analysis.expression_space.takes import Frames, frames_of, part_of, smoothed
+from mcml_service.analysis.expression_space.takes import Frames, frames_of, part_of, smooth_takes
 from mcml_service.analysis.expression_space.threshold import STEPS, Chosen, choose
 from mcml_service.analysis.expression_space.trials import Trials, Tried
 from mcml_service.analysis.interface import AnalysisError, Motion, Progress, silent
@@ -109,17 +109,17 @@ def _with_all(frames: Frames, options: Options, progress: Progress) -> Space:
     apart = distances(states)
     del states
     trials = Trials(apart)
-    _varied(trials.longest)
+    _require_variation(trials.longest)
     tried, tau, warnings = _threshold(trials, len(frames.markers), options, progress, (0.2, 0.45))
     edges, lengths = trials.tree
     connecting = float(lengths.max())
     progress("graph", 0.45)
     graph = threshold_graph(apart, tau)
     cut = (lengths > tau) & np.isfinite(lengths)
-    graph, kept, sizes, more = _connected(graph, edges[cut], lengths[cut], frames, options, connecting)
+    graph, kept, sizes, more = _connect(graph, edges[cut], lengths[cut], frames, options, connecting)
     warnings += more
     if not kept.all():
-        frames, graph, apart = part_of(frames, kept), graph.kept(kept), apart[np.ix_(kept, kept)]
+        frames, graph, apart = part_of(frames, kept), graph.keep(kept), apart[np.ix_(kept, kept)]
     progress("geodesics", 0.5)
     paths = all_pairs(graph.matrix)
     progress("map", 0.75)
@@ -129,7 +129,7 @@ def _with_all(frames: Frames, options: Options, progress: Progress) -> Space:
     shown = [size for size in SHOWN_DIMENSIONS if size <= options.dimensions]
     agreements = tuple(agreement(paths, scaling.coordinates[:, :size]) for size in shown)
     # Noise of single frames is no speed: where frames were not smoothed, they are for this.
-    after = np.diagonal(apart, 1) if options.smooth_s > 0 else step_lengths(smoothed(frames, SPEED_SMOOTHING))
+    after = np.diagonal(apart, 1) if options.smooth_s > 0 else step_lengths(smooth_takes(frames, SPEED_SMOOTHING))
     speed = _speed(frames, lambda first: after[first])
     kept_paths = paths.astype(np.float32)
     del apart, paths
@@ -146,7 +146,7 @@ def _with_landmarks(frames: Frames, options: Options, progress: Progress) -> Spa
     for start in range(0, len(states), step):
         progress("states", 0.05 + 0.35 * start / len(states))
         states[start : start + step] = basis.reduce(frames.positions[start : start + step])
-    _varied(float(np.ptp(states, axis=0).max()))
+    _require_variation(float(np.ptp(states, axis=0).max()))
     progress("tau", 0.4)
     hubs = farthest_order(states, min(HUBS, len(states)))
     radius = float(nearest(states[hubs], states)[0].max())
@@ -155,10 +155,10 @@ def _with_landmarks(frames: Frames, options: Options, progress: Progress) -> Spa
     progress("graph", 0.43)
     graph = hub_graph(states, hubs, tau, frames.take, frames.frame)
     pairs, lengths = closest_bridges(states, graph.components())
-    graph, kept, sizes, more = _connected(graph, pairs, lengths, frames, options, trials.low)
+    graph, kept, sizes, more = _connect(graph, pairs, lengths, frames, options, trials.low)
     warnings += more
     if not kept.all():
-        frames, graph, states = part_of(frames, kept), graph.kept(kept), states[kept]
+        frames, graph, states = part_of(frames, kept), graph.keep(kept), states[kept]
     progress("geodesics", 0.45)
     landmarks = farthest_order(states, min(options.landmarks, len(states)))
     geodesics = landmark_geodesics(graph, landmarks)
@@ -271,17 +271,17 @@ def _threshold(
     steps = trials.steps(count, published, *([] if stated is None else [stated]))
     for number, tau in enumerate(steps):
         progress("tau", span[0] + (span[1] - span[0]) * number / len(steps))
-        tried.append(trials.tried(tau))
+        tried.append(trials.try_threshold(tau))
     chosen = Chosen(stated) if stated is not None else choose(trials, tried, options.tau_rule, markers)
     return tuple(tried), chosen.tau, list(chosen.warnings)
 
 
-def _varied(longest: float) -> None:
+def _require_variation(longest: float) -> None:
     if not longest >= SAME:
         raise AnalysisError("no-variation", "All frames show the same face.", remedy="Give takes in which it moves.")
 
 
-def _connected(
+def _connect(
     graph: FrameGraph,
     pairs: NDArray[np.intp],
     lengths: Array,
@@ -305,7 +305,7 @@ def _connected(
         )
     warnings = []
     if options.on_disconnected == "bridge":
-        graph = graph.bridged(pairs, lengths)
+        graph = graph.add_bridges(pairs, lengths)
         warnings.append(
             (
                 "bridged",

@@ -38,8 +38,8 @@ def distances(states: Array, others: Array | None = None) -> Array:
     square = others is None
     right = states if others is None else others
     centre = np.where(np.isnan(right), 0.0, right).sum(axis=0) / np.maximum((~np.isnan(right)).sum(axis=0), 1)
-    a, patterns_a, pattern_a = _filled(states, centre)
-    b, patterns_b, pattern_b = (a, patterns_a, pattern_a) if square else _filled(right, centre)
+    a, patterns_a, pattern_a = _fill(states, centre)
+    b, patterns_b, pattern_b = (a, patterns_a, pattern_a) if square else _fill(right, centre)
     # Sums of squares of one state over the pairs that the other has, by patterns of what is there.
     squared = a @ b.T
     squared *= -2.0
@@ -73,7 +73,7 @@ def step_lengths(positions: Array) -> Array:
     return lengths
 
 
-def _filled(states: Array, centre: Array) -> Filled:
+def _fill(states: Array, centre: Array) -> Filled:
     """States less the centre, 0 where missing; patterns (u, P) of what is there, 1.0 or 0.0; the pattern of each."""
     gone = np.isnan(states)
     incomplete = np.flatnonzero(gone.any(axis=1))

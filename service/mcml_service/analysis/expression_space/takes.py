@@ -80,7 +80,7 @@ def frames_of(motions: Sequence[Motion], options: Options) -> Frames:
             remedy=f"Give takes with {FEWEST_FRAMES} frames or more in which at most 30 % of the markers are missing.",
         )
     if options.normalise_scale:
-        tracks = _scaled(tracks)
+        tracks = _scale(tracks)
     positions = np.concatenate(tracks)
     del tracks, raw
     _spread(positions)
@@ -198,7 +198,7 @@ def smooth(track: Array, deviation: float) -> Array:
     return mean
 
 
-def smoothed(frames: Frames, seconds: float) -> Array:
+def smooth_takes(frames: Frames, seconds: float) -> Array:
     """(n, M, 3) positions smoothed in time, each take by itself."""
     parts = [
         smooth(frames.positions[frames.take == number], seconds * take.fps) for number, take in enumerate(frames.takes)
@@ -317,7 +317,7 @@ def _reference(tracks: Sequence[Array]) -> Array:
     return frame
 
 
-def _scaled(tracks: Sequence[Array]) -> list[Array]:
+def _scale(tracks: Sequence[Array]) -> list[Array]:
     """Takes with faces of the first one's size, by the mean distance of two markers in their first frames."""
     sizes = [_size(track[:1]) if len(track) else float("nan") for track in tracks]
     reference = next((size for size in sizes if np.isfinite(size)), 1.0)

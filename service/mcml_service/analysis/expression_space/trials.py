@@ -102,11 +102,11 @@ class Trials:
         np.fill_diagonal(found, 0.0)
         for part in np.flatnonzero(np.bincount(labels[sample]) > 1).tolist():
             inside = np.flatnonzero(labels[sample] == part)
-            ways = sampled_geodesics(self.apart, tau, np.flatnonzero(labels == part), sample[inside])
+            ways = sample_geodesics(self.apart, tau, np.flatnonzero(labels == part), sample[inside])
             found[np.ix_(inside, inside)] = ways
         return found
 
-    def tried(self, tau: float) -> Tried:
+    def try_threshold(self, tau: float) -> Tried:
         """What a threshold does."""
         sizes = np.bincount(labels := self.parts(tau))
         giant = labels[self.spread] == sizes.argmax()
@@ -142,7 +142,7 @@ class Trials:
         return float((after < SHORTER * before).mean())
 
 
-def sampled_geodesics(apart: Array, tau: float, frames: Places, sample: Places) -> Array:
+def sample_geodesics(apart: Array, tau: float, frames: Places, sample: Places) -> Array:
     """Geodesics among sampled frames over the threshold graph of `frames`, thinned where that is denser than tau.
 
     Ways lead over frames that cover all others within tau / 12, and stay connected: leaving every second frame out, as

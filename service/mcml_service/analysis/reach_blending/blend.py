@@ -45,7 +45,7 @@ def terms(x: Array, degree: int) -> Array:
     return np.concatenate([np.ones((len(x), 1)), x], axis=1) if degree else np.ones((len(x), 1))
 
 
-def squared_distances(first: Array, second: Array) -> Array:
+def square_distances(first: Array, second: Array) -> Array:
     """(n, m) of points (n, d) and (m, d)."""
     total = np.zeros((len(first), len(second)))
     for axis in range(first.shape[1]):
@@ -55,7 +55,7 @@ def squared_distances(first: Array, second: Array) -> Array:
 
 def kernel(first: Array, second: Array, s: float) -> Array:
     """(n, m): exp(-|x - x'|^2 / s^2)."""
-    values: Array = np.exp(-squared_distances(first, second) / s**2)
+    values: Array = np.exp(-square_distances(first, second) / s**2)
     return values
 
 
@@ -108,7 +108,7 @@ def invert(x: Array, s: float, lam: float, degree: int) -> Inverse:
 
 def nearest_distances(x: Array) -> Array:
     """(n,) distance of each point (n, d) to the nearest other one."""
-    squares = squared_distances(x, x)
+    squares = square_distances(x, x)
     np.fill_diagonal(squares, np.inf)
     distances: Array = np.sqrt(squares.min(axis=1).astype(np.float64))
     return distances
@@ -131,7 +131,7 @@ def leavable(x: Array, degree: int, groups: Groups) -> Groups:
     return [rows for rows in groups if np.linalg.norm(q[rows], 2) ** 2 < 1 - 1e-9]
 
 
-def left_out(inverse: Inverse, y: Array, groups: Groups) -> Array:
+def leave_out(inverse: Inverse, y: Array, groups: Groups) -> Array:
     """What a blend of the others predicts for each group, (n, K); NaN for rows of no group.
 
     y_S - f_(-S)(x_S) = (B_SS)^-1 e_S, with B the block of the inverse saddle matrix and e = B y: no fit is repeated.
@@ -162,7 +162,7 @@ def linear_left_out(x: Array, y: Array, degree: int, groups: Groups) -> Array:
 
 def nearest_left_out(x: Array, y: Array, groups: Groups) -> Array:
     """The values of the nearest example that is not in the group, (n, K); the first one of equally near ones."""
-    squares = squared_distances(x, x)
+    squares = square_distances(x, x)
     predicted = np.full(y.shape, np.nan)
     for rows in groups:
         others = np.setdiff1d(np.arange(len(x)), rows)
@@ -201,7 +201,7 @@ def choose(
             inverse = invert(x, s, lam, degree)
             for table, y, error in zip(tried, values, errors, strict=True):
                 usable = inverse.condition <= SINGULAR
-                found = error(left_out(inverse, y, groups)) if usable else np.inf
+                found = error(leave_out(inverse, y, groups)) if usable else np.inf
                 table.append((s, lam, inverse.condition, found))
     chosen: list[Choice | None] = []
     for table in tried:

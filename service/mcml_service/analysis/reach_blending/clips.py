@@ -14,7 +14,7 @@ from mcml.motion.skeleton import Array, Convention, Joint, Skeleton
 from mcml.motion.units import UNITS
 from mcml_service.analysis.interface import AnalysisError, Motion
 from mcml_service.analysis.reach_blending.options import Options
-from mcml_service.analysis.reach_blending.phases import Phases, angular_speed, find_phases, given_phases
+from mcml_service.analysis.reach_blending.phases import Phases, angular_speed, check_phases, find_phases
 from mcml_service.analysis.reach_blending.principal_components import principal_components
 from mcml_service.analysis.reach_blending.quaternion_tracks import continuous, fill_gaps, jumps, second_moments, unit
 
@@ -50,7 +50,7 @@ class Clip:
 
     def tracks(self) -> tuple[Array, Array]:
         """Root (F, 3) and continuous rotations (F, J, 4): made when asked for, as thousands of clips have many."""
-        rotations, translations, _ = _filled(self.motion, self.places)
+        rotations, translations, _ = _fill(self.motion, self.places)
         return translations[:, 0], continuous(unit(rotations))
 
 
@@ -92,16 +92,16 @@ def common_body(motions: Sequence[Motion], options: Options) -> tuple[Body, list
             if motion.skeleton is not first.skeleton:
                 _same_joints(first, motion, motions)
     else:
-        kept = _shared_joints(motions)
+        kept = _find_shared_joints(motions)
         places = [_places(motion.skeleton, kept) for motion in motions]
     skeleton = _part_of(first.skeleton, places[0])
-    phase_joint = named_joint(skeleton, options.phase_joint, "phase-joint-not-found")
-    hand = named_joint(skeleton, options.hand_joint, "hand-joint-not-found") if options.hand_joint else None
+    phase_joint = find_joint(skeleton, options.phase_joint, "phase-joint-not-found")
+    hand = find_joint(skeleton, options.hand_joint, "hand-joint-not-found") if options.hand_joint else None
     hand = _hand_of(skeleton, phase_joint) if hand is None else hand
     return Body(skeleton, phase_joint, _chain(skeleton, hand)), places
 
 
-def named_joint(skeleton: Skeleton, name: str, code: str) -> int:
+def find_joint(skeleton: Skeleton, name: str, code: str) -> int:
     """The place of a joint by its MCML name or its source's. Raises AnalysisError with that code."""
     for spelled in (skeleton.names, tuple(joint.source_name for joint in skeleton.joints)):
         if name in spelled:
@@ -113,7 +113,7 @@ def named_joint(skeleton: Skeleton, name: str, code: str) -> int:
 def read_clip(motion: Motion, places: NDArray[np.intp], body: Body, options: Options) -> Clip:
     """One motion as a clip. Raises AnalysisError with the reason why it cannot be used."""
     warnings: list[tuple[str, str]] = []
-    rotations, translations, count = _filled(motion, places)
+    rotations, translations, count = _fill(motion, places)
     if count:
         warnings.append(("gap-filled", f"{motion.name}: samples of {count} frames were missing and are filled in"))
     rotations = continuous(unit(rotations))
@@ -126,7 +126,7 @@ def read_clip(motion: Motion, places: NDArray[np.intp], body: Body, options: Opt
     attributes = np.array([attribute_of(motion, name) for name in options.attributes])
     joint_rotations = rotations[:, body.phase_joint]
     if motion.document in options.times:
-        phases = given_phases(joint_rotations, motion.fps, options.times[motion.document], options.phase_method)
+        phases = check_phases(joint_rotations, motion.fps, options.times[motion.document], options.phase_method)
     else:
         phases = find_phases(joint_rotations, motion.fps, options.phase_method)
     offsets = np.median(translations, axis=0)
@@ -146,7 +146,7 @@ def read_clip(motion: Motion, places: NDArray[np.intp], body: Body, options: Opt
     )
 
 
-def _filled(motion: Motion, places: NDArray[np.intp]) -> tuple[Array, Array, int]:
+def _fill(motion: Motion, places: NDArray[np.intp]) -> tuple[Array, Array, int]:
     """Rotations (F, J, 4) and translations (F, J, 3) of some joints, and in how many frames samples were filled in."""
     rotations, translations = motion.rotations[:, places], motion.translations[:, places]
     missing: NDArray[np.bool_] = ~np.isfinite(np.concatenate([rotations, translations], axis=2)).all(axis=2)
@@ -214,7 +214,7 @@ def check_ranges(names: Sequence[str], values: Sequence[float], where: str) -> N
 def turning_freely(skeleton: Skeleton) -> Skeleton:
     """The skeleton with a third rotation channel, the last, at joints with two: blends leave the two axes."""
 
-    def freed(joint: Joint) -> Joint:
+    def free(joint: Joint) -> Joint:
         turns = [channel for channel in joint.channels if channel[0] == "R"]
         if len(turns) != 2:
             return joint
@@ -222,7 +222,7 @@ def turning_freely(skeleton: Skeleton) -> Skeleton:
         order = "".join(channel[1].upper() for channel in (*turns, third))
         return replace(joint, channels=(*joint.channels, third), rotation_order=order)
 
-    return Skeleton(tuple(freed(joint) for joint in skeleton.joints))
+    return Skeleton(tuple(free(joint) for joint in skeleton.joints))
 
 
 def differing_bones(body: Body, offsets: Array) -> list[str]:
@@ -247,7 +247,8 @@ def _same_joints(first: Motion, other: Motion, motions: Sequence[Motion]) -> Non
         if mine != its:
             raise AnalysisError(
                 "skeleton-mismatch",
-                f"Joint {place + 1} is {_told(ours, place)} in {first.name}, {_told(theirs, place)} in {other.name}.",
+                f"Joint {place + 1} is {_describe(ours, place)} in {first.name}, "
+                f"{_describe(theirs, place)} in {other.name}.",
                 remedy='Choose clips of one skeleton, or set joints to "intersection".',
                 documents=[first.document, other.document],
                 leave_out=minority({m.document: tuple((j.name, j.parent) for j in m.skeleton.joints) for m in motions}),
@@ -260,14 +261,14 @@ def minority(kinds: Mapping[str, Hashable]) -> list[str]:
     return [document for document, kind in kinds.items() if kind != usual]
 
 
-def _told(joints: Sequence[Joint], place: int) -> str:
+def _describe(joints: Sequence[Joint], place: int) -> str:
     if place >= len(joints):
         return "none"
     parent = joints[place].parent
     return f"{joints[place].name} below {joints[parent].name}" if parent >= 0 else f"{joints[place].name}, a root"
 
 
-def _shared_joints(motions: Sequence[Motion]) -> list[str]:
+def _find_shared_joints(motions: Sequence[Motion]) -> list[str]:
     """Names of joints that every motion has, below the same parents, which are kept too; in the first one's order."""
     parents = [
         {j.name: motion.skeleton.joints[j.parent].name if j.parent >= 0 else "" for j in motion.skeleton.joints}

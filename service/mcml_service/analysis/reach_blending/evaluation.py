@@ -9,7 +9,7 @@ import numpy as np
 
 from mcml.motion.skeleton import Array
 from mcml_service.analysis.reach_blending.accuracy import Errors, errors_of
-from mcml_service.analysis.reach_blending.blend import Groups, invert, left_out, linear_left_out, nearest_left_out
+from mcml_service.analysis.reach_blending.blend import Groups, invert, leave_out, linear_left_out, nearest_left_out
 from mcml_service.analysis.reach_blending.fit import Fitted
 from mcml_service.analysis.reach_blending.model import from_time_values
 
@@ -53,7 +53,7 @@ def predictions(fitted: Fitted) -> list[Prediction]:
             continue
         both = selected.coefficients, selected.time_values
         tries: list[tuple[Predictor, list[Array]]] = [
-            ("model", [left_out(inverse, both[0], groups), left_out(time_inverse, both[1], groups)]),
+            ("model", [leave_out(inverse, both[0], groups), leave_out(time_inverse, both[1], groups)]),
             ("linear", [linear_left_out(x, y, degree, groups) for y in both]),
             ("nearest", [nearest_left_out(x, y, groups) for y in both]),
         ]

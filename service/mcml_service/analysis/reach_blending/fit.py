@@ -43,7 +43,7 @@ from mcml_service.analysis.reach_blending.motion_spaces import (
 from mcml_service.analysis.reach_blending.options import Options
 from mcml_service.analysis.reach_blending.phases import angular_speed
 from mcml_service.analysis.reach_blending.principal_components import Components, principal_components
-from mcml_service.analysis.reach_blending.quaternion_tracks import aligned, mean_rotations
+from mcml_service.analysis.reach_blending.quaternion_tracks import align_tracks, mean_rotations
 from mcml_service.analysis.reach_blending.selection import Selected, examples_needed, select
 from mcml_service.analysis.reach_blending.time_normalisation import (
     Knots,
@@ -112,7 +112,7 @@ def fit(motions: Sequence[Motion], options: Options, progress: Progress = silent
 
     attributes = np.array([clip.attributes for clip in clips]).reshape(len(clips), len(options.attributes))
     scarce = scarcity(options.attributes, attributes, _labels(clips, options))
-    with _told(scarce):
+    with _explain(scarce):
         examples_needed(attributes, options, [excluded_.reason for excluded_ in excluded])
     space = attribute_space(attributes, options.scaling)
     warnings += [*scarce, *_about_attributes(space, options)]
@@ -123,7 +123,7 @@ def fit(motions: Sequence[Motion], options: Options, progress: Progress = silent
     knots = options.knots or mean_knots(times)
     progress("sampling", 0.3)
     reference = mean_rotations(sum((clip.moments for clip in clips), np.zeros(())))
-    sampled = _sampled(clips, reference, knots)
+    sampled = _sample(clips, reference, knots)
     ruler = Ruler(body.phase_joint, body.chain, offsets[_middle(x)])
     progress("components", 0.4)
     motion_space, vectors, shares = _vectors(clips, reference, knots, sampled, offsets, options)
@@ -132,7 +132,7 @@ def fit(motions: Sequence[Motion], options: Options, progress: Progress = silent
     components = principal_components(vectors, options.components, options.variance, in_place=True)
     del vectors
     progress("cross-validation", 0.6)
-    with _told(scarce):
+    with _explain(scarce):
         selected = select(
             x,
             groups,
@@ -241,7 +241,7 @@ def scarcity(names: Sequence[str], attributes: Array, subjects: Sequence[str] | 
 
 
 @contextmanager
-def _told(scarce: Sequence[tuple[str, str]]) -> Iterator[None]:
+def _explain(scarce: Sequence[tuple[str, str]]) -> Iterator[None]:
     """Where examples are too few since they show so little, the error says that, and not that clips are few."""
     try:
         yield
@@ -292,10 +292,10 @@ def _labels(clips: Sequence[Clip], options: Options) -> list[str] | None:
 def _tracks(clips: Sequence[Clip], reference: Array, knots: Knots) -> Iterator[Track]:
     for clip in clips:
         root, rotations = clip.tracks()
-        yield Track(root, aligned(rotations, reference), instants(knots, clip.phases.times))
+        yield Track(root, align_tracks(rotations, reference), instants(knots, clip.phases.times))
 
 
-def _sampled(clips: Sequence[Clip], reference: Array, knots: Knots) -> Sampled:
+def _sample(clips: Sequence[Clip], reference: Array, knots: Knots) -> Sampled:
     samples, joints = knots[2] + 1, len(reference)
     root, rotations = np.empty((len(clips), samples, 3)), np.empty((len(clips), samples, joints, 4))
     for place, track in enumerate(_tracks(clips, reference, knots)):

@@ -87,7 +87,7 @@ class EigenposeSpace:
         reference: Array | None = None
         for track in tracks:
             pose = principal_components(poses(track.root, track.rotations), self.count, fix_signs=sign_align != "none")
-            basis, coefficients = _padded(pose.basis, self.count), _padded(pose.coefficients.T, self.count).T
+            basis, coefficients = _pad(pose.basis, self.count), _pad(pose.coefficients.T, self.count).T
             if sign_align == "reference":
                 reference = basis if reference is None else reference
                 signs = np.where(np.sum(basis * reference, axis=1) < 0, -1.0, 1.0)
@@ -159,6 +159,6 @@ def from_poses(rows: Array) -> tuple[Array, Array]:
     return rows[..., :3], np.where(lost, [0.0, 0.0, 0.0, 1.0], rotations / np.where(lost, 1.0, norms))
 
 
-def _padded(rows: Array, count: int) -> Array:
+def _pad(rows: Array, count: int) -> Array:
     """(count, D): rows of zeros for components that a short clip does not have."""
     return np.vstack([rows, np.zeros((count - len(rows), rows.shape[1]))])

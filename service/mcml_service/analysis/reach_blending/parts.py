@@ -97,12 +97,12 @@ def _summary(fitted: Fitted, options: Options, own: Errors, errors: Sequence[Pre
         "time_lam": selected.time_lam,
         "time_condition": plain(selected.time_condition),
         "hand_unit": hand_unit,
-        "reconstruction": _named(_measures(fitted, own)),
+        "reconstruction": _name_values(_measures(fitted, own)),
         "left_out": [
             {
                 "left_out": found.left_out,
                 "predictor": found.predictor,
-                **_named(_measures(fitted, found.errors)),
+                **_name_values(_measures(fitted, found.errors)),
                 "times": dict(zip(("t1", "t2", "end"), map(plain, found.times.tolist()), strict=True)),
                 "clips": found.errors.clips,
             }
@@ -125,7 +125,7 @@ def _summary(fitted: Fitted, options: Options, own: Errors, errors: Sequence[Pre
     }
 
 
-def _named(measures: Sequence[float | None]) -> dict[str, float | None]:
+def _name_values(measures: Sequence[float | None]) -> dict[str, float | None]:
     return dict(zip(("joint_degrees", "phase_joint_degrees", "hand"), measures, strict=True))
 
 
@@ -194,11 +194,11 @@ def _selection(fitted: Fitted) -> Part:
     """The widths and ridges tried: error of left-out coefficients, and of times in frames; null where skipped."""
     rows: list[list[Any]] = []
     for of, choice in (("motion", fitted.selected.choice), ("times", fitted.selected.time_choice)):
-        rows += [[of, s, lam, plain(condition), plain(error)] for s, lam, condition, error in _tried(choice)]
+        rows += [[of, s, lam, plain(condition), plain(error)] for s, lam, condition, error in _list_trials(choice)]
     return _table([("of", ""), ("s", ""), ("lam", ""), ("condition", ""), ("error", "")], rows)
 
 
-def _tried(choice: Choice | None) -> Sequence[tuple[float, float, float, float]]:
+def _list_trials(choice: Choice | None) -> Sequence[tuple[float, float, float, float]]:
     return choice.tried if choice else ()
 
 

@@ -64,7 +64,7 @@ def angular_speed(rotations: Array, fps: float, method: Method = "robust") -> Ar
     return np.concatenate([speed[:1], speed])
 
 
-def smoothed(speed: Array, fps: float) -> Array:
+def smooth_speed(speed: Array, fps: float) -> Array:
     """The speed (F,) under a Gaussian of 1/30 s."""
     smooth: Array = scipy.ndimage.gaussian_filter1d(speed, SMOOTHING * fps, mode="nearest")
     return smooth
@@ -78,7 +78,7 @@ def find_phases(rotations: Array, fps: float, method: Method = "robust") -> Phas
     if len(rotations) < FEWEST_FRAMES:
         raise AnalysisError("too-few-frames", f"The clip has {len(rotations)} frames; {FEWEST_FRAMES} are needed.")
     speed = angular_speed(rotations, fps, method)
-    judged = smoothed(speed, fps) if method == "robust" else speed
+    judged = smooth_speed(speed, fps) if method == "robust" else speed
     peak_frame = int(np.argmax(judged))
     peak = float(judged[peak_frame])
     if peak < SLOWEST_PEAK:
@@ -91,13 +91,13 @@ def find_phases(rotations: Array, fps: float, method: Method = "robust") -> Phas
         t1, t2 = _paper_times(speed, peak_frame)
         return Phases(t1, t2, float(len(speed) - 1), peak, peak_frame)
     t1, before = _start(judged, peak_frame, fps)
-    t2, after = _settled(judged, peak_frame, fps)
+    t2, after = _settle(judged, peak_frame, fps)
     end = float(len(speed) - 1)
     t2 = min(max(t2, peak_frame + 0.5), end - 1)
     return Phases(t1, t2, end, peak, peak_frame, before + after)
 
 
-def given_phases(rotations: Array, fps: float, times: tuple[float, float, float], method: Method) -> Phases:
+def check_phases(rotations: Array, fps: float, times: tuple[float, float, float], method: Method) -> Phases:
     """Phases that a person set. Raises AnalysisError `phase-order` unless 0 < t1 < t2 < end <= last frame."""
     t1, t2, end = times
     if not 0 < t1 < t2 < end <= len(rotations) - 1:
@@ -107,7 +107,7 @@ def given_phases(rotations: Array, fps: float, times: tuple[float, float, float]
             remedy="Give times with 0 < t1 < t2 < end, none beyond the last frame.",
         )
     speed = angular_speed(rotations, fps, method)
-    judged = smoothed(speed, fps) if method == "robust" else speed
+    judged = smooth_speed(speed, fps) if method == "robust" else speed
     peak_frame = int(np.argmax(judged))
     return Phases(t1, t2, end, float(judged[peak_frame]), peak_frame, ("given",))
 
@@ -139,7 +139,7 @@ def _start(speed: Array, peak: int, fps: float) -> tuple[float, tuple[str, ...]]
     return float(min(max(start, least), peak - 0.5)), flags
 
 
-def _settled(speed: Array, peak: int, fps: float) -> tuple[float, tuple[str, ...]]:
+def _settle(speed: Array, peak: int, fps: float) -> tuple[float, tuple[str, ...]]:
     crossings = [_first_below(speed, peak, share * speed[peak]) for share in SETTLED]
     widest = crossings[-1]
     if widest is None:

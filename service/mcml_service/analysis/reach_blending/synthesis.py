@@ -61,7 +61,7 @@ def synthesize(model: Model, wish: Wish) -> Made:
     Raises AnalysisError `missing-attribute`, `unknown-attribute`, `attribute-not-a-number`, `unit-suspect`,
     `outside-hull`, `time-order`, `unknown-template`.
     """
-    asked = _asked(model, wish)
+    asked = _read_request(model, wish)
     warnings = _not_modelled(model, asked)
     x = model.attribute_space.coordinates(asked[None])[0]
     nearest = nearest_in_hull(model.centres, x)
@@ -108,7 +108,7 @@ def synthesize(model: Model, wish: Wish) -> Made:
     )
 
 
-def _asked(model: Model, wish: Wish) -> Array:
+def _read_request(model: Model, wish: Wish) -> Array:
     unknown = sorted(set(wish.attributes) - set(model.names))
     if unknown:
         raise AnalysisError(

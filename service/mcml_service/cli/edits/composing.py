@@ -18,7 +18,7 @@ from mcml_service.cli.terminal.opening import (
     JsonOption,
     ServerOption,
     console,
-    opened,
+    open_client,
     print_json,
     write_to_the_end,
 )
@@ -60,7 +60,7 @@ def compose(
             "preview": preview,
         }
     )
-    made = opened(database, server).call("compose", request=request)
+    made = open_client(database, server).call("compose", request=request)
     if as_json:
         print_json(made)
         return
@@ -104,7 +104,7 @@ def retarget(
 ) -> None:
     """Bring a motion, or all that a selection finds, onto the skeleton of another document, as new documents."""
     write_to_the_end()
-    client = opened(database, server)
+    client = open_client(database, server)
     selection = {"project": all_of, "motion_name": motion_name, "xpath": xpath}
     selection = {key: value for key, value in selection.items() if value is not None}
     if len(ids) != (1 if selection else 2):

@@ -14,9 +14,9 @@ from mcml_service.cli.terminal.choosing import (
     ProjectOption,
     XPathOption,
     YesOption,
-    chosen,
-    confirmed,
+    confirm,
     for_each,
+    resolve_documents,
 )
 from mcml_service.cli.terminal.opening import (
     DatabaseOption,
@@ -26,7 +26,7 @@ from mcml_service.cli.terminal.opening import (
     ServerOption,
     console,
     match_of,
-    opened,
+    open_client,
     print_json,
     write_to_the_end,
 )
@@ -44,9 +44,9 @@ def delete(
 ) -> None:
     """Hide documents. Nothing is lost: `mcml restore ID` brings one back."""
     write_to_the_end()
-    client = opened(database, server)
-    found = chosen(client, ids, project, motion_name, xpath)
-    if not confirmed(found, yes, "deleted"):
+    client = open_client(database, server)
+    found = resolve_documents(client, ids, project, motion_name, xpath)
+    if not confirm(found, yes, "deleted"):
         return
 
     def delete_one(item: Any) -> None:
@@ -67,9 +67,9 @@ def rename(
 ) -> None:
     """Give a document another name."""
     write_to_the_end()
-    client = opened(database, server)
+    client = open_client(database, server)
     change = {"name": name, "message": message}
-    _told(
+    _print_changes(
         client.call("change_document", id=id_of(client, id), change=change, if_match=match_of(revision)),
         as_json,
     )
@@ -88,9 +88,9 @@ def move(
 ) -> None:
     """Move documents to a project."""
     write_to_the_end()
-    client = opened(database, server)
-    found = chosen(client, ids, project, motion_name, xpath)
-    if not confirmed(found, yes, "moved"):
+    client = open_client(database, server)
+    found = resolve_documents(client, ids, project, motion_name, xpath)
+    if not confirm(found, yes, "moved"):
         return
     change = {"project": to, "message": message}
 
@@ -122,16 +122,16 @@ def set_(
     if not given:
         raise typer.BadParameter("say what: --frame-time, --unit, --up or --description")
     write_to_the_end()
-    client = opened(database, server)
+    client = open_client(database, server)
     change = dict(**given, message=message)
 
     def set_one(item: Any) -> None:
-        _told(client.call("change_document", id=item.id, change=change, if_match=match_of(revision)), as_json)
+        _print_changes(client.call("change_document", id=item.id, change=change, if_match=match_of(revision)), as_json)
 
-    for_each(chosen(client, ids, project, motion_name, xpath), set_one)
+    for_each(resolve_documents(client, ids, project, motion_name, xpath), set_one)
 
 
-def _told(made: DocumentDetail, as_json: bool) -> None:
+def _print_changes(made: DocumentDetail, as_json: bool) -> None:
     if as_json:
         print_json(made)
     else:

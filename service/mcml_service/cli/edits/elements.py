@@ -15,7 +15,7 @@ from mcml_service.cli.terminal.opening import (
     RevisionOption,
     ServerOption,
     match_of,
-    opened,
+    open_client,
 )
 from mcml_service.cli.terminal.present import present
 from mcml_service.operations import OPERATIONS
@@ -50,7 +50,7 @@ def set_(
         raise typer.BadParameter("write NAME=VALUE, or --text TEXT")
     body: dict[str, Any] = {"attributes": {name: value or None for name, _, value in pairs}, "message": message}
     body |= {} if text is None else {"text": text}
-    client = opened(database, server)
+    client = open_client(database, server)
     done = client.call(
         "change_element",
         id=id_of(client, id),
@@ -78,6 +78,6 @@ def move(
     """Take an element from its place and put it beside another, or into it."""
     edit = {"do": "move", "xpath": xpath, "to": to, "where": where}
     request = ElementEdits.model_validate({"edits": [edit], "renumber": renumber, "message": message})
-    client = opened(database, server)
+    client = open_client(database, server)
     done = client.call("edit_elements", id=id_of(client, id), request=request, if_match=match_of(revision))
     present(OPERATIONS["edit_elements"], done, as_json)

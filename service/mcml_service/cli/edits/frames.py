@@ -16,7 +16,7 @@ from mcml_service.cli.terminal.opening import (
     RevisionOption,
     ServerOption,
     match_of,
-    opened,
+    open_client,
 )
 from mcml_service.cli.terminal.present import present
 from mcml_service.operations import OPERATIONS
@@ -81,7 +81,7 @@ def frames(
     unused = sorted(set(edit) - set(kind.model_fields))
     if unused:
         raise typer.BadParameter(f"{do} has no use for {', '.join(unused)}")
-    client = opened(database, server)
+    client = open_client(database, server)
     if source is not None:
         edit["document"] = id_of(client, source)
     request = FrameEdits.model_validate({"edits": [{"do": do} | edit], "renumber": renumber, "message": message})

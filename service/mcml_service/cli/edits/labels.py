@@ -13,7 +13,7 @@ from mcml_service.cli.terminal.opening import (
     JsonOption,
     ServerOption,
     console,
-    opened,
+    open_client,
     print_json,
     write_to_the_end,
 )
@@ -33,7 +33,7 @@ def label(
 ) -> None:
     """Name frames of a document."""
     write_to_the_end()
-    client = opened(database, server)
+    client = open_client(database, server)
     found = client.call("get_document", id=id_of(client, id))
     id, frames = found.id, found.frames
     asked = [_range(parse_label(text), frames) for text in labels]
@@ -58,7 +58,7 @@ def suggest(
 ) -> None:
     """Find anatomical movements in a motion, as names for its frames."""
     write_to_the_end()
-    client = opened(database, server)
+    client = open_client(database, server)
     id = id_of(client, id)
     found = client.call("suggest_labels", id=id, confidence=confidence, facing=facing and facing.upper())
     if accept and found.items:

@@ -18,7 +18,7 @@ from mcml_service.cli.terminal.opening import (
     JsonOption,
     ServerOption,
     console,
-    opened,
+    open_client,
     print_json,
     write_to_the_end,
 )
@@ -48,7 +48,7 @@ def apply(
     All documents, unless some are named or chosen.
     """
     write_to_the_end()
-    client = opened(database, server)
+    client = open_client(database, server)
     options = {"project": project, "motion_name": motion_name, "xpath": xpath}
     if ids and any(option is not None for option in options.values()):
         raise typer.BadParameter("name documents, or choose them by --project, --motion-name, --xpath")
@@ -85,7 +85,7 @@ def alias(
     if not all(one and other for one, other in given) or not (given or remove):
         raise typer.BadParameter("NAME=JOINT, such as Hüfte=Root, or --remove NAME")
     write_to_the_end()
-    client = opened(database, server)
+    client = open_client(database, server)
     present_table = client.call("get_aliases", project=project)
     gone = {alias_key(name) for name in (*(one for one, _ in given), *(remove or ()))}
     items = [item for item in present_table.items if alias_key(item.source) not in gone]
@@ -112,7 +112,7 @@ def vocabulary(
     """The motion names that a project agrees on, which the studio offers first; with names, change them."""
     from mcml.language.motion_names import canonical
 
-    client = opened(database, server)
+    client = open_client(database, server)
     kept = client.call("get_vocabulary", project=project)
     if not (words or colour or remove):
         present(OPERATIONS["get_vocabulary"], kept, as_json)
@@ -151,7 +151,7 @@ def save(
 ) -> None:
     """Save which joint is which: pairs of your own, over those that are suggested for two documents."""
     write_to_the_end()
-    client = opened(database, server)
+    client = open_client(database, server)
     pairs: dict[str, str] = {}
     if suggest is not None:
         one, other = (id_of(client, text) for text in suggest)

@@ -13,7 +13,7 @@ from mcml_service.cli.terminal.choosing import YesOption
 from mcml_service.cli.terminal.opening import (
     DatabaseOption,
     JsonOption,
-    chosen_settings,
+    choose_settings,
     console,
     open_database,
     print_json,
@@ -45,7 +45,7 @@ def purge(
         raise McmlError("Nothing is named.", remedy="Name full ids, --deleted-before DAYS, or --project NAME.")
     from mcml_service.actions.keeping.purge_documents import purge_documents, purgeable
 
-    settings = chosen_settings(database)
+    settings = choose_settings(database)
     store = open_database(settings)
     wanted = list(ids or ())
     if chooses:

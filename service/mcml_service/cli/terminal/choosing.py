@@ -23,7 +23,7 @@ XPathOption = Annotated[str | None, typer.Option("--xpath", help="Instead: docum
 YesOption = Annotated[bool, typer.Option("--yes", "-y", help="Do it; without, what it would be done to is shown")]
 
 
-def chosen(
+def resolve_documents(
     client: Client, ids: list[str] | None, project: str | None, motion_name: str | None, xpath: str | None
 ) -> list[DocumentSummary]:
     """The documents of a command: those that it names, or those that its options choose; wrong usage for both."""
@@ -36,7 +36,7 @@ def chosen(
     return found
 
 
-def confirmed(found: list[DocumentSummary], yes: bool, what: str) -> bool:
+def confirm(found: list[DocumentSummary], yes: bool, what: str) -> bool:
     """Whether to go on; else the documents are shown, with how to go on."""
     if yes:
         return True

@@ -37,7 +37,7 @@ JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for scripts
 console = Console(highlight=False, markup=False, soft_wrap=True, width=None if sys.stdout.isatty() else 1000)
 
 
-def chosen_settings(database: str | None = None, **changes: Any) -> Settings:
+def choose_settings(database: str | None = None, **changes: Any) -> Settings:
     """Settings from the environment, with what the command line says. McmlError for a variable that makes no sense."""
     given = {key: value for key, value in {"database": database, **changes}.items() if value is not None}
     try:
@@ -76,9 +76,9 @@ def upgrade_database(settings: Settings) -> Database:
     return database
 
 
-def opened(database: str | None, server: str | None) -> Client:
+def open_client(database: str | None, server: str | None) -> Client:
     """What a command works on: a store here, or a server."""
-    settings = chosen_settings(database)
+    settings = choose_settings(database)
     if server is None:
         from mcml_service.local_store import Local
 

@@ -84,7 +84,7 @@ def present(operation: Operation, answer: Any, as_json: bool = False) -> None:
     if as_json:
         print_json(answer)
     elif kind == "DocumentDetail" and writes:
-        _revised(answer)
+        _print_revision(answer)
     elif kind == "Job" and writes:
         console.print(f"{answer.state if answer.state != 'running' else 'ending'}  {answer.name}  {answer.id}")
     else:
@@ -93,7 +93,7 @@ def present(operation: Operation, answer: Any, as_json: bool = False) -> None:
         fail_with(answer)
 
 
-def listed(answer: Any) -> None:
+def print_items(answer: Any) -> None:
     """Items as a table."""
     columns = COLUMNS.get(type(answer).__name__) or _columns(answer)
     rows = table(*(heading.partition("#")[0] + ("#" if "#" in heading else "") for heading in columns.values()))
@@ -131,10 +131,10 @@ def _anything(answer: Any) -> None:
         for item in answer.items:
             console.print(item)
     else:
-        listed(answer)
+        print_items(answer)
 
 
-def _revised(made: DocumentDetail) -> None:
+def _print_revision(made: DocumentDetail) -> None:
     console.print(f"revision {made.revision}, {made.frames:,} frames")
 
 
@@ -154,7 +154,7 @@ def _document(found: DocumentDetail) -> None:
         console.print(f"  {item.first}-{item.last}  {item.name}")
 
 
-def _changed(changed: ChangedDocuments) -> None:
+def _print_changed(changed: ChangedDocuments) -> None:
     for item in changed.items:
         console.print(f"changed  {item.name}  {item.id}  revision {item.revision}")
     console.print(f"{len(changed.items)} changed")
@@ -224,7 +224,7 @@ def _calibration(found: Calibration) -> None:
 
 SHOW: dict[str, Callable[[Any], None]] = {
     "DocumentDetail": _document,
-    "ChangedDocuments": _changed,
+    "ChangedDocuments": _print_changed,
     "ElementEdited": _element,
     "FramesEdited": _frames,
     "Difference": _difference,

@@ -19,7 +19,7 @@ from mcml_service.actions.editing.drafts import Changes, Values, apply_changes
 from mcml_service.actions.editing.element_edits import ElementEdit
 from mcml_service.operations.arguments import DocumentId, IfMatch, at_revision, tag
 from mcml_service.operations.call import Call
-from mcml_service.operations.edits.elements import Edit, made_edits
+from mcml_service.operations.edits.elements import Edit, make_edits
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
@@ -78,12 +78,12 @@ def make_changes(
         with call.database.write(call.author) as tx:
             stored, base = edit.check(tx, id)
             merging = None if base is None else Merge(*_states(tx, id, base, stored))
-            todo = wanted.changes if merging is None else merging.carried(wanted.changes)
+            todo = wanted.changes if merging is None else merging.carry_over(wanted.changes)
             if dry_run:
-                answer = _tried(wanted, merging, stored, lambda: _apply(tx, stored, todo, changes.message))
+                answer = _try(wanted, merging, stored, lambda: _apply(tx, stored, todo, changes.message))
                 raise _UndoneError
             if merging is not None and merging.conflicts:
-                raise _refused(merging, stored)
+                raise _refuse(merging, stored)
             changed = _apply(tx, stored, todo, changes.message)
     except _UndoneError:
         if answer.faults:
@@ -109,7 +109,7 @@ def _read(call: Call, uuid: str, changes: ChangeSet, base: int | None, *, tell: 
     wanted = _Wanted()
     for number, item in enumerate(changes.elements):
         with _fault(wanted.faults if tell else None, "elements", number):
-            found = made_edits(call, uuid, item, base, many=changes.many, renumber=changes.renumber)
+            found = make_edits(call, uuid, item, base, many=changes.many, renumber=changes.renumber)
             wanted.elements.append((number, found))
     for number, block in enumerate(changes.frames):
         with _fault(wanted.faults if tell else None, "frames", number):
@@ -139,7 +139,7 @@ def _values(block: FrameBlock) -> Values:
     return Values(block.first, columns, np.array(rows, np.float64))
 
 
-def _tried(
+def _try(
     wanted: _Wanted, merging: Merge | None, stored: StoredDocument, make: Callable[[], StoredDocument]
 ) -> ChangesMade:
     answer = ChangesMade(revision=stored.revision, frames=stored.frames, merged=merging is not None)
@@ -161,7 +161,7 @@ def _each(call: Call, uuid: str, wanted: _Wanted, edit: Edit) -> list[Fault]:
             with call.database.write(call.author) as tx:
                 stored, base = edit.check(tx, uuid)
                 with _fault(faults, part, number):
-                    todo = changes if base is None else Merge(*_states(tx, uuid, base, stored)).carried(changes)
+                    todo = changes if base is None else Merge(*_states(tx, uuid, base, stored)).carry_over(changes)
                     apply_changes(tx, stored, todo)
                 raise _UndoneError
         except _UndoneError:
@@ -193,7 +193,7 @@ def _fault(faults: list[Fault] | None, part: Part, number: int | None) -> Iterat
         )
 
 
-def _refused(merging: Merge, stored: StoredDocument) -> ConflictError:
+def _refuse(merging: Merge, stored: StoredDocument) -> ConflictError:
     count = len(merging.conflicts)
     return ConflictError(
         f"The document is at revision {stored.revision}: {count} of these changes touch what was changed meanwhile.",

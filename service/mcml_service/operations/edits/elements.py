@@ -33,7 +33,7 @@ from mcml_service.actions.editing.element_edits import Deletion, ElementEdit, In
 from mcml_service.actions.editing.single_element import Change
 from mcml_service.actions.reading import list_children as listing
 from mcml_service.actions.reading.read_element import read_element
-from mcml_service.operations.arguments import MOST, AtRevision, DocumentId, IfMatch, at_revision, checked_for_write, tag
+from mcml_service.operations.arguments import MOST, AtRevision, DocumentId, IfMatch, at_revision, find_for_write, tag
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import Body, gives
 from mcml_service.storage.documents.documents import StoredDocument
@@ -80,11 +80,11 @@ class Edit:
     def check(self, tx: Transaction, uuid: str) -> tuple[StoredDocument, int | None]:
         """The document, locked; and the older revision that the edits were made for, if they are to be merged."""
         try:
-            return checked_for_write(tx, uuid, self.if_match), None
+            return find_for_write(tx, uuid, self.if_match), None
         except PreconditionError as error:
             if error.status != 412 or self.base is None:
                 raise
-            return checked_for_write(tx, uuid, "*"), self.base
+            return find_for_write(tx, uuid, "*"), self.base
 
 
 @gives("The element, or the text of the attribute", {"application/xml": FRAME_BONE, "text/plain": NODE["value"]})
@@ -114,7 +114,7 @@ def list_children(
     with call.database.read() as tx:
         then, stored = at_revision(tx, id, revision)
         asked = zlib.crc32(address.encode())
-        call.tagged(tag(stored, f"children-{asked}-{first}-{limit}"), lasting=revision is not None)
+        call.set_tag(tag(stored, f"children-{asked}-{first}-{limit}"), lasting=revision is not None)
         most = min(limit, call.settings.page_limit)
         total, found = listing.list_children(then, stored, address, first, most)
     items = [
@@ -169,7 +169,7 @@ def edit_elements(call: Call, id: DocumentId, request: ElementEdits, edit: Edit)
     edits = [
         made
         for item in request.edits
-        for made in made_edits(call, id, item, edit.base, many=request.many, renumber=request.renumber)
+        for made in make_edits(call, id, item, edit.base, many=request.many, renumber=request.renumber)
     ]
     return _edit(call, id, edit, edits, request.message)
 
@@ -180,14 +180,14 @@ def _edit(call: Call, uuid: str, edit: Edit, edits: Sequence[ElementEdit], messa
         stored, base = edit.check(tx, uuid)
         if base is not None:
             then, was = at_revision(tx, uuid, base)
-            moved = editing.carried_over(then, was, tx, stored, [one.address for one in edits])
+            moved = editing.carry_over(then, was, tx, stored, [one.address for one in edits])
             edits = [replace(one, address=address) for one, address in zip(edits, moved, strict=True)]
         changed = editing.edit_elements(tx, stored, edits, message, gapless=edit.gaps == "refuse")
     call.tag = tag(changed)
     return ElementEdited(address=edits[0].address, elements=len(edits), revision=changed.revision)
 
 
-def made_edits(
+def make_edits(
     call: Call, uuid: str, item: AnyEdit, base: int | None, *, many: bool, renumber: bool
 ) -> list[ElementEdit]:
     """An edit by an expression, as edits by canonical addresses. base: the revision that it is said of; default the

@@ -48,8 +48,8 @@ from mcml_service.operations.arguments import (
     Page,
     Raw,
     at_revision,
-    checked_for_write,
     encode_cursor,
+    find_for_write,
     tag,
 )
 from mcml_service.operations.call import Call
@@ -144,12 +144,12 @@ def get_frames(
             raise RequestError(
                 "Extremes are those of channels, as npy or block.", remedy="Ask with format=block, without step."
             )
-        return _reduced(call, id, revision, (first, last, pixels), bone, dtype, format)
+        return _reduce(call, id, revision, (first, last, pixels), bone, dtype, format)
     if format != "json":
         asked_for = [asked_quantity(one) for one in dict.fromkeys(quantity or ())]
         then, stored = at_revision(call.read(), id, revision)
         asked = f"{space}-{dtype}-{zlib.crc32(repr((bone, quantity)).encode())}-{origin}-{missing}-{tips}-{raw}"
-        call.tagged(tag(stored, f"{format}-{first}-{last}-{step}-{asked}"), lasting=revision is not None)
+        call.set_tag(tag(stored, f"{format}-{first}-{last}-{step}-{asked}"), lasting=revision is not None)
         source = read_clip(then, stored, first=first, last=last, step=step, labelled=False)
         point = origin_of(then, source) if origin == "subtract" else None
         numbers = read_numbers(source.clip, source.names, bone, space, origin=point, held=missing == "hold", tips=tips)
@@ -183,7 +183,7 @@ def get_frames(
     return FramePage(items=items, next_cursor=encode_cursor(following) if following <= limit else None)
 
 
-def _reduced(
+def _reduce(
     call: Call,
     uuid: str,
     revision: int | None,
@@ -196,7 +196,7 @@ def _reduced(
     with call.database.read() as tx:
         then, stored = at_revision(tx, uuid, revision)
         asked = zlib.crc32(repr(bone).encode())
-        call.tagged(
+        call.set_tag(
             tag(stored, f"minmax-{form}-{'-'.join(map(str, which))}-{dtype}-{asked}"), lasting=revision is not None
         )
         found = reduce_frames(then, stored, *which, bone)
@@ -216,10 +216,10 @@ def _file(source: StoredClip, numbers: Numbers, first: int, step: int, dtype: st
     if form == "npy":
         size = len(npy_header(shape, dtype)) + math.prod(shape) * np.dtype(dtype).itemsize
         values: Iterator[bytes | memoryview] = npy_blocks((block for block, _ in numbers.blocks()), shape, dtype)
-        return Content(values, TYPES[form], name, size=size, facts=_told(numbers))
+        return Content(values, TYPES[form], name, size=size, facts=_describe_columns(numbers))
     if form == "block":
         values = plain_blocks((block for block, _ in numbers.blocks()), dtype)
-        facts = _told(numbers) | {"shape": ",".join(map(str, shape))}
+        facts = _describe_columns(numbers) | {"shape": ",".join(map(str, shape))}
         return Content(values, TYPES[form], size=math.prod(shape) * np.dtype(dtype).itemsize, facts=facts)
     if form == "npz":
         ids: list[str] = []
@@ -259,7 +259,7 @@ def _file(source: StoredClip, numbers: Numbers, first: int, step: int, dtype: st
     return Content(write_table(form, batches(), About(units=units, raw=raw)), TYPES[form], name)
 
 
-def _told(numbers: Numbers) -> dict[str, str]:
+def _describe_columns(numbers: Numbers) -> dict[str, str]:
     """The names of columns, and their units where some are quantities."""
     found = _short(numbers.columns)
     return found if numbers.units is None or not found else found | {"units": ",".join(numbers.units)}
@@ -277,8 +277,8 @@ def edit_frames(call: Call, id: DocumentId, edits: FrameEdits, if_match: IfMatch
     What stays is not written again. Positions in a later edit are those that the earlier ones left.
     """
     with call.database.write(call.author) as tx:
-        changed = frame_ranges.edit_frames(tx, checked_for_write(tx, id, if_match), edits)
-    return _edited(call, changed)
+        changed = frame_ranges.edit_frames(tx, find_for_write(tx, id, if_match), edits)
+    return _edit(call, changed)
 
 
 def put_frames(
@@ -326,7 +326,7 @@ def put_frames(
         )
     named = [(text.rpartition(".")[0], text.rpartition(".")[2]) for text in columns]
     with call.database.write(call.author) as tx:
-        return _edited(call, _put(tx, checked_for_write(tx, id, if_match), first, named, values))
+        return _edit(call, _put(tx, find_for_write(tx, id, if_match), first, named, values))
 
 
 def _put(
@@ -338,7 +338,7 @@ def _put(
     return tx.documents.get(stored.uuid)
 
 
-def _edited(call: Call, changed: StoredDocument) -> FramesEdited:
+def _edit(call: Call, changed: StoredDocument) -> FramesEdited:
     call.tag = tag(changed)
     return FramesEdited(revision=changed.revision, frames=changed.frames)
 

@@ -25,11 +25,11 @@ from mcml_service.operations.arguments import (
     Page,
     Raw,
     at_revision,
-    checked_for_write,
+    find_for_write,
     tag,
 )
 from mcml_service.operations.call import Call
-from mcml_service.operations.documents import changed_documents
+from mcml_service.operations.documents import describe_changed
 from mcml_service.operations.operation import Body, gives
 from mcml_service.storage.documents.spans import StoredSpan
 from mcml_service.storage.lists.filtering import DocumentFilter
@@ -74,7 +74,7 @@ def add_labels(
 ) -> LabelPage:
     """All of the list, or nothing, becomes one revision."""
     with call.database.write(call.author) as tx:
-        stored = checked_for_write(tx, id, if_match)
+        stored = find_for_write(tx, id, if_match)
         added = changes.add_labels(tx, stored, [(item.name, item.first, item.last) for item in labels], strict=strict)
         call.tag = tag(tx.documents.get(id))
     return LabelPage(items=[_label(span) for span in added])
@@ -85,7 +85,7 @@ def change_label(
 ) -> LabelPage:
     """Answers what it has become; it has another id then."""
     with call.database.write(call.author) as tx:
-        stored = checked_for_write(tx, id, if_match)
+        stored = find_for_write(tx, id, if_match)
         made = edit_labels.change_label(tx, stored, label, **change.model_dump())
         call.tag = tag(tx.documents.get(id))
     return LabelPage(items=[_label(span) for span in made])
@@ -93,7 +93,7 @@ def change_label(
 
 def delete_label(call: Call, id: DocumentId, label: LabelId, if_match: IfMatch = None) -> None:
     with call.database.write(call.author) as tx:
-        changes.remove_labels(tx, checked_for_write(tx, id, if_match), label)
+        changes.remove_labels(tx, find_for_write(tx, id, if_match), label)
         call.tag = tag(tx.documents.get(id))
 
 
@@ -109,7 +109,7 @@ def label_by_query(call: Call, request: LabelQuery) -> ChangedDocuments:
         strict=request.strict,
         instead_of=request.instead_of,
     )
-    return changed_documents(changed)
+    return describe_changed(changed)
 
 
 @gives("The table", {"text/csv": TABLE, TYPES["arrow"]: None, TYPES["parquet"]: None})
@@ -148,7 +148,7 @@ def import_labels(
 ) -> ChangedDocuments:
     """`name` may stand for `document`. All of the table, or nothing."""
     with call.database.write(call.author) as tx:
-        return changed_documents(edit_labels.write_label_table(tx, content, project, strict=strict, replace=replace))
+        return describe_changed(edit_labels.write_label_table(tx, content, project, strict=strict, replace=replace))
 
 
 def _label(span: StoredSpan) -> Label:

@@ -13,7 +13,7 @@ from mcml_service.actions.checking.preconditions import check_match
 from mcml_service.actions.composing.keep_mapping import keep_mapping, mapping_answer
 from mcml_service.actions.naming import apply_names as applying
 from mcml_service.actions.naming import keep_aliases
-from mcml_service.operations.arguments import DocumentId, IfMatch, InProject, Page, checked_for_write
+from mcml_service.operations.arguments import DocumentId, IfMatch, InProject, Page, find_for_write
 from mcml_service.operations.call import Call
 
 OfProject = Annotated[
@@ -59,7 +59,7 @@ def apply_names(
             items = applying.renames(tx, stored)[1]
     else:
         with call.database.write(call.author) as tx:
-            stored, items = applying.apply_names(tx, checked_for_write(tx, id, if_match))
+            stored, items = applying.apply_names(tx, find_for_write(tx, id, if_match))
     return AppliedNames(document=id, revision=stored.revision, items=items)
 
 

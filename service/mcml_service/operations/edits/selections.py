@@ -8,7 +8,7 @@ from mcml_schemas.selections import CopiedDocuments, ManyChanges, ManyCopies, Ma
 from mcml_service.actions.editing import whole_document as changes
 from mcml_service.actions.labelling import edit_labels
 from mcml_service.operations.call import Call
-from mcml_service.operations.documents import changed_documents
+from mcml_service.operations.documents import describe_changed
 from mcml_service.storage.documents.documents import StoredDocument
 
 
@@ -19,7 +19,7 @@ def delete_documents(call: Call, selection: Selection) -> ChangedDocuments:
     done: list[StoredDocument] = []
 
     def delete() -> None:
-        uuids = _chosen(call, selection)
+        uuids = _choose(call, selection)
         done.clear()
         with call.database.write(call.author) as tx:
             for uuid in uuids:
@@ -29,7 +29,7 @@ def delete_documents(call: Call, selection: Selection) -> ChangedDocuments:
                 done.append(tx.documents.get(uuid, deleted=True))
 
     call.database.reserve.spend(delete)
-    return changed_documents(done)
+    return describe_changed(done)
 
 
 def restore_documents(call: Call, request: ManyDocuments) -> ChangedDocuments:
@@ -41,19 +41,19 @@ def restore_documents(call: Call, request: ManyDocuments) -> ChangedDocuments:
             tx.documents.lock(stored.key)
             if tx.documents.find(uuid) is None:
                 done.append(changes.restore_document(tx, stored))
-    return changed_documents(done)
+    return describe_changed(done)
 
 
 def copy_documents(call: Call, request: ManyCopies) -> CopiedDocuments:
     """With their whole histories and the files that they came of, into another project or beside themselves."""
     # Imported here: other operations move no rows.
-    from mcml_service.storage.upkeep.project_rows import copied
+    from mcml_service.storage.upkeep.project_rows import copy_document
 
-    uuids = _chosen(call, request.selection)
+    uuids = _choose(call, request.selection)
     with call.database.write(call.author) as tx:
         tx.order()
         project = tx.projects.get_or_add(request.project)
-        made = [copied(tx, tx.documents.get(uuid).key, project) for uuid in uuids]
+        made = [copy_document(tx, tx.documents.get(uuid).key, project) for uuid in uuids]
         for uuid in made:
             tx.activity.note("document", "copy", project_key=project, document=uuid)
         tx.quotas.require_room(project)
@@ -62,7 +62,7 @@ def copy_documents(call: Call, request: ManyCopies) -> CopiedDocuments:
 
 def change_documents(call: Call, request: ManyChanges) -> ChangedDocuments:
     """Each is one revision, which `undo` takes back; a document that already is so makes none."""
-    uuids = _chosen(call, request.selection)
+    uuids = _choose(call, request.selection)
     facts = request.change.model_dump(exclude_unset=True, exclude={"message", "properties", "name"})
     facts = {name: value for name, value in facts.items() if value is not None}
     if request.change.properties is not None:
@@ -80,10 +80,10 @@ def change_documents(call: Call, request: ManyChanges) -> ChangedDocuments:
             if told:
                 tx.documents.add_revision(stored, "change", request.change.message or ", ".join(told)[:200])
                 done.append(tx.documents.get(uuid))
-    return changed_documents(done)
+    return describe_changed(done)
 
 
-def _chosen(call: Call, selection: Selection) -> list[str]:
+def _choose(call: Call, selection: Selection) -> list[str]:
     # Imported here: it takes all that analyses need.
     from mcml_service.actions.composing.select_documents import select_documents
 

@@ -67,10 +67,10 @@ def add_owner(call: Call, request: OwnerRequest) -> AccountView:
     token. Owners invite everybody else.
     """
     # Imported here: other operations hash nothing.
-    from mcml_service.passwords import checked_name, hashed
+    from mcml_service.passwords import check_name, hash_password
 
-    name = checked_name(request.name)
-    made = hashed(request.password, name)
+    name = check_name(request.name)
+    made = hash_password(request.password, name)
     with call.database.write(name) as tx:
         if tx.accounts.have_owner():
             raise ConflictError("The repository has an owner.", remedy="Ask an owner for an invitation.")
@@ -94,7 +94,7 @@ def change_account(call: Call, name: AccountName, change: AccountChange) -> Acco
 def change_password(call: Call, change: PasswordChange) -> None:
     """All sessions of the account end, this one too: log in again."""
     # Imported here: other operations hash nothing.
-    from mcml_service.passwords import hashed, opens
+    from mcml_service.passwords import hash_password, opens
 
     if call.account is None:
         raise RequestError("Only accounts have a password.", remedy="Log in with a name and a password.")
@@ -105,7 +105,7 @@ def change_password(call: Call, change: PasswordChange) -> None:
     if not opens(change.current, kept):
         raise AccessError("This is not the password.", remedy="Give the one that you logged in with.")
     forget_attempts(call.repository.database, counted)
-    made = hashed(change.new, call.account)
+    made = hash_password(change.new, call.account)
     with call.database.write(call.author) as tx:
         tx.sessions.end_all(tx.accounts.change(call.account, password=made).key)
 

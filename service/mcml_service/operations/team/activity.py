@@ -8,7 +8,7 @@ from pydantic import Field
 
 from mcml_schemas.examples import DOCUMENT
 from mcml_schemas.team.activity import ActivityKind, ActivityPage
-from mcml_service.actions.reading.tell_event import told_event
+from mcml_service.actions.reading.tell_event import tell_event
 from mcml_service.operations.arguments import InProject, Page
 from mcml_service.operations.call import Call
 from mcml_service.storage.projects.activity import EventFilter
@@ -40,4 +40,4 @@ def list_activity(
     with call.database.read() as tx:
         found = tx.activity.page(wanted, None if before is None else before[0], page.most(call) + 1)
     shown, more = page.cut(call, found, lambda event: (event.number,))
-    return ActivityPage(items=[told_event(event) for event in shown], next_cursor=more)
+    return ActivityPage(items=[tell_event(event) for event in shown], next_cursor=more)

@@ -51,12 +51,12 @@ def change_comment(call: Call, id: DocumentId, comment: CommentId, change: Comme
 
 def resolve_comment(call: Call, id: DocumentId, comment: CommentId) -> CommentView:
     """Its author may, and who may change the document."""
-    return _resolved(call, id, comment, resolved=True)
+    return _resolve(call, id, comment, resolved=True)
 
 
 def reopen_comment(call: Call, id: DocumentId, comment: CommentId) -> CommentView:
     """Its author may, and who may change the document."""
-    return _resolved(call, id, comment, resolved=False)
+    return _resolve(call, id, comment, resolved=False)
 
 
 def delete_comment(call: Call, id: DocumentId, comment: CommentId) -> None:
@@ -65,7 +65,7 @@ def delete_comment(call: Call, id: DocumentId, comment: CommentId) -> None:
         tx.comments.delete(tx.documents.get(id), comment)
 
 
-def _resolved(call: Call, id: str, comment: int, *, resolved: bool) -> CommentView:
+def _resolve(call: Call, id: str, comment: int, *, resolved: bool) -> CommentView:
     with call.database.write(call.author) as tx:
         stored = tx.documents.get(id)
         return _view(tx, stored, tx.comments.resolve(stored, comment, resolved=resolved))
@@ -73,4 +73,4 @@ def _resolved(call: Call, id: str, comment: int, *, resolved: bool) -> CommentVi
 
 def _view(tx: Transaction, stored: StoredDocument, comment: Comment) -> CommentView:
     facts = {name: value for name, value in vars(comment).items() if name != "number"}
-    return CommentView(id=comment.number, mentions=tx.comments.mentioned(stored, comment.text), **facts)
+    return CommentView(id=comment.number, mentions=tx.comments.find_mentioned(stored, comment.text), **facts)

@@ -19,7 +19,7 @@ Tab = Annotated[str, Field(max_length=36, pattern="^[0-9a-zA-Z-]*$", description
 def list_present(call: Call, id: DocumentId) -> PresentList:
     """Everybody who said so within the last 90 seconds."""
     with call.database.read() as tx:
-        return _listed(tx, tx.documents.get(id))
+        return _list_present(tx, tx.documents.get(id))
 
 
 def keep_presence(call: Call, id: DocumentId, presence: PresenceRequest) -> PresentList:
@@ -28,7 +28,7 @@ def keep_presence(call: Call, id: DocumentId, presence: PresenceRequest) -> Pres
         stored = tx.documents.get(id)
         if call.account is not None:
             tx.presence.keep(stored, call.account, presence.tab, presence.doing)
-        return _listed(tx, stored, call.account)
+        return _list_present(tx, stored, call.account)
 
 
 def end_presence(call: Call, id: DocumentId, tab: Tab = "") -> None:
@@ -39,6 +39,6 @@ def end_presence(call: Call, id: DocumentId, tab: Tab = "") -> None:
             tx.presence.end(stored, call.account, tab)
 
 
-def _listed(tx: Transaction, stored: StoredDocument, but: str | None = None) -> PresentList:
+def _list_present(tx: Transaction, stored: StoredDocument, but: str | None = None) -> PresentList:
     found: list[Any] = tx.presence.of(stored, but)
     return PresentList(items=[Present(**vars(one)) for one in found])

@@ -20,7 +20,7 @@ def list_shares(call: Call, project: InProject = None) -> ShareList:
     """Those that open something still, into projects that one may change."""
     with call.database.read() as tx:
         found = tx.shares.all(None if project is None else tx.projects.get(project))
-    return ShareList(items=[ShareView(**_told(one)) for one in found])
+    return ShareList(items=[ShareView(**_describe(one)) for one in found])
 
 
 def add_share(call: Call, request: ShareRequest) -> ShareMade:
@@ -34,7 +34,7 @@ def add_share(call: Call, request: ShareRequest) -> ShareMade:
         secret, made = tx.shares.add(
             request.name, request.documents, request.formats, call.author, lasts, latest=request.latest
         )
-    return ShareMade(**_told(made), path=f"/shared#{secret}")
+    return ShareMade(**_describe(made), path=f"/shared#{secret}")
 
 
 def revoke_share(call: Call, number: Number) -> None:
@@ -43,7 +43,7 @@ def revoke_share(call: Call, number: Number) -> None:
         tx.shares.remove(number)
 
 
-def _told(share: Share) -> dict[str, Any]:
+def _describe(share: Share) -> dict[str, Any]:
     documents = [
         SharedRevision(id=uuid, revision=one.revision, latest=one.latest) for uuid, one in share.documents.items()
     ]

@@ -21,7 +21,7 @@ def list_webhooks(call: Call, project: InProject = None) -> WebhookList:
     """Of projects that one owns; those of the whole repository for its owners."""
     with call.database.read() as tx:
         found = tx.webhooks.all(None if project is None else tx.projects.get(project))
-    return WebhookList(items=[WebhookView(**_told(one)) for one in found])
+    return WebhookList(items=[WebhookView(**_describe(one)) for one in found])
 
 
 def add_webhook(call: Call, request: WebhookRequest) -> WebhookMade:
@@ -30,7 +30,7 @@ def add_webhook(call: Call, request: WebhookRequest) -> WebhookMade:
     with call.database.write(call.author) as tx:
         key = None if request.project is None else tx.projects.get(request.project)
         secret, made = tx.webhooks.add(request.url, dict.fromkeys(request.kinds), key)
-    return WebhookMade(**_told(made), secret=secret)
+    return WebhookMade(**_describe(made), secret=secret)
 
 
 def remove_webhook(call: Call, number: Number) -> None:
@@ -46,13 +46,13 @@ def list_deliveries(call: Call, number: Number, page: Page) -> DeliveryPage:
         tx.webhooks.get(number)
         found = tx.webhooks.deliveries(number, None if before is None else before[0], page.most(call) + 1)
     shown, more = page.cut(call, found, lambda one: (one.number,))
-    return DeliveryPage(items=[_logged(one) for one in shown], next_cursor=more)
+    return DeliveryPage(items=[_describe_delivery(one) for one in shown], next_cursor=more)
 
 
 def redeliver(call: Call, number: Number, message: Message) -> DeliveryView:
     """A server sends it soon, with the id that it had."""
     with call.database.write(call.author) as tx:
-        return _logged(tx.webhooks.send_again(number, message))
+        return _describe_delivery(tx.webhooks.send_again(number, message))
 
 
 def _check(url: str, *, private: bool) -> None:
@@ -77,10 +77,10 @@ def _check(url: str, *, private: bool) -> None:
         ) from None
 
 
-def _told(one: Webhook) -> dict[str, Any]:
+def _describe(one: Webhook) -> dict[str, Any]:
     return {**vars(one), "kinds": list(one.kinds)}
 
 
-def _logged(one: Delivery) -> DeliveryView:
+def _describe_delivery(one: Delivery) -> DeliveryView:
     facts: dict[str, Any] = dict(vars(one))
     return DeliveryView(**facts)

@@ -28,6 +28,6 @@ def digest_of(secret: str) -> str:
     return hashlib.sha256(secret.encode()).hexdigest()
 
 
-def stored_form(name: str) -> str:
+def normalise_name(name: str) -> str:
     """A name as the store holds and finds it: in NFC, so that both ways to write 걸음 or é are one name."""
     return unicodedata.normalize("NFC", name)

@@ -92,7 +92,7 @@ class Replica:
         connection = None
         try:
             with ExitStack() as stack:
-                connection = self._connected(stack)
+                connection = self._connect(stack)
                 self.reads["primary" if connection is None else "replica"] += 1
                 yield connection
         except self._refusals as error:
@@ -117,7 +117,7 @@ class Replica:
     def close(self) -> None:
         self._dialect.engine.dispose()
 
-    def _connected(self, stack: ExitStack) -> Connection | None:
+    def _connect(self, stack: ExitStack) -> Connection | None:
         """The connection, kept by the stack."""
         if not self._may_try():
             return None

@@ -25,7 +25,7 @@ class Reserve:
     def __init__(self, path: Path | None) -> None:
         self._path = None if path is None else path.with_name(f"{path.name}.reserve")
 
-    def _held(self) -> int:
+    def _measure(self) -> int:
         """Its bytes; 0 where there is none."""
         with suppress(OSError):
             return self._path.stat().st_size if self._path is not None else 0
@@ -34,7 +34,7 @@ class Reserve:
     def keep(self) -> None:
         """Make the file where it is not whole and the disk has room."""
         path = self._path
-        if path is None or self._held() >= BYTES:
+        if path is None or self._measure() >= BYTES:
             return
         part = path.with_name(f"{path.name}.part")
         with suppress(OSError):
@@ -53,7 +53,7 @@ class Reserve:
         try:
             return operation()
         except SpaceError:
-            held = self._held()
+            held = self._measure()
             if self._path is None or not held:
                 raise
             with suppress(OSError):

@@ -32,7 +32,7 @@ def checksum(name: str = "checksum") -> Column[int]:
 COVERED = "covered"
 
 
-def covered(*columns: str, last: type[bytes | bool] | None = None) -> dict[str, Any]:
+def cover(*columns: str, last: type[bytes | bool] | None = None) -> dict[str, Any]:
     """What a table says of itself: which columns the checksum of a row covers, in this order.
 
     last: the type of the last one's values, where JSON has none for them, or databases have several.

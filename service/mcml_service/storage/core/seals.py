@@ -77,7 +77,7 @@ class Seal:
 
 
 class _Seals(Mapping[Table, Seal]):
-    """The seals of all tables that say what their checksums cover (`schema.covered`)."""
+    """The seals of all tables that say what their checksums cover (`schema.cover`)."""
 
     def __getitem__(self, table: Table) -> Seal:
         return _seal_of(table)
@@ -114,7 +114,7 @@ def closing(table: Table, end: int) -> dict[str, Any]:
     return {"to_commit": end, "checksum": table.c.checksum + (visible(0, end) - visible(0, CURRENT))}
 
 
-def carried(table: Table, begin: int) -> ColumnElement[int]:
+def carry_checksum(table: Table, begin: int) -> ColumnElement[int]:
     """The checksum of a copy of a row that is valid from another commit on, and current."""
     was = 2 * (table.c.from_commit % PRIME) + table.c.to_commit % PRIME
     checksum: ColumnElement[int] = table.c.checksum - was + visible(begin, CURRENT)
@@ -129,10 +129,10 @@ def damage(whose: str, what: str) -> DamageError:
 # -- writing -----------------------------------------------------------------------------------------------------------
 
 
-def sealed(table: Table, names: tuple[str, ...], rows: Sequence[Row]) -> tuple[tuple[str, ...], Sequence[Row]]:
+def add_checksums(table: Table, names: tuple[str, ...], rows: Sequence[Row]) -> tuple[tuple[str, ...], Sequence[Row]]:
     """Names and rows with the checksums that the table has."""
     if table is tables.track:
-        return _sealed_tracks(names, rows)
+        return _add_track_checksums(names, rows)
     if table not in SEALS:
         return names, rows
     seal, pick, commits = SEALS[table], *_places(table, names)
@@ -151,7 +151,7 @@ def _places(table: Table, names: tuple[str, ...]) -> tuple[Callable[[Row], Row],
     return pick, (names.index("from_commit"), names.index("to_commit")) if seal.is_revisioned else None
 
 
-def _sealed_tracks(names: tuple[str, ...], rows: Sequence[Row]) -> tuple[tuple[str, ...], Sequence[Row]]:
+def _add_track_checksums(names: tuple[str, ...], rows: Sequence[Row]) -> tuple[tuple[str, ...], Sequence[Row]]:
     place = {name: index for index, name in enumerate(names)}
     begin, end, codec, data = (place[name] for name in ("from_commit", "to_commit", "codec", "data"))
     checks = [data_checksum(row[codec], row[data]) for row in rows]
@@ -276,6 +276,6 @@ class _Test:
         return False
 
 
-def checked(statement: Select[Any], *of: Table) -> Checked:
+def verify(statement: Select[Any], *of: Table) -> Checked:
     """The statement, its rows of these tables compared with their checksums (`statements`)."""
     return Checked(statement, of)

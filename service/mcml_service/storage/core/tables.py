@@ -28,7 +28,7 @@ from sqlalchemy import (
     literal_column,
 )
 
-from mcml_service.storage.core.schema import CHANNEL_ENDS, CURRENT, KEY, NAME, checksum, covered, metadata
+from mcml_service.storage.core.schema import CHANNEL_ENDS, CURRENT, KEY, NAME, checksum, cover, metadata
 
 store = Table(
     "store",
@@ -46,7 +46,7 @@ project = Table(
     Column("name", NAME, nullable=False, unique=True),
     Column("created", String(32), nullable=False),
     checksum(),
-    info=covered("name", "created"),
+    info=cover("name", "created"),
 )
 
 token = Table(
@@ -59,7 +59,7 @@ token = Table(
     Column("created", String(32), nullable=False),
     Column("expires", String(32)),
     checksum(),
-    info=covered("name", "sha256", "hint", "created", "expires"),
+    info=cover("name", "sha256", "hint", "created", "expires"),
 )
 
 commit = Table(
@@ -69,7 +69,7 @@ commit = Table(
     Column("time", String(32), nullable=False),
     Column("author", NAME, nullable=False),
     checksum(),
-    info=covered("number", "time", "author"),
+    info=cover("number", "time", "author"),
 )
 
 document = Table(
@@ -89,7 +89,7 @@ document = Table(
     checksum(),
     Index(None, "project", "name"),
     Index("ix_document_there", "name", "state", "deleted_commit", "created_commit"),
-    info=covered("uuid", "project", "state", "name", "format", "created_commit", "deleted_commit", "next_slot"),
+    info=cover("uuid", "project", "state", "name", "format", "created_commit", "deleted_commit", "next_slot"),
 )
 """`ix_document_there`: which documents there are, by name, without their receipts."""
 
@@ -107,7 +107,7 @@ revision = Table(
     Column("project", ForeignKey("project.id"), nullable=False),
     checksum(),
     sqlite_with_rowid=False,
-    info=covered("document", "number", "commit", "parent", "operation", "message", "name", "project"),
+    info=cover("document", "number", "commit", "parent", "operation", "message", "name", "project"),
 )
 """`name`, `project`: what the revision left in the row of the document, which has the present ones."""
 
@@ -120,7 +120,7 @@ skeleton = Table(
     Column("joints", Integer, nullable=False),
     checksum(),
     UniqueConstraint("project", "hash"),
-    info=covered("project", "hash", "joints"),
+    info=cover("project", "hash", "joints"),
 )
 
 skeleton_element = Table(
@@ -150,7 +150,7 @@ content = Table(
     checksum(),
     Index(None, "skeleton"),
     sqlite_with_rowid=False,
-    info=covered("document", "skeleton", "version", "frames", "frame_time", "intact", last=bool),
+    info=cover("document", "skeleton", "version", "frames", "frame_time", "intact", last=bool),
 )
 """What is one value a revision. `intact`: all that the source format holds is as it was uploaded, so an export in that
 format may answer the kept bytes."""
@@ -169,7 +169,7 @@ header = Table(
     Column("text", Text, nullable=False),
     checksum(),
     sqlite_with_rowid=False,
-    info=covered("document", "pre", "size", "level", "tag", "attributes", "text"),
+    info=cover("document", "pre", "size", "level", "tag", "attributes", "text"),
 )
 
 property_ = Table(
@@ -183,7 +183,7 @@ property_ = Table(
     checksum(),
     Index(None, "name", "number"),
     sqlite_with_rowid=False,
-    info=covered("document", "name", "text", "unit"),
+    info=cover("document", "name", "text", "unit"),
 )
 """The property elements of current headers again, for search."""
 
@@ -198,7 +198,7 @@ bone = Table(
     checksum(),
     Index(None, "name", "document"),
     sqlite_with_rowid=False,
-    info=covered("document", "bone", "name"),
+    info=cover("document", "bone", "name"),
 )
 
 timeline = Table(
@@ -212,7 +212,7 @@ timeline = Table(
     Column("count", BigInteger, nullable=False),
     checksum(),
     sqlite_with_rowid=False,
-    info=covered("document", "first", "slot", "count"),
+    info=cover("document", "first", "slot", "count"),
 )
 
 frame_run = Table(
@@ -228,7 +228,7 @@ frame_run = Table(
     Column("texts", Text),
     checksum(),
     sqlite_with_rowid=False,
-    info=covered("document", "first", "count", "first_id", "step", "texts"),
+    info=cover("document", "first", "count", "first_id", "step", "texts"),
 )
 
 shape = Table(
@@ -239,7 +239,7 @@ shape = Table(
     Column("bones", LargeBinary, nullable=False),
     checksum(),
     sqlite_with_rowid=False,
-    info=covered("document", "shape", "bones", last=bytes),
+    info=cover("document", "shape", "bones", last=bytes),
 )
 """`bones`: pairs of little-endian 16-bit numbers (bone, channel bits), in the order of the frame_bones."""
 
@@ -254,7 +254,7 @@ shape_run = Table(
     Column("shape", Integer, nullable=False),
     checksum(),
     sqlite_with_rowid=False,
-    info=covered("document", "slot", "count", "shape"),
+    info=cover("document", "slot", "count", "shape"),
 )
 
 span = Table(
@@ -271,7 +271,7 @@ span = Table(
     checksum(),
     Index(None, "name", "document"),
     Index(None, "document", "first"),
-    info=covered("document", "name", "first", "last", "rank"),
+    info=cover("document", "name", "first", "last", "rank"),
 )
 
 track = Table(
@@ -307,7 +307,7 @@ thumbnail = Table(
     Column("facts", Text, nullable=False),
     Column("data", LargeBinary, nullable=False),
     checksum(),
-    info=covered("document", "revision", "facts", "data", last=bytes),
+    info=cover("document", "revision", "facts", "data", last=bytes),
 )
 """`data`: as `mcml.motion.pictures.thumbnails` says; empty: nothing can be drawn. `facts`: JSON, what was guessed."""
 
@@ -320,7 +320,7 @@ body = Table(
     Column("facts", Text, nullable=False),
     Column("data", LargeBinary, nullable=False),
     checksum(),
-    info=covered("document", "revision", "block", "facts", "data", last=bytes),
+    info=cover("document", "revision", "block", "facts", "data", last=bytes),
 )
 """`data`: positions of joints, as `storage.steps` says. `facts`: JSON of block 0, what is known beside them."""
 
@@ -341,7 +341,7 @@ upload_block = Table(
     Column("number", Integer, primary_key=True),
     Column("data", LargeBinary, nullable=False),
     checksum(),
-    info=covered("upload", "number", "data", last=bytes),
+    info=cover("upload", "number", "data", last=bytes),
 )
 
 document_media = Table(
@@ -353,7 +353,7 @@ document_media = Table(
     Column("media_type", String(64), nullable=False),
     Column("offset", Float(53), nullable=False),
     checksum(),
-    info=covered("document", "upload", "file_name", "media_type", "offset"),
+    info=cover("document", "upload", "file_name", "media_type", "offset"),
 )
 """Video or audio for reference. `offset`: seconds in it at the first frame."""
 
@@ -366,7 +366,7 @@ document_upload = Table(
     Column("upload", ForeignKey("upload.id"), nullable=False, index=True),
     checksum(),
     sqlite_with_rowid=False,
-    info=covered("document", "part", "file_name", "upload"),
+    info=cover("document", "part", "file_name", "upload"),
 )
 
 REVISIONED = (content, header, bone, timeline, frame_run, shape_run, span, track)

@@ -14,7 +14,7 @@ from mcml_service.storage.core import tables
 from mcml_service.storage.core.dialects import Dialect
 from mcml_service.storage.core.identifiers import now
 from mcml_service.storage.core.schema import CURRENT
-from mcml_service.storage.core.seals import sealed
+from mcml_service.storage.core.seals import add_checksums
 from mcml_service.storage.core.statements import Prepared, Statements
 from mcml_service.storage.core.validity import valid
 from mcml_service.storage.core.views import WHOLE, View
@@ -80,7 +80,9 @@ class BaseTransaction(Statements):
         self.order()
         newest = self.newest_commit()
         row = (newest + 1, now(), author)
-        self.dialect.insert(self.connection, tables.commit, *sealed(tables.commit, ("number", "time", "author"), [row]))
+        self.dialect.insert(
+            self.connection, tables.commit, *add_checksums(tables.commit, ("number", "time", "author"), [row])
+        )
         self._commit = newest + 1
         return self._commit
 
@@ -107,7 +109,7 @@ class BaseTransaction(Statements):
 
     def insert_row(self, table: Table, **values: Any) -> int:
         """Insert one row and answer the key it got."""
-        names, rows = sealed(table, tuple(values), [tuple(values.values())])
+        names, rows = add_checksums(table, tuple(values), [tuple(values.values())])
         return self.dialect.insert_one(self.connection, table, dict(zip(names, rows[0], strict=True)))
 
     def insert_rows(self, table: Table, rows: list[dict[str, Any]]) -> None:
@@ -121,7 +123,7 @@ class BaseTransaction(Statements):
         if not rows:
             return
         if self._gathered is None:
-            self.dialect.insert(self.connection, table, *sealed(table, names, rows))
+            self.dialect.insert(self.connection, table, *add_checksums(table, names, rows))
         else:
             self._gathered.setdefault((table, names), []).extend(rows)
 
@@ -143,4 +145,4 @@ class BaseTransaction(Statements):
         """Write what waits, for a read that must see it."""
         waiting, self._gathered = self._gathered or {}, None if self._gathered is None else {}
         for (table, names), rows in waiting.items():
-            self.dialect.insert(self.connection, table, *sealed(table, names, rows))
+            self.dialect.insert(self.connection, table, *add_checksums(table, names, rows))

@@ -28,11 +28,11 @@ def of_document(table: Table) -> ColumnElement[bool]:
     return and_(table.c.document == DOCUMENT, valid(table))
 
 
-def imported(at: Commit = AT) -> ColumnElement[bool]:
+def is_imported(at: Commit = AT) -> ColumnElement[bool]:
     """Documents whose import was complete, those that had been deleted too."""
     return and_(document.c.state == "ready", document.c.created_commit <= at)
 
 
 def there(at: Commit = AT) -> ColumnElement[bool]:
     """Documents that could be seen."""
-    return and_(imported(at), document.c.deleted_commit > at)
+    return and_(is_imported(at), document.c.deleted_commit > at)

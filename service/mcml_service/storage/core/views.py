@@ -83,7 +83,7 @@ WHOLE: Final = View()
 """Of who keeps the repository, and of programs that work on it by themselves."""
 
 
-def seen(view: View, project: ColumnElement[int] | Any = document.c.project) -> ColumnElement[bool]:
+def is_seen(view: View, project: ColumnElement[int] | Any = document.c.project) -> ColumnElement[bool]:
     """The condition that a row belongs to a project that is seen, and a document is seen there."""
     if view.is_whole:
         return true()

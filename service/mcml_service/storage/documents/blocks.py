@@ -73,7 +73,7 @@ def gathered(
     for stretch, layout in zip(stretches, layouts, strict=True):
         if not layout:
             continue
-        some = _chosen(stretch)
+        some = _choose(stretch)
         rows, order = stretch.places, _order(layout, whole)
         if isinstance(rows, slice):
             # Row by row of what is read: turned round as a whole, 256 numbers apart, it takes twice as long.
@@ -83,7 +83,7 @@ def gathered(
     return values, whole
 
 
-def _chosen(stretch: Stretch) -> Array:
+def _choose(stretch: Stretch) -> Array:
     """The samples of the frames, (columns, frames)."""
     offsets, values = stretch.offsets, stretch.block.values
     length = offsets.stop if isinstance(offsets, slice) else int(offsets.max()) + 1

@@ -35,7 +35,7 @@ from mcml_service.storage.core.tables import (
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.validity import there, valid
 from mcml_service.storage.documents.damage import describe_track_damage
-from mcml_service.storage.documents.document_statements import listed_documents
+from mcml_service.storage.documents.document_statements import select_listed
 from mcml_service.storage.documents.encoding import unpack_shape
 from mcml_service.storage.documents.rows import to_elements, to_skeleton
 
@@ -160,7 +160,7 @@ _NAMES_OF_KEYS = {kind: query.where(_OF_KEYS) for kind, query in _NAMES.items()}
 _COUNTS_OF_KEYS = {kind: query.where(_OF_KEYS) for kind, query in _COUNTS.items()}
 _HOLDERS_OF_KEYS = {kind: query.where(_OF_KEYS) for kind, query in _HOLDERS.items()}
 _ZONE_WIDTH = 7 + len(CHANNEL_ENDS)
-_DOCUMENTS = {past: Prepared(listed_documents(past=past), document, content) for past in (False, True)}
+_DOCUMENTS = {past: Prepared(select_listed(past=past), document, content) for past in (False, True)}
 _COMMIT = Prepared(select(commit.c.time, commit.c.author).where(commit.c.number == bindparam("number")))
 _CHANGED = Prepared(select(revision.c.document).where(revision.c.commit > bindparam("number")))
 _DOCUMENTS_OF_KEYS = {past: query.where(OneOf(document.c.id, "keys")) for past, query in _DOCUMENTS.items()}

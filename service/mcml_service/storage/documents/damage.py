@@ -39,16 +39,18 @@ def describe_damage(tx: BaseTransaction, table: Table, row: tuple[Any, ...]) -> 
     if table is tables.upload_block:
         return damage(f"The kept file {files_of(tx, values['upload'])}", f"block {values['number']}")
     if "document" in values and table.name in _WHAT:
-        return damage(named(tx, values["document"]), what)
+        return damage(name_document(tx, values["document"]), what)
     return DamageError(f"The store is damaged: {what}.", remedy=REMEDY)
 
 
 def describe_track_damage(tx: BaseTransaction, document: int, chunk: int, bone: int) -> DamageError:
     """The error for a track, or its zone map, that has not its checksum."""
-    return damage(named(tx, document), f"{bone_named(tx, document, bone)}, frames {frames_of(tx, document, chunk)}")
+    return damage(
+        name_document(tx, document), f"{bone_named(tx, document, bone)}, frames {frames_of(tx, document, chunk)}"
+    )
 
 
-def named(tx: BaseTransaction, key: int) -> str:
+def name_document(tx: BaseTransaction, key: int) -> str:
     """A document as users know it."""
     query = select(tables.document.c.name, tables.document.c.uuid).where(tables.document.c.id == key)
     row = tx.fetch_one(query)

@@ -9,7 +9,7 @@ from sqlalchemy import Select, and_, bindparam, func, select
 
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import commit, content, document, header, project, revision
-from mcml_service.storage.core.validity import AT, imported, there, valid
+from mcml_service.storage.core.validity import AT, is_imported, there, valid
 
 CONTENT = tuple(
     column.name for column in content.c if not column.primary_key and column.name not in ("to_commit", "checksum")
@@ -48,7 +48,7 @@ def all_documents(*, past: bool) -> Select[Any]:
         .where(revision.c.document == document.c.id, revision.c.commit <= AT)
         .scalar_subquery()
     )
-    source, held = _named(past=past)
+    source, held = _select_names(past=past)
     return (
         select(
             document.c.id.label("key"),
@@ -67,13 +67,13 @@ def all_documents(*, past: bool) -> Select[Any]:
         .select_from(source)
         .join(project, project.c.id == held.c.project)
         .join(content, and_(content.c.document == document.c.id, valid(content)))
-        .where(imported())
+        .where(is_imported())
     )
 
 
-def listed_documents(*, past: bool) -> Select[Any]:
+def select_listed(*, past: bool) -> Select[Any]:
     """All documents that are there, in the columns of `Listed`. past: as above."""
-    source, held = _named(past=past)
+    source, held = _select_names(past=past)
     about = (document.c.id, document.c.uuid, held.c.name, content.c.version, content.c.skeleton)
     return (
         select(*about, content.c.frames, content.c.frame_time, _NEWEST, held.c.project)
@@ -83,7 +83,7 @@ def listed_documents(*, past: bool) -> Select[Any]:
     )
 
 
-def _named(*, past: bool) -> tuple[Any, Any]:
+def _select_names(*, past: bool) -> tuple[Any, Any]:
     """Documents, and the table that has their names and projects: of the past only the revision of that time knows."""
     if not past:
         return document, document

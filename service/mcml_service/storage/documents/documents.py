@@ -12,20 +12,20 @@ import zstandard
 from sqlalchemy import bindparam, delete, func, select, update
 
 from mcml.errors import NotFoundError
-from mcml_service.storage.core.identifiers import new_uuid, stored_form
+from mcml_service.storage.core.identifiers import new_uuid, normalise_name
 from mcml_service.storage.core.schema import CURRENT, metadata
-from mcml_service.storage.core.seals import SEALS, checked, closing, damage
+from mcml_service.storage.core.seals import SEALS, closing, damage, verify
 from mcml_service.storage.core.sql_expressions import OneOf
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import content, document, property_, revision
 from mcml_service.storage.core.transaction import BaseTransaction
-from mcml_service.storage.core.validity import imported, there
-from mcml_service.storage.core.views import seen
-from mcml_service.storage.documents.damage import named
+from mcml_service.storage.core.validity import is_imported, there
+from mcml_service.storage.core.views import is_seen
+from mcml_service.storage.documents.damage import name_document
 from mcml_service.storage.documents.document_statements import CONTENT, all_documents, one_document
 from mcml_service.storage.documents.uploads import LEASE_SECONDS
-from mcml_service.storage.lists.filtering import DocumentFilter, chosen
-from mcml_service.storage.lists.orders import Order, Place, ordered, value_in
+from mcml_service.storage.lists.filtering import DocumentFilter, select_wanted
+from mcml_service.storage.lists.orders import Order, Place, order_rows, value_in
 from mcml_service.storage.projects.activity import Activity
 from mcml_service.storage.projects.quotas import Quotas
 
@@ -109,7 +109,7 @@ class Documents:
         start = func.substr(property_.c.text, 1, 80)
         query = select(document.c.uuid, start).join(property_, property_.c.document == document.c.id)
         having = query.where(
-            seen(self._tx.view), property_.c.name == name, start.startswith(beginning, autoescape=True)
+            is_seen(self._tx.view), property_.c.name == name, start.startswith(beginning, autoescape=True)
         )
         return [(row[0], row[1]) for row in self._tx.fetch_all(having)]
 
@@ -122,7 +122,7 @@ class Documents:
             "project": project_key,
             "state": "importing",
             "lease": time.time() + LEASE_SECONDS,
-            "name": stored_form(name),
+            "name": normalise_name(name),
             "format": format_name,
             "deleted_commit": CURRENT,
             "next_slot": 0,
@@ -133,21 +133,21 @@ class Documents:
     def renew_lease(self, key: int) -> None:
         """Say that the import goes on; NotFoundError where it was swept away."""
         if self._tx.run(_RENEW, {"key": key, "until": time.time() + LEASE_SECONDS}) != 1:
-            raise _swept()
+            raise _make_swept_error()
 
     def publish(self, key: int, name: str, project_key: int, *, next_slot: int, receipt: str, message: str) -> None:
         """Make an imported document visible, as revision 1 of this transaction's commit. name, project_key: its own."""
         number = self._tx.commit
         begun = self._tx.fetch_all(_BEGUN, {"key": key})
         if not begun:
-            raise _swept()
+            raise _make_swept_error()
         uuid, begun_as, format_name = begun[0]
         row = (uuid, project_key, "ready", begun_as, format_name, number, CURRENT, next_slot)
-        values = {"key": key, "commit": number, "slot": next_slot, "packed": _packed(receipt)}
+        values = {"key": key, "commit": number, "slot": next_slot, "packed": _pack(receipt)}
         values["sum"] = SEALS[document].of(row)
         if self._tx.run(_PUBLISH, values) != 1:
-            raise _swept()
-        made = (key, 1, number, None, "import", message, stored_form(name), project_key)
+            raise _make_swept_error()
+        made = (key, 1, number, None, "import", message, normalise_name(name), project_key)
         self._tx.insert_tuples(revision, (*_MADE, "name", "project"), [made])
         self._activity.note("document", "import", project_key=project_key, document=uuid, revision=1)
         self._quotas.require_room(project_key)
@@ -195,7 +195,7 @@ class Documents:
         """Keys of the documents that are seen, None for all."""
         if self._tx.view.is_whole:
             return None
-        return frozenset(self._tx.fetch_column(select(document.c.id).where(seen(self._tx.view))))
+        return frozenset(self._tx.fetch_column(select(document.c.id).where(is_seen(self._tx.view))))
 
     def lock(self, key: int) -> None:
         """Let no other transaction change this document until this one ends."""
@@ -205,7 +205,7 @@ class Documents:
         """The document as it is at the transaction's commit; `deleted` lets a deleted one be found."""
         statement = one_document(past=self._past, deleted=deleted)
         row = self._tx.fetch_one(statement, {"uuid": uuid, "at": self._tx.at})
-        found = None if row is None else _stored(row)
+        found = None if row is None else _to_document(row)
         if found is None or self._tx.view.is_whole:
             return found
         # Of the past too it is the project of now that decides.
@@ -233,45 +233,47 @@ class Documents:
         offset: int = 0,
     ) -> list[StoredDocument]:
         """Documents in an order, those behind a place, without the first `offset`."""
-        return self.told([place.key for place in self.places(wanted, order, after, limit, offset)])
+        return self.get_many([place.key for place in self.places(wanted, order, after, limit, offset)])
 
     def places(self, wanted: DocumentFilter, order: Order, after: Place | None, limit: int, offset: int) -> list[Place]:
         """Where the same stand."""
         # Which ones first: to ask what is told of all, before they are put in order, takes most of the time.
         value = value_in(order.column, self._tx)
-        query = ordered(chosen(value, wanted, self._tx), value, order, after)
+        query = order_rows(select_wanted(value, wanted, self._tx), value, order, after)
         query = query.add_columns(document.c.name, document.c.id).limit(limit).offset(offset)
         return [Place(*row) for row in self._tx.fetch_all(query)]
 
-    def told(self, keys: list[int]) -> list[StoredDocument]:
+    def get_many(self, keys: list[int]) -> list[StoredDocument]:
         """What is told of documents, in this order; deleted ones too."""
-        found = self._tx.fetch_all(_told(past=self._past), {"at": self._tx.at, "keys": keys})
+        found = self._tx.fetch_all(_prepare_summaries(past=self._past), {"at": self._tx.at, "keys": keys})
         place = {key: number for number, key in enumerate(keys)}
-        return sorted(map(_stored, found), key=lambda stored: place[stored.key])
+        return sorted(map(_to_document, found), key=lambda stored: place[stored.key])
 
     def count(self, wanted: DocumentFilter) -> int:
         if wanted == DocumentFilter() and self._tx.view.is_whole:
             # An index alone answers this one.
             return int(self._tx.fetch_value(_COUNT, {"at": self._tx.at}))
-        return int(self._tx.fetch_value(chosen(func.count(), wanted, self._tx)))
+        return int(self._tx.fetch_value(select_wanted(func.count(), wanted, self._tx)))
 
     def everything(self) -> list[tuple[int, str, str]]:
         """(key, uuid, name) of all documents whose import was complete, deleted ones too."""
         query = select(document.c.id, document.c.uuid, document.c.name).where(
-            imported(self._tx.at), seen(self._tx.view)
+            is_imported(self._tx.at), is_seen(self._tx.view)
         )
         return [(key, uuid, name) for key, uuid, name in self._tx.fetch_all(query.order_by(document.c.id))]
 
     def uuids(self, wanted: DocumentFilter) -> list[str]:
         """Of documents, by name and key."""
-        query = chosen(document.c.uuid, wanted, self._tx).order_by(document.c.name, document.c.id)
+        query = select_wanted(document.c.uuid, wanted, self._tx).order_by(document.c.name, document.c.id)
         return self._tx.fetch_column(query)
 
     def keys_of(self, uuids: Collection[str]) -> list[int]:
         """Keys of documents whose import was complete, deleted ones too."""
         if len(uuids) > FEW:
             return [key for key, uuid, _ in self.everything() if uuid in uuids]
-        query = select(document.c.id).where(document.c.uuid.in_(uuids), imported(self._tx.at), seen(self._tx.view))
+        query = select(document.c.id).where(
+            document.c.uuid.in_(uuids), is_imported(self._tx.at), is_seen(self._tx.view)
+        )
         return sorted(self._tx.fetch_column(query))
 
     def receipt(self, key: int) -> str:
@@ -279,10 +281,10 @@ class Documents:
         try:
             return zstandard.ZstdDecompressor().decompress(packed).decode()
         except (zstandard.ZstdError, UnicodeDecodeError):
-            raise damage(named(self._tx, key), "its receipt") from None
+            raise damage(name_document(self._tx, key), "its receipt") from None
 
     def rename(self, key: int, name: str) -> None:
-        self._change(key, name=stored_form(name))
+        self._change(key, name=normalise_name(name))
 
     def move(self, key: int, project_key: int) -> None:
         self.require(key)
@@ -315,7 +317,7 @@ class Documents:
     def commit_of(self, key: int, number: int) -> int:
         """The commit that made a revision; NotFoundError."""
         query = select(revision.c.commit).where(revision.c.document == key, revision.c.number == number)
-        found = self._tx.fetch_all(checked(query, revision))
+        found = self._tx.fetch_all(verify(query, revision))
         if not found:
             oldest = self._tx.fetch_value(select(func.min(revision.c.number)).where(revision.c.document == key))
             pruned = oldest is not None and 1 <= number < oldest
@@ -354,19 +356,19 @@ class Documents:
 
 
 @cache
-def _told(*, past: bool) -> Prepared:
+def _prepare_summaries(*, past: bool) -> Prepared:
     return Prepared(all_documents(past=past).where(OneOf(document.c.id, "keys")), document, content)
 
 
-def _swept() -> NotFoundError:
+def _make_swept_error() -> NotFoundError:
     return NotFoundError("The import took too long and was swept away.", remedy="Import the file again.")
 
 
-def _packed(receipt: str) -> bytes:
+def _pack(receipt: str) -> bytes:
     return zstandard.ZstdCompressor(level=3, write_checksum=True).compress(receipt.encode())
 
 
-def _stored(row: Sequence[Any]) -> StoredDocument:
+def _to_document(row: Sequence[Any]) -> StoredDocument:
     values = dict(zip(_COLUMNS, row, strict=True))
     # SQLite has no type of its own for it.
     return StoredDocument(**(values | {"intact": bool(values["intact"])}))

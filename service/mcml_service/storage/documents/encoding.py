@@ -240,7 +240,7 @@ class ClipEncoder:
     def _submit(self, *, whole: bool) -> None:
         if not self._waiting:
             return
-        values, columns = joined(self._pending)
+        values, columns = join_blocks(self._pending)
         first_chunk = (self.frames - self._waiting) // CHUNK
         end = len(values) // CHUNK * CHUNK if whole else len(values)
         for start in range(0, end, CHUNK):
@@ -275,7 +275,7 @@ class ClipEncoder:
             raise StoreError("A block of frames holds a value that is not a finite number.")
 
 
-def joined(blocks: Sequence[FrameBlock]) -> tuple[Array, tuple[tuple[int, int], ...]]:
+def join_blocks(blocks: Sequence[FrameBlock]) -> tuple[Array, tuple[tuple[int, int], ...]]:
     """The values of several blocks as one array, columns in the union of their layouts."""
     columns = blocks[0].columns
     if all(block.columns == columns for block in blocks):

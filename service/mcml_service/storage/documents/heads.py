@@ -9,13 +9,13 @@ from sqlalchemy import BigInteger, and_, bindparam, delete, func, or_, select, u
 
 from mcml.language.elements import Element, mcml_attributes
 from mcml_service.storage.core.schema import CURRENT
-from mcml_service.storage.core.seals import checked, closing, damage
+from mcml_service.storage.core.seals import closing, damage, verify
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import bone, content, document, header, property_, skeleton, skeleton_element
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.validity import of_document
-from mcml_service.storage.core.views import seen
-from mcml_service.storage.documents.damage import named
+from mcml_service.storage.core.views import is_seen
+from mcml_service.storage.documents.damage import name_document
 from mcml_service.storage.documents.rows import ELEMENT_COLUMNS, SkeletonRows, to_elements, to_rows, to_skeleton
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ class Heads:
         """The `header` element."""
         rows = self._tx.fetch_all(_HEADER, {"document": document_key, "at": self._tx.at})
         if not rows:
-            raise damage(named(self._tx, document_key), "it has no header")
+            raise damage(name_document(self._tx, document_key), "it has no header")
         return to_elements(rows)[0]
 
     def skeleton(self, skeleton_key: int) -> list[Element]:
@@ -73,13 +73,13 @@ class Heads:
         children = [self.header(stored.key), *self.skeleton(stored.skeleton)]
         return Element("mcml", mcml_attributes(stored.version), "", children)
 
-    def stated(self, documents: list[int], tags: tuple[str, ...]) -> dict[int, dict[str, str]]:
+    def read_texts(self, documents: list[int], tags: tuple[str, ...]) -> dict[int, dict[str, str]]:
         """The texts of some elements of headers, by document and tag."""
         query = select(header.c.document, header.c.tag, header.c.text).where(
             header.c.document.in_(documents), header.c.tag.in_(tags), self._tx.valid(header)
         )
         found: dict[int, dict[str, str]] = {}
-        for key, tag, text in self._tx.fetch_all(checked(query, header)):
+        for key, tag, text in self._tx.fetch_all(verify(query, header)):
             found.setdefault(key, {})[tag] = text
         return found
 
@@ -183,7 +183,7 @@ class Heads:
             .join(content, content.c.skeleton == skeleton.c.id)
             .join(document, used)
             .where(document.c.state == "ready", document.c.deleted_commit == CURRENT, skeleton.c.id > after)
-            .where(seen(self._tx.view))
+            .where(is_seen(self._tx.view))
             .where(or_(project_key is None, skeleton.c.project == project_key))  # type: ignore[arg-type]
             .group_by(skeleton.c.id, skeleton.c.hash, skeleton.c.joints, skeleton.c.project)
             .order_by(skeleton.c.id)

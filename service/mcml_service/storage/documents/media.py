@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from sqlalchemy import delete, select
 
-from mcml_service.storage.core.seals import checked
+from mcml_service.storage.core.seals import verify
 from mcml_service.storage.core.tables import document_media, upload
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.documents.documents import Documents
@@ -40,7 +40,7 @@ class MediaOfDocuments:
             .join(upload, upload.c.id == own.upload)
             .where(own.document == document_key, upload.c.complete)
         )
-        rows = self._tx.fetch_all(checked(query, document_media))
+        rows = self._tx.fetch_all(verify(query, document_media))
         return StoredMedia(*rows[0]) if rows else None
 
     def put(self, document_key: int, key: int, file_name: str, media_type: str, offset: float) -> None:

@@ -61,7 +61,7 @@ def _block(steps: Steps) -> bytes:
 def unpack(blocks: tuple[bytes, ...], joints: Sequence[int]) -> list[Steps]:
     """(n, 3) of each of some joints. StoreError where the bytes are damaged."""
     try:
-        parts = [_unpacked(block, joints) for block in blocks]
+        parts = [_unpack(block, joints) for block in blocks]
     except (RuntimeError, ValueError, TypeError, IndexError, struct.error) as error:
         raise StoreError(
             f"Positions of joints are damaged: {error}", remedy="Derive them again: mcml db derive."
@@ -69,7 +69,7 @@ def unpack(blocks: tuple[bytes, ...], joints: Sequence[int]) -> list[Steps]:
     return parts[0] if len(parts) == 1 else [np.concatenate(own) for own in zip(*parts, strict=True)]
 
 
-def _unpacked(block: bytes, joints: Sequence[int]) -> list[Steps]:
+def _unpack(block: bytes, joints: Sequence[int]) -> list[Steps]:
     frames, count, some = _HEAD.unpack_from(block)
     parts = -(-count // some) if frames else 0
     sizes = struct.unpack_from(f"<{parts}I", block, _HEAD.size)

@@ -9,12 +9,12 @@ from typing import Any
 from sqlalchemy import BigInteger, bindparam, func, select, update
 
 from mcml_service.storage.core.schema import CURRENT
-from mcml_service.storage.core.seals import checked, closing
+from mcml_service.storage.core.seals import closing, verify
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import document, project, span
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.validity import DOCUMENT, of_document, there, valid
-from mcml_service.storage.core.views import seen
+from mcml_service.storage.core.views import is_seen
 
 
 @dataclass(frozen=True, order=True)
@@ -37,7 +37,7 @@ _VISIBLE = (
     .where(valid(span), there())
     .order_by(span.c.document, span.c.first)
 )
-_NAMED = checked(_VISIBLE.where(span.c.name.in_(bindparam("names", expanding=True))), span)
+_NAMED = verify(_VISIBLE.where(span.c.name.in_(bindparam("names", expanding=True))), span)
 _NAMED_IN = _NAMED.where(span.c.document.in_(bindparam("documents", expanding=True)))
 _OF_ONE_NAME = Prepared(_VISIBLE.where(span.c.name == bindparam("name")), span, remember=True)
 _OF_ONE_NAME_IN_ONE = _OF_ONE_NAME.where(span.c.document == DOCUMENT)
@@ -65,7 +65,7 @@ class Spans:
         columns = (span.c.document, span.c.first, span.c.last, span.c.name)
         query = select(*columns).where(span.c.document.in_(documents), self._tx.valid(span))
         found: dict[int, list[tuple[int, int, str]]] = {}
-        for key, *row in self._tx.fetch_all(checked(query.order_by(span.c.first, span.c.rank, span.c.id), span)):
+        for key, *row in self._tx.fetch_all(verify(query.order_by(span.c.first, span.c.rank, span.c.id), span)):
             found.setdefault(key, []).append((row[0], row[1], row[2]))
         return found
 
@@ -75,7 +75,7 @@ class Spans:
         Ranges are ascending and neither overlap nor touch. documents: keys of those that are asked, None for all.
         """
         ranges: dict[int, list[tuple[int, int]]] = {}
-        for key, first, last in self._named(names, documents):
+        for key, first, last in self._find_named(names, documents):
             found = ranges.setdefault(key, [])
             if found and first <= found[-1][1] + 1:
                 found[-1] = (found[-1][0], max(found[-1][1], last))
@@ -83,7 +83,7 @@ class Spans:
                 found.append((first, last))
         return ranges
 
-    def _named(self, names: list[str], documents: list[int] | None) -> Iterable[Any]:
+    def _find_named(self, names: list[str], documents: list[int] | None) -> Iterable[Any]:
         # One name, in all documents or one, is what is asked most.
         if len(names) == 1 and documents is None:
             return self._tx.fetch_all(_OF_ONE_NAME, {"name": names[0], "at": self._tx.at})
@@ -130,7 +130,7 @@ class Spans:
                 func.sum(span.c.last - span.c.first + 1),
             )
             .join(document, document.c.id == span.c.document)
-            .where(valid(span, self._tx.at), there(self._tx.at), seen(self._tx.view))
+            .where(valid(span, self._tx.at), there(self._tx.at), is_seen(self._tx.view))
             .group_by(span.c.name)
             .order_by(span.c.name)
         )

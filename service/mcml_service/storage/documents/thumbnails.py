@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import orjson
 from sqlalchemy import and_, delete, select
 
-from mcml_service.storage.core.seals import checked
+from mcml_service.storage.core.seals import verify
 from mcml_service.storage.core.tables import thumbnail
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.documents.derived_rows import DerivedRows
@@ -50,7 +50,7 @@ class Thumbnails:
         # Not pairs of both, for which SQLite would read all pictures of the store.
         near = and_(thumbnail.c.document.in_(numbers), thumbnail.c.revision.in_(set(numbers.values())))
         columns = (thumbnail.c.document, thumbnail.c.revision, thumbnail.c.facts, thumbnail.c.data)
-        rows = self._tx.fetch_all(checked(select(*columns).where(near), thumbnail)) if numbers else []
+        rows = self._tx.fetch_all(verify(select(*columns).where(near), thumbnail)) if numbers else []
         return {
             key: StoredThumbnail(bytes(data), orjson.loads(facts))
             for key, number, facts, data in rows

@@ -16,7 +16,7 @@ from mcml.errors import NotFoundError, StoreError
 from mcml.motion.clip import FrameBlock, Shape
 from mcml.motion.skeleton import Array
 from mcml_service.storage.core.schema import CHUNK, CURRENT
-from mcml_service.storage.core.seals import checked, closing, unsound
+from mcml_service.storage.core.seals import closing, unsound, verify
 from mcml_service.storage.core.sql_expressions import OneOf
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import frame_run, shape, shape_run, timeline, track
@@ -174,7 +174,7 @@ class Tracks:
             .where(shape.c.document == document_key, self._tx.valid(shape_run))
             .distinct()
         )
-        return [unpack_shape(packed) for (packed,) in self._tx.fetch_all(checked(query, shape))]
+        return [unpack_shape(packed) for (packed,) in self._tx.fetch_all(verify(query, shape))]
 
     def _shape_runs(self, document_key: int, start: int, end: int) -> Iterator[tuple[int, int, Shape]]:
         """(slot, count, shape) of the runs in slots start to end - 1, cut to them."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import zstandard
 from sqlalchemy import and_, bindparam, delete, func, select, update
 
-from mcml_service.storage.core.seals import checked
+from mcml_service.storage.core.seals import verify
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import document, document_media, document_upload, upload, upload_block
 from mcml_service.storage.core.transaction import BaseTransaction
@@ -141,7 +141,7 @@ class Uploads:
         query = select(document_upload.c.upload).where(
             document_upload.c.document == document_key, document_upload.c.part == part
         )
-        rows = self._tx.fetch_all(checked(query, document_upload))
+        rows = self._tx.fetch_all(verify(query, document_upload))
         return self.blocks(rows[0][0]) if rows else None
 
     def blocks(self, key: int, number: int = 0) -> Iterator[bytes]:

@@ -74,14 +74,14 @@ class Purging:
         """Let the database overwrite what this transaction removes, where it would else only forget it."""
         self._tx.dialect.erase_what_goes(self._tx.connection)
 
-    def deleted_before(self, time: str) -> list[str]:
+    def find_deleted_before(self, time: str) -> list[str]:
         """UUIDs of documents that were deleted before a time, the oldest first."""
         gone = and_(document.c.state == "ready", document.c.deleted_commit < CURRENT)
         query = select(document.c.uuid).join(commit, commit.c.number == document.c.deleted_commit)
         query = query.where(gone, commit.c.time < time).order_by(document.c.deleted_commit)
         return self._tx.fetch_column(query)
 
-    def held(self, key: int) -> Held:
+    def measure(self, key: int) -> Held:
         tracks = select(func.coalesce(func.sum(func.length(track.c.data)), 0)).where(track.c.document == key)
         others = select(document_upload.c.upload).where(document_upload.c.document != key)
         files = (
@@ -97,7 +97,7 @@ class Purging:
             self._tx.fetch_value(ended.where(document.c.id == key)),
         )
 
-    def made_from(self, uuid: str) -> tuple[list[tuple[str, str]], list[tuple[str, str]], list[int]]:
+    def find_made_from(self, uuid: str) -> tuple[list[tuple[str, str]], list[tuple[str, str]], list[int]]:
         """(uuid, name) of documents, then of results, that were made from a document and others; keys of results that
         were made from it alone."""
         said = property_.c.text.contains(uuid)
@@ -119,7 +119,7 @@ class Purging:
         self._activity.note("document", "purge", project_key=stored.project_key, document=stored.uuid)
         self._pruning.let_go(self._tx.commit)
 
-    def unfinished(self) -> list[tuple[int, str]]:
+    def find_unfinished(self) -> list[tuple[int, str]]:
         """(key, uuid) of documents whose purge was interrupted."""
         query = select(document.c.id, document.c.uuid).where(document.c.state == "purging")
         return [(key, uuid) for key, uuid in self._tx.fetch_all(query)]
@@ -136,7 +136,7 @@ class Purging:
     def finish(self, key: int, uuid: str) -> None:
         """Remove all other rows, and what only this document needed: files, skeletons, results, ended jobs."""
         self._tx.dialect.retire_keys(self._tx.connection)
-        _, _, own = self.made_from(uuid)
+        _, _, own = self.find_made_from(uuid)
         for number in own:
             self._results.remove(number)
         ended = job.c.state.in_(("done", "failed", "cancelled"))

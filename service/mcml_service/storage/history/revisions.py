@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 from sqlalchemy import select
 
-from mcml_service.storage.core.seals import checked
+from mcml_service.storage.core.seals import verify
 from mcml_service.storage.core.tables import commit, document, project, revision
 from mcml_service.storage.core.transaction import BaseTransaction
-from mcml_service.storage.core.views import seen
+from mcml_service.storage.core.views import is_seen
 
 _REVISION = (
     *(revision.c[name] for name in ("number", "commit", "parent", "operation", "message", "name")),
@@ -47,7 +47,7 @@ class Revisions:
         )
         if before is not None:
             query = query.where(revision.c.number < before)
-        return [StoredRevision(*row) for row in self._tx.fetch_all(checked(query, revision, commit))]
+        return [StoredRevision(*row) for row in self._tx.fetch_all(verify(query, revision, commit))]
 
     def since(self, number: int, limit: int) -> list[tuple[int, tuple[str, StoredRevision]]]:
         """(commit, (uuid of the document, revision)) after a commit, the oldest first; all or none of one commit."""
@@ -56,12 +56,12 @@ class Revisions:
             .join(commit, commit.c.number == revision.c.commit)
             .join(project, project.c.id == revision.c.project)
             .join(document, document.c.id == revision.c.document)
-            .where(revision.c.commit > number, document.c.state == "ready", seen(self._tx.view))
+            .where(revision.c.commit > number, document.c.state == "ready", is_seen(self._tx.view))
             .order_by(revision.c.commit, revision.c.document)
         )
-        rows = self._tx.fetch_all(checked(query.limit(limit), revision, commit))
+        rows = self._tx.fetch_all(verify(query.limit(limit), revision, commit))
         if len(rows) == limit:
             last = rows[-1][0]
             whole = query.where(revision.c.commit == last)
-            rows = [row for row in rows if row[0] < last] + [*self._tx.fetch_all(checked(whole, revision, commit))]
+            rows = [row for row in rows if row[0] < last] + [*self._tx.fetch_all(verify(whole, revision, commit))]
         return [(row[0], (row[1], StoredRevision(*row[2:]))) for row in rows]

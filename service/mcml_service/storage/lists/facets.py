@@ -13,7 +13,7 @@ from sqlalchemy import Select, func, select
 
 from mcml_service.storage.core.tables import content, document, project, property_, skeleton, span
 from mcml_service.storage.core.transaction import BaseTransaction
-from mcml_service.storage.lists.filtering import SHORT, DocumentFilter, chosen, seconds
+from mcml_service.storage.lists.filtering import SHORT, DocumentFilter, seconds, select_wanted
 
 Numbers = NDArray[np.float64]
 Counts = list[tuple[Any, int]]
@@ -60,12 +60,12 @@ class Facets:
 def facets(tx: BaseTransaction, wanted: DocumentFilter, most: int, bins: int) -> Facets:
     """Of the documents that are wanted. most: values of each facet. bins: of each range of numbers."""
     motion = select(span.c.name, func.count(span.c.document.distinct())).where(
-        span.c.document.in_(chosen(document.c.id, wanted, tx)), tx.valid(span)
+        span.c.document.in_(select_wanted(document.c.id, wanted, tx)), tx.valid(span)
     )
-    skeletons = chosen(content.c.skeleton, wanted, tx)
+    skeletons = select_wanted(content.c.skeleton, wanted, tx)
     sizes = select(skeleton.c.id, skeleton.c.joints).where(skeleton.c.id.in_(skeletons))
     joints = {row.id: row.joints for row in tx.fetch_all(sizes)}
-    timing = chosen(content.c.frames, wanted, tx).add_columns(seconds(tx.at))
+    timing = select_wanted(content.c.frames, wanted, tx).add_columns(seconds(tx.at))
     lengths, rates, unknown = [], [], 0
     for frames, each in tx.fetch_all(timing):
         if each is None:
@@ -75,11 +75,11 @@ def facets(tx: BaseTransaction, wanted: DocumentFilter, most: int, bins: int) ->
             rates.append(rate_of(each))
     return Facets(
         total=len(lengths) + unknown,
-        projects=_counted(tx, chosen(project.c.name, wanted, tx), project.c.name, most),
-        formats=_counted(tx, chosen(document.c.format, wanted, tx), document.c.format, most),
-        skeletons=[((key, joints[key]), count) for key, count in _counted(tx, skeletons, content.c.skeleton, most)],
+        projects=_count(tx, select_wanted(project.c.name, wanted, tx), project.c.name, most),
+        formats=_count(tx, select_wanted(document.c.format, wanted, tx), document.c.format, most),
+        skeletons=[((key, joints[key]), count) for key, count in _count(tx, skeletons, content.c.skeleton, most)],
         motion_names=_most(tx.fetch_all(motion.group_by(span.c.name)), most),
-        lengths=binned(lengths, bins),
+        lengths=make_bins(lengths, bins),
         rates=_most(Counter(rates).items(), most),
         unknown=unknown,
         properties=_properties(tx, wanted, most, bins),
@@ -91,7 +91,7 @@ def rate_of(seconds: float) -> float:
     return round(1 / seconds) or round(1 / seconds, 3)
 
 
-def _counted(tx: BaseTransaction, query: Select[Any], column: Any, most: int) -> Counts:
+def _count(tx: BaseTransaction, query: Select[Any], column: Any, most: int) -> Counts:
     return _most(tx.fetch_all(query.add_columns(func.count()).group_by(column)), most)
 
 
@@ -103,7 +103,7 @@ def _most(found: Iterable[Any], most: int) -> Counts:
 def _properties(tx: BaseTransaction, wanted: DocumentFilter, most: int, bins: int) -> list[PropertyFacet]:
     """Properties by how many documents have them; records of programs, which are long, are none to choose by."""
     query = select(property_.c.name, property_.c.number, property_.c.text).where(
-        property_.c.document.in_(chosen(document.c.id, wanted, tx)), func.length(property_.c.text) <= SHORT
+        property_.c.document.in_(select_wanted(document.c.id, wanted, tx)), func.length(property_.c.text) <= SHORT
     )
     numbers: dict[str, list[float]] = {}
     texts: dict[str, Counter[str]] = {}
@@ -116,7 +116,7 @@ def _properties(tx: BaseTransaction, wanted: DocumentFilter, most: int, bins: in
         PropertyFacet(
             name,
             len(numbers.get(name, ())) + sum(texts.get(name, Counter()).values()),
-            binned(numbers.get(name, []), bins),
+            make_bins(numbers.get(name, []), bins),
             _most(texts.get(name, Counter()).items(), most),
         )
         for name in numbers.keys() | texts.keys()
@@ -124,7 +124,7 @@ def _properties(tx: BaseTransaction, wanted: DocumentFilter, most: int, bins: in
     return sorted(found, key=lambda facet: (-facet.documents, facet.name))[:most]
 
 
-def binned(given: Sequence[float] | Numbers, bins: int, times: NDArray[np.int64] | None = None) -> Bins | None:
+def make_bins(given: Sequence[float] | Numbers, bins: int, times: NDArray[np.int64] | None = None) -> Bins | None:
     """Bins of equal width from the least to the greatest; of equal ratio where numbers, none below 0, are of far
     different sizes, so that few large ones do not put all others into one bin (zeros are in the first). One bin where
     all are equal, None where there are none. times: how often each value occurs, default once."""

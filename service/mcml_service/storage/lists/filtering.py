@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from sqlalchemy import Float, Select, and_, case, cast, func, or_, select
 
 from mcml.errors import QueryError
-from mcml_service.storage.core.identifiers import stored_form
+from mcml_service.storage.core.identifiers import normalise_name
 from mcml_service.storage.core.sql_expressions import AsWritten, OneOf
 from mcml_service.storage.core.tables import content, document, header, project, property_, span
 from mcml_service.storage.core.transaction import BaseTransaction
-from mcml_service.storage.core.validity import AT, Commit, imported, valid
-from mcml_service.storage.core.views import seen
+from mcml_service.storage.core.validity import AT, Commit, is_imported, valid
+from mcml_service.storage.core.views import is_seen
 
 if TYPE_CHECKING:
     from sqlalchemy import ColumnElement
@@ -80,21 +80,21 @@ def parse_range(text: str) -> Range:
         raise QueryError(f"{text!r} is not a range of numbers.", remedy="Write 20..30, 20.. or ..30.") from None
 
 
-def chosen(what: Any, wanted: DocumentFilter, tx: BaseTransaction) -> Select[Any]:
+def select_wanted(what: Any, wanted: DocumentFilter, tx: BaseTransaction) -> Select[Any]:
     """A statement that selects something of the documents that are wanted."""
     joined = document.join(project).join(content, and_(content.c.document == document.c.id, tx.valid(content)))
-    return filtered(select(what).select_from(joined), wanted, tx).where(imported(tx.at), seen(tx.view))
+    return filter_documents(select(what).select_from(joined), wanted, tx).where(is_imported(tx.at), is_seen(tx.view))
 
 
-def filtered(query: Select[Any], wanted: DocumentFilter, tx: BaseTransaction) -> Select[Any]:
+def filter_documents(query: Select[Any], wanted: DocumentFilter, tx: BaseTransaction) -> Select[Any]:
     gone = document.c.deleted_commit <= tx.at
     query = query.where(gone if wanted.deleted else ~gone)
     if wanted.project is not None:
-        query = query.where(project.c.name == stored_form(wanted.project))
+        query = query.where(project.c.name == normalise_name(wanted.project))
     if wanted.id is not None:
         query = query.where(document.c.uuid.startswith(wanted.id.lower(), autoescape=True))
     if wanted.name is not None:
-        query = query.where(document.c.name == stored_form(wanted.name))
+        query = query.where(document.c.name == normalise_name(wanted.name))
     for word in (wanted.text or "").split():
         query = query.where(_has_word(word, tx))
     if wanted.format is not None:
@@ -102,7 +102,7 @@ def filtered(query: Select[Any], wanted: DocumentFilter, tx: BaseTransaction) ->
     if wanted.skeleton is not None:
         query = query.where(content.c.skeleton == wanted.skeleton)
     if wanted.motion_name is not None:
-        named = select(span.c.document).where(span.c.name == stored_form(wanted.motion_name), tx.valid(span))
+        named = select(span.c.document).where(span.c.name == normalise_name(wanted.motion_name), tx.valid(span))
         query = query.where(document.c.id.in_(named))
     for name, least, greatest, text in wanted.properties:
         having = select(property_.c.document).where(property_.c.name == name)
@@ -141,7 +141,7 @@ def _holds(column: Any, word: str) -> ColumnElement[bool]:
 def forms_of(word: str) -> list[str]:
     """How a word may occur in a text whose ASCII letters are small ones."""
     # lower() of SQLite, and of PostgreSQL in collation C, knows ASCII only: other letters are found as written.
-    said = stored_form(word)
+    said = normalise_name(word)
     return list(dict.fromkeys((fold(said), said.lower())))
 
 

@@ -13,7 +13,7 @@ from mcml_service.storage.core.sql_expressions import OneOf
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import content, document, header, project, property_, revision, span
 from mcml_service.storage.core.transaction import BaseTransaction
-from mcml_service.storage.core.validity import AT, imported, valid
+from mcml_service.storage.core.validity import AT, is_imported, valid
 from mcml_service.storage.lists.filtering import IS_SAID, SAID, SHORT, seconds
 
 Row: TypeAlias = tuple[Any, ...]
@@ -45,7 +45,7 @@ def _statements() -> dict[str, tuple[Prepared, Prepared]]:
     said = select(header.c.document, SAID).where(IS_SAID, valid(header))
     short_or_number = or_(func.length(property_.c.text) <= SHORT, property_.c.number.is_not(None))
     wanted = {
-        "documents": (select(*about, *since, seconds()).select_from(joined).where(imported()), document.c.id),
+        "documents": (select(*about, *since, seconds()).select_from(joined).where(is_imported()), document.c.id),
         "newest": (newest.where(revision.c.commit <= AT).group_by(revision.c.document), revision.c.document),
         "said": (said, header.c.document),
         "named": (select(span.c.document, span.c.name).where(valid(span)).distinct(), span.c.document),
@@ -54,7 +54,7 @@ def _statements() -> dict[str, tuple[Prepared, Prepared]]:
     return {name: (Prepared(query), Prepared(query.where(OneOf(key, "keys")))) for name, (query, key) in wanted.items()}
 
 
-_KEYS = Prepared(select(document.c.id).where(imported()))
+_KEYS = Prepared(select(document.c.id).where(is_imported()))
 
 
 def read_list_rows(tx: BaseTransaction, keys: Sequence[int] | None = None) -> ListRows:

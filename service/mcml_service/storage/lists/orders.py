@@ -81,7 +81,7 @@ def value_in(column: str, tx: BaseTransaction) -> ColumnElement[Any]:
     return value
 
 
-def ordered(query: Select[Any], value: ColumnElement[Any], order: Order, after: Place | None) -> Select[Any]:
+def order_rows(query: Select[Any], value: ColumnElement[Any], order: Order, after: Place | None) -> Select[Any]:
     """The statement with its rows in an order, those behind a place. value: of the column that is ordered by."""
     directed = value.desc() if order.descending else value.asc()
     unknown = [value.is_(None)] if order.column in UNKNOWN else []

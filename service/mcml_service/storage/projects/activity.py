@@ -24,12 +24,12 @@ from sqlalchemy import (
     true,
 )
 
-from mcml_service.storage.core.identifiers import now, stored_form
+from mcml_service.storage.core.identifiers import normalise_name, now
 from mcml_service.storage.core.schema import KEY, NAME, metadata
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import document, project
 from mcml_service.storage.core.transaction import BaseTransaction
-from mcml_service.storage.core.views import SCOPES, View, may, seen
+from mcml_service.storage.core.views import SCOPES, View, is_seen, may
 
 event = Table(
     "event",
@@ -118,15 +118,15 @@ class Activity:
 
     def page(self, wanted: EventFilter, before: int | None, limit: int) -> list[Event]:
         """The newest first, those with numbers below `before`."""
-        query = _TOLD.where(_shown(self._tx.view)).order_by(event.c.id.desc()).limit(limit)
+        query = _TOLD.where(_is_shown(self._tx.view)).order_by(event.c.id.desc()).limit(limit)
         if before is not None:
             query = query.where(event.c.id < before)
         if wanted.project is not None:
-            query = query.where(project.c.name == stored_form(wanted.project))
+            query = query.where(project.c.name == normalise_name(wanted.project))
         equal = ((event.c.about, wanted.document), (event.c.author, wanted.author), (event.c.kind, wanted.kind))
         for column, value in equal:
             if value is not None:
-                query = query.where(column == stored_form(value))
+                query = query.where(column == normalise_name(value))
         if wanted.since is not None:
             query = query.where(event.c.time >= wanted.since)
         return self._read(query)
@@ -137,7 +137,7 @@ class Activity:
 
     def after(self, number: int, limit: int, *, kind: str | None = None, project_key: int | None = None) -> list[Event]:
         """Those behind a number, the oldest first; of a kind, of a project."""
-        query = _TOLD.where(_shown(self._tx.view), event.c.id > number).order_by(event.c.id).limit(limit)
+        query = _TOLD.where(_is_shown(self._tx.view), event.c.id > number).order_by(event.c.id).limit(limit)
         if kind is not None:
             query = query.where(event.c.kind == kind)
         if project_key is not None:
@@ -166,12 +166,12 @@ _NEEDED = {"share": "edit", "webhook": "own"}
 _NEWEST = Prepared(select(func.coalesce(func.max(event.c.id), 0)))
 
 
-def _shown(view: View) -> ColumnElement[bool]:
+def _is_shown(view: View) -> ColumnElement[bool]:
     """Events of projects that are seen, of some kinds only where one may do more there; and of accounts and tokens for
     who keeps the repository."""
     if may(view.everywhere, SCOPES[-1]):
         return true()
-    condition: ColumnElement[bool] = _PLACE.is_not(None) & seen(view, _PLACE)
+    condition: ColumnElement[bool] = _PLACE.is_not(None) & is_seen(view, _PLACE)
     for kind, needed in _NEEDED.items():
         if not may(view.everywhere, needed):
             places = [key for key, scope in view.projects if may(scope, needed)]

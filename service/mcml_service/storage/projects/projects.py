@@ -5,11 +5,11 @@ from __future__ import annotations
 from sqlalchemy import bindparam, select
 
 from mcml.errors import AccessError, NotFoundError
-from mcml_service.storage.core.identifiers import now, stored_form
+from mcml_service.storage.core.identifiers import normalise_name, now
 from mcml_service.storage.core.statements import Prepared
 from mcml_service.storage.core.tables import project
 from mcml_service.storage.core.transaction import BaseTransaction
-from mcml_service.storage.core.views import may, seen
+from mcml_service.storage.core.views import is_seen, may
 from mcml_service.storage.projects.quotas import Quotas
 
 _ALL = select(project.c.name).order_by(project.c.name)
@@ -24,7 +24,7 @@ class Projects:
 
     def names(self) -> list[str]:
         """Of those that are seen."""
-        return self._tx.fetch_column(_ALL.where(seen(self._tx.view, project.c.id)))
+        return self._tx.fetch_column(_ALL.where(is_seen(self._tx.view, project.c.id)))
 
     def name(self, key: int) -> str:
         (name,) = self._tx.fetch_column(select(project.c.name).where(project.c.id == key))
@@ -36,7 +36,7 @@ class Projects:
         return found if found is not None and self._tx.view.sees(found) else None
 
     def _key(self, name: str) -> int | None:
-        key: int | None = self._tx.fetch_value(_BY_NAME, {"name": stored_form(name)})
+        key: int | None = self._tx.fetch_value(_BY_NAME, {"name": normalise_name(name)})
         return key
 
     def get(self, name: str) -> int:
@@ -52,10 +52,10 @@ class Projects:
         """The key of a project to write into, of a new one where there is none. Asked again in one transaction, it
         looks no more. AccessError where one may not write there, or make projects."""
         if name not in self._added:
-            self._added[name] = self._found_or_added(name)
+            self._added[name] = self._find_or_add(name)
         return self._added[name]
 
-    def _found_or_added(self, name: str) -> int:
+    def _find_or_add(self, name: str) -> int:
         found = self._writable(name)
         if found is not None:
             return found
@@ -63,7 +63,7 @@ class Projects:
         found = self._writable(name)
         if found is not None:
             return found
-        return self._tx.insert_row(project, name=stored_form(name), created=now())
+        return self._tx.insert_row(project, name=normalise_name(name), created=now())
 
     def _writable(self, name: str) -> int | None:
         """The key of one that one may write into, None where there is none and one may make it. AccessError."""

@@ -61,7 +61,7 @@ class Quotas:
             self._tx.run(insert(project_terms).values(project=project, **vars(chosen)))
         self._known[project] = chosen
 
-    def held(self, project: int) -> tuple[int, int]:
+    def measure(self, project: int) -> tuple[int, int]:
         """(documents that are there, bytes of the files and media of all, deleted ones too)."""
         mine = select(document.c.id).where(document.c.project == project)
         shown = select(func.count()).select_from(document).where(there(self._tx.at), document.c.project == project)
@@ -98,7 +98,7 @@ class Quotas:
         if chosen.most_documents is None and chosen.most_bytes is None:
             return
         self._tx.write_gathered()
-        documents, size = self.held(project)
+        documents, size = self.measure(project)
         for count, most, what in ((documents, chosen.most_documents, "documents"), (size, chosen.most_bytes, "bytes")):
             if most is not None and count > most:
                 raise ConflictError(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from sqlalchemy import delete, insert, select, update
 
 from mcml.errors import AccessError, ConflictError, NotFoundError
-from mcml_service.storage.core.identifiers import digest_of, now, stored_form
+from mcml_service.storage.core.identifiers import digest_of, normalise_name, now
 from mcml_service.storage.core.tables import project
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import may
@@ -59,7 +59,7 @@ class Accounts:
         return [Account(*row) for row in rows]
 
     def find(self, name: str) -> Account | None:
-        row = self._tx.fetch_one(select(account).where(account.c.name == stored_form(name)))
+        row = self._tx.fetch_one(select(account).where(account.c.name == normalise_name(name)))
         return None if row is None else Account(*row)
 
     def get(self, name: str) -> Account:
@@ -69,7 +69,7 @@ class Accounts:
             raise NotFoundError(f"There is no account {name!r}.", remedy="See `mcml account list`.")
         return found
 
-    def identified(self, issuer: str, subject: str) -> Account | None:
+    def find_identified(self, issuer: str, subject: str) -> Account | None:
         """The account of whom a provider knows, None where it has none here."""
         its = (identity.c.issuer == issuer, identity.c.subject == subject)
         row = self._tx.fetch_one(select(account).join(identity).where(*its))
@@ -105,7 +105,7 @@ class Accounts:
             self.require_owner()
         if is_taken(self._tx, name):
             raise ConflictError(f"The name {name!r} is taken.", remedy="Choose another name.")
-        row = {"name": stored_form(name), "role": role, "password": password, "created": now(), "closed": None}
+        row = {"name": normalise_name(name), "role": role, "password": password, "created": now(), "closed": None}
         self._tx.insert_row(account, **row)
         self._activity.note("account", "add", subject=f"{row['name']} as {role}")
         return self.get(name)
@@ -114,7 +114,7 @@ class Accounts:
         """Set role, password or closed. ConflictError where no owner would be left."""
         self._tx.order()
         found = self.get(name)
-        self._tx.run(update(account).where(account.c.name == stored_form(name)).values(**values))
+        self._tx.run(update(account).where(account.c.name == normalise_name(name)).values(**values))
         if not self.have_owner():
             raise ConflictError("The repository would have no owner.", remedy="Make somebody else an owner first.")
         for field, value in values.items():

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 from sqlalchemy import delete, func, select
 
 from mcml.errors import AttemptsError
-from mcml_service.storage.core.identifiers import digest_of, stored_form
+from mcml_service.storage.core.identifiers import digest_of, normalise_name
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.team.tables import attempt
 
@@ -60,4 +60,4 @@ class Attempts:
 
 
 def _digest(kind: str, what: str) -> str:
-    return digest_of(f"{kind} {stored_form(what)}")
+    return digest_of(f"{kind} {normalise_name(what)}")

@@ -10,7 +10,7 @@ from sqlalchemy import select, update
 
 from mcml.errors import AccessError, NotFoundError
 from mcml_service.storage.core.identifiers import now
-from mcml_service.storage.core.seals import SEALS, checked
+from mcml_service.storage.core.seals import SEALS, verify
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import may
 from mcml_service.storage.documents.documents import StoredDocument
@@ -52,12 +52,12 @@ class Comments:
         """The oldest first, those with numbers above `after`."""
         its = (comment.c.document == stored.key, comment.c.deleted.is_(None), comment.c.id > after)
         query = select(*_TOLD).where(*its).order_by(comment.c.id).limit(limit)
-        return [Comment(*row) for row in self._tx.fetch_all(checked(query, comment))]
+        return [Comment(*row) for row in self._tx.fetch_all(verify(query, comment))]
 
     def get(self, stored: StoredDocument, number: int) -> Comment:
         """NotFoundError."""
         its = (comment.c.id == number, comment.c.document == stored.key, comment.c.deleted.is_(None))
-        rows = self._tx.fetch_all(checked(select(*_TOLD).where(*its), comment))
+        rows = self._tx.fetch_all(verify(select(*_TOLD).where(*its), comment))
         if not rows:
             raise NotFoundError(f"There is no comment {number} on this document.", remedy="List its comments.")
         return Comment(*rows[0])
@@ -67,7 +67,7 @@ class Comments:
     ) -> Comment:
         place = {"document": stored.key, "revision": revision, "first": first, "last": last, "bone": bone}
         said = {"author": self._tx.author, "created": now(), "text": text}
-        return self._told(stored, self._tx.insert_row(comment, **place, **said), "add")
+        return self._to_comment(stored, self._tx.insert_row(comment, **place, **said), "add")
 
     def change(self, stored: StoredDocument, number: int, text: str) -> Comment:
         """AccessError for all but its author."""
@@ -75,13 +75,13 @@ class Comments:
         if found.author != self._tx.author:
             raise AccessError(f"Comment {number} is {found.author}'s.", remedy="Answer it with one of your own.")
         self._set(number, text=text, edited=now())
-        return self._told(stored, number, "change")
+        return self._to_comment(stored, number, "change")
 
     def resolve(self, stored: StoredDocument, number: int, *, resolved: bool) -> Comment:
         """AccessError for all but its author and who may change the document."""
         self._require(stored, number, "edit")
         self._set(number, resolved=now() if resolved else None)
-        return self._told(stored, number, "resolve" if resolved else "reopen")
+        return self._to_comment(stored, number, "resolve" if resolved else "reopen")
 
     def delete(self, stored: StoredDocument, number: int) -> None:
         """Its text goes. AccessError for all but its author and owners of the project."""
@@ -89,7 +89,7 @@ class Comments:
         self._set(number, text="", deleted=now())
         self._note(stored, number, "delete")
 
-    def mentioned(self, stored: StoredDocument, text: str) -> list[str]:
+    def find_mentioned(self, stored: StoredDocument, text: str) -> list[str]:
         """People of the document's project whom a text names as @name, by name."""
         if "@" not in text:
             return []
@@ -108,12 +108,12 @@ class Comments:
 
     def _set(self, number: int, **values: Any) -> None:
         query = select(*(comment.c[name] for name in _COLUMNS)).where(comment.c.id == number).with_for_update()
-        (held,) = self._tx.fetch_all(checked(query, comment))
+        (held,) = self._tx.fetch_all(verify(query, comment))
         row = dict(zip(_COLUMNS, held, strict=True)) | values
         changed = update(comment).where(comment.c.id == number)
         self._tx.run(changed.values(**values, checksum=SEALS[comment].of((*row.values(),))))
 
-    def _told(self, stored: StoredDocument, number: int, what: str) -> Comment:
+    def _to_comment(self, stored: StoredDocument, number: int, what: str) -> Comment:
         self._note(stored, number, what)
         return self.get(stored, number)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from sqlalchemy import select
 
-from mcml_service.storage.core.identifiers import stored_form
+from mcml_service.storage.core.identifiers import normalise_name
 from mcml_service.storage.core.tables import token
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import SCOPES, WHOLE, View
@@ -66,6 +66,6 @@ def scopes_of(tx: BaseTransaction, account_key: int) -> frozenset[tuple[int, str
 
 def is_taken(tx: BaseTransaction, name: str) -> bool:
     """Whether an account or a token has a name: revisions and history tell who did something by it."""
-    named = select(account.c.id).where(account.c.name == stored_form(name))
+    named = select(account.c.id).where(account.c.name == normalise_name(name))
     called = select(token.c.id).where(token.c.name == name)
     return any(tx.fetch_one(query.limit(1)) is not None for query in (named, called))

@@ -44,19 +44,19 @@ class Requests:
             with self._tx.savepoint():
                 self._tx.run(insert(request).values(**values))
         except IntegrityError:
-            (row,) = self._tx.fetch_all(select(request).where(_named(author, key)))
+            (row,) = self._tx.fetch_all(select(request).where(_is_named(author, key)))
             return Remembered(row.operation, row.digest, row.status, row.location, row.answer)
         return None
 
     def end(self, author: str, key: str, status: int, location: str | None, answer: str) -> None:
         """Keep what was answered."""
         values = {"status": status, "location": location, "answer": answer}
-        self._tx.run(update(request).where(_named(author, key)).values(**values))
+        self._tx.run(update(request).where(_is_named(author, key)).values(**values))
 
     def forget(self, author: str, key: str) -> None:
         """The request failed: nothing was done, and it may be sent again."""
-        self._tx.run(delete(request).where(_named(author, key)))
+        self._tx.run(delete(request).where(_is_named(author, key)))
 
 
-def _named(author: str, key: str) -> ColumnElement[bool]:
+def _is_named(author: str, key: str) -> ColumnElement[bool]:
     return and_(request.c.author == author, request.c.key == key)

@@ -113,7 +113,7 @@ class Sessions:
         """Who comes by a link, None where it has ended."""
         its = (session.c.sha256 == digest_of(secret), session.c.kind == "share", session.c.expires >= now())
         row = self._tx.fetch_one(select(session.c.share, session.c.author).where(*its))
-        shown = None if row is None or row.share is None else self._shares.numbered(row.share)
+        shown = None if row is None or row.share is None else self._shares.find_by_number(row.share)
         if row is None or shown is None:
             return None
         return Entry(row.author, self._shares.view(shown), share=shown)

@@ -15,7 +15,7 @@ from sqlalchemy import (
 )
 
 from mcml.errors import NotFoundError, RequestError
-from mcml_service.storage.core.identifiers import digest_of, now, stored_form
+from mcml_service.storage.core.identifiers import digest_of, normalise_name, now
 from mcml_service.storage.core.tables import document, project
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.core.views import View, may
@@ -31,7 +31,7 @@ class SharedDocument:
     revision: int
     latest: bool
 
-    def shown(self, asked: int | None) -> int | None:
+    def choose_revision(self, asked: int | None) -> int | None:
         """The revision that is shown for one that is asked for, None for the last. NotFoundError for what is not."""
         if not self.latest and asked in (None, self.revision):
             return self.revision
@@ -98,19 +98,19 @@ class Shares:
         (key,) = projects
         self._quotas.require(key)
         secret = secrets.token_urlsafe(32)
-        row = {"sha256": digest_of(secret), "name": stored_form(name), "project": key, "formats": " ".join(formats)}
+        row = {"sha256": digest_of(secret), "name": normalise_name(name), "project": key, "formats": " ".join(formats)}
         number = self._tx.insert_row(share, **row, author=author, created=now(), expires=now(lasts))
         for one in stored:
             about = {"share": number, "document": one.key, "revision": one.revision, "latest": latest}
             self._tx.run(insert(shared_document).values(**about))
-        self._activity.note("share", "add", project_key=key, subject=stored_form(name))
-        (made,) = self._found(share.c.id == number)
+        self._activity.note("share", "add", project_key=key, subject=normalise_name(name))
+        (made,) = self._find(share.c.id == number)
         return secret, made
 
     def all(self, project_key: int | None = None) -> list[Share]:
         """Links that open something still into projects that one may change, the newest first."""
         wanted = share.c.expires >= now()
-        found = self._found(wanted if project_key is None else wanted & (share.c.project == project_key))
+        found = self._find(wanted if project_key is None else wanted & (share.c.project == project_key))
         return [one for one in found if may(self._tx.view.scope(self._projects.get(one.project)), "edit")]
 
     def remove(self, number: int) -> None:
@@ -125,12 +125,12 @@ class Shares:
 
     def find(self, secret: str) -> Share | None:
         """By its secret, None where it has ended or there is none."""
-        found = self._found((share.c.sha256 == digest_of(secret)) & (share.c.expires >= now()))
+        found = self._find((share.c.sha256 == digest_of(secret)) & (share.c.expires >= now()))
         return found[0] if found else None
 
-    def numbered(self, number: int) -> Share | None:
+    def find_by_number(self, number: int) -> Share | None:
         """None where it has ended."""
-        found = self._found((share.c.id == number) & (share.c.expires >= now()))
+        found = self._find((share.c.id == number) & (share.c.expires >= now()))
         return found[0] if found else None
 
     def view(self, shown: Share) -> View:
@@ -144,13 +144,13 @@ class Shares:
         for uuid, one in shown.documents.items():
             current = self._documents.find(uuid)
             if current is not None:
-                number = one.shown(None) or current.revision
+                number = one.choose_revision(None) or current.revision
                 stored = self._documents.at(self._documents.commit_of(current.key, number)).get(uuid)
                 rate = stored.seconds_per_frame
                 found.append(SharedMotion(stored.uuid, stored.name, stored.revision, stored.frames, rate))
         return found
 
-    def _found(self, wanted: ColumnElement[bool]) -> list[Share]:
+    def _find(self, wanted: ColumnElement[bool]) -> list[Share]:
         rows = self._tx.fetch_all(_ROWS.where(wanted).order_by(share.c.id.desc()))
         inside = select(shared_document, document.c.uuid).join(document, document.c.id == shared_document.c.document)
         inside = inside.where(shared_document.c.share.in_([row.id for row in rows]))

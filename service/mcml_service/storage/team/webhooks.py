@@ -185,7 +185,7 @@ class Webhooks:
             self._tx.run(update(delivery).where(delivery.c.id == row[0]).values(**begun))
         return [Claimed(*row) for row in rows]
 
-    def told(self, claimed: Claimed, status: int | None, problem: str | None, patience: float = 0.0) -> None:
+    def note_outcome(self, claimed: Claimed, status: int | None, problem: str | None, patience: float = 0.0) -> None:
         """Note what came of an attempt, unless another one was begun since. problem: None for success. patience:
         seconds for which who answered wants to be left alone."""
         its = and_(delivery.c.id == claimed.number, delivery.c.attempts == claimed.attempt)

@@ -11,7 +11,7 @@ from mcml.motion.skeleton import CHANNELS, Array
 from mcml.numerics.runs import find_consecutive
 from mcml_service.storage.core.schema import CHUNK
 from mcml_service.storage.core.tables import CLOSED_TRACK, span, track
-from mcml_service.storage.undo.differences import changed_chunks, common_frames, missing
+from mcml_service.storage.undo.differences import common_frames, find_changed_chunks, missing
 
 if TYPE_CHECKING:
     from mcml_service.storage.transaction import Transaction
@@ -33,7 +33,7 @@ def find_changed_frames(
     marked = np.zeros(after + 1, dtype=bool)
     for first, last in missing([(run.after, run.count) for run in runs], after):
         marked[first : last + 1] = True
-    chunks = changed_chunks(old, new, document_key)
+    chunks = find_changed_chunks(old, new, document_key)
     slots = _slots(tx, document_key, commit, chunks)
     for piece in pieces:
         inside = slots[(slots >= piece.slot) & (slots < piece.slot + piece.count)]

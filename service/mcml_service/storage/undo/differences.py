@@ -50,7 +50,7 @@ def missing(runs: list[tuple[int, int]], frames: int) -> list[tuple[int, int]]:
     return result
 
 
-def changed_chunks(before: Transaction, after: Transaction, document_key: int) -> set[int]:
+def find_changed_chunks(before: Transaction, after: Transaction, document_key: int) -> set[int]:
     """Chunks of which some row, a track's or a shape's, is not the same in two states of the document."""
     first, last = sorted((before.at, after.at))
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from sqlalchemy import and_, insert, literal, select, update
 
 from mcml_service.storage.core.schema import CURRENT
-from mcml_service.storage.core.seals import carried, closing
+from mcml_service.storage.core.seals import carry_checksum, closing
 from mcml_service.storage.core.tables import REVISIONED
 from mcml_service.storage.core.validity import valid
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def copy_rows(tx: Transaction, table: Table, *which: ColumnElement[bool]) -> None:
     """Copy closed rows, valid from this transaction's commit on; nobody sees the copies before `show_copies`."""
-    made = {"from_commit": literal(tx.commit), "to_commit": literal(-1), "checksum": carried(table, tx.commit)}
+    made = {"from_commit": literal(tx.commit), "to_commit": literal(-1), "checksum": carry_checksum(table, tx.commit)}
     names = [column.name for column in table.columns if column.name not in (*made, "id")]
     copies = select(*(table.c[name] for name in names), *made.values()).where(*which)
     tx.run(insert(table).from_select([*names, *made], copies))

@@ -51,10 +51,10 @@ def undo_rows(tx: Transaction, stored: StoredDocument, at: int) -> None:
     for table in REVISIONED:
         if table in (content, header):
             continue
-        if moved and table in _BY_POSITION and _changed_since(tx, table, stored, at):
-            raise _touched("frames came or went, and their names or ids were changed")
+        if moved and table in _BY_POSITION and _has_changed_since(tx, table, stored, at):
+            raise _make_conflict("frames came or went, and their names or ids were changed")
         if moved_since and table in _BY_POSITION and _touches(tx, table, stored, at):
-            raise _touched("names or ids of frames were changed, and frames came or went")
+            raise _make_conflict("names or ids of frames were changed, and frames came or went")
         if table in (track, shape_run) and _is_touched(tx, table, stored, at):
             _take_back_samples(tx, table, stored, at)
         else:
@@ -63,7 +63,7 @@ def undo_rows(tx: Transaction, stored: StoredDocument, at: int) -> None:
     _merge_content(tx, stored, at)
 
 
-def _touched(what: str) -> ConflictError:
+def _make_conflict(what: str) -> ConflictError:
     return ConflictError(
         f"The revision cannot be taken back alone: {what} since.",
         remedy="Take the later revisions back first, or restore an earlier one as a whole.",
@@ -77,43 +77,43 @@ def _rows(tx: Transaction, table: Table, stored: StoredDocument, *conditions: An
     return [dict(row._mapping) for row in found]
 
 
-def _written(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> list[Row]:
+def _find_written(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> list[Row]:
     return _rows(tx, table, stored, table.c.from_commit == at)
 
 
-def _closed(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> list[Row]:
-    return _rows(tx, table, stored, *_closed_at(table, at))
+def _find_closed(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> list[Row]:
+    return _rows(tx, table, stored, *_is_closed_at(table, at))
 
 
-def _closed_at(table: Table, at: int) -> list[ColumnElement[bool]]:
+def _is_closed_at(table: Table, at: int) -> list[ColumnElement[bool]]:
     found = [table.c.to_commit == at, table.c.from_commit < at]
     return [CLOSED_TRACK, *found] if table is track else found
 
 
 def _touches(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> bool:
-    return bool(_written(tx, table, stored, at) or _closed(tx, table, stored, at))
+    return bool(_find_written(tx, table, stored, at) or _find_closed(tx, table, stored, at))
 
 
-def _changed_since(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> bool:
+def _has_changed_since(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> bool:
     later = (table.c.from_commit > at) | ((table.c.to_commit > at) & (table.c.to_commit != CURRENT))
     query = select(literal(1)).where(table.c.document == stored.key, later).limit(1)
     return tx.fetch_one(query) is not None
 
 
 def _take_back(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> None:
-    written, closed = _written(tx, table, stored, at), _closed(tx, table, stored, at)
+    written, closed = _find_written(tx, table, stored, at), _find_closed(tx, table, stored, at)
     if not written and not closed:
         return
     what = {"track": "values", "span": "motion names", "bone": "bones"}.get(table.name, "frames")
     if any(row["to_commit"] not in (CURRENT, at) for row in written):
-        raise _touched(f"{what} it set were changed")
+        raise _make_conflict(f"{what} it set were changed")
     keys = _keys(table)
     if keys:
         later = _rows(tx, table, stored, table.c.from_commit > at, table.c.to_commit == CURRENT)
         if {_key(row, keys) for row in closed} & {_key(row, keys) for row in later}:
-            raise _touched(f"{what} it took away were set")
+            raise _make_conflict(f"{what} it took away were set")
     of_document = table.c.document == stored.key
-    copy_rows(tx, table, of_document, *_closed_at(table, at))
+    copy_rows(tx, table, of_document, *_is_closed_at(table, at))
     mine = and_(of_document, table.c.from_commit == at, table.c.to_commit == CURRENT)
     tx.run(update(table).where(mine).values(closing(table, tx.commit)))
     show_copies(tx, table, stored)
@@ -121,7 +121,7 @@ def _take_back(tx: Transaction, table: Table, stored: StoredDocument, at: int) -
 
 def _is_touched(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> bool:
     """Whether a later commit has written one of the rows that the commit wrote or closed."""
-    written, closed = _written(tx, table, stored, at), _closed(tx, table, stored, at)
+    written, closed = _find_written(tx, table, stored, at), _find_closed(tx, table, stored, at)
     if any(row["to_commit"] not in (CURRENT, at) for row in written):
         return True
     keys = _keys(table)
@@ -133,7 +133,7 @@ def _take_back_samples(tx: Transaction, table: Table, stored: StoredDocument, at
     """As `_take_back`, sample by sample: other ones of the same rows may have been set since."""
     try:
         if table is track:
-            rows = _written(tx, table, stored, at) + _closed(tx, table, stored, at)
+            rows = _find_written(tx, table, stored, at) + _find_closed(tx, table, stored, at)
             take_back_tracks(tx, stored, at, {(row["chunk"], row["bone"]) for row in rows})
         else:
             was, became, now = (
@@ -142,7 +142,7 @@ def _take_back_samples(tx: Transaction, table: Table, stored: StoredDocument, at
             )
             take_back_shapes(tx, stored, (was, became, now))
     except LookupError:
-        raise _touched("values it set were changed") from None
+        raise _make_conflict("values it set were changed") from None
 
 
 def _keys(table: Table) -> list[str]:
@@ -164,7 +164,7 @@ def _order(tx: Transaction, stored: StoredDocument, commit: int) -> list[tuple[A
 
 def _merge_header(tx: Transaction, stored: StoredDocument, at: int) -> None:
     """The elements of the header that the commit changed, as they were; others as they are."""
-    if not _written(tx, header, stored, at) and not _closed(tx, header, stored, at):
+    if not _find_written(tx, header, stored, at) and not _find_closed(tx, header, stored, at):
         return
     values = ("size", "level", "tag", "attributes", "text")
     before, after, now = (
@@ -172,11 +172,11 @@ def _merge_header(tx: Transaction, stored: StoredDocument, at: int) -> None:
         for commit in (at - 1, at, CURRENT - 1)
     )
     if [row[:3] for row in before.values()] != [row[:3] for row in after.values()] and now != after:
-        raise _touched("the header was changed")
+        raise _make_conflict("the header was changed")
     if len(before) == len(after):
         changed = {pre for pre in before if before[pre] != after[pre]}
         if len(now) != len(after) or any(now[pre] != after[pre] for pre in changed):
-            raise _touched("elements of the header it set were changed")
+            raise _make_conflict("elements of the header it set were changed")
         wanted = {pre: before[pre] if pre in changed else now[pre] for pre in now}
     else:
         wanted = before
@@ -193,7 +193,7 @@ def _merge_content(tx: Transaction, stored: StoredDocument, at: int) -> None:
             continue
         if before[name] != after[name]:
             if now[name] != after[name]:
-                raise _touched(f"its {name.replace('_', ' ')} was changed")
+                raise _make_conflict(f"its {name.replace('_', ' ')} was changed")
             merged[name] = before[name]
     # With nothing in between, all is as it was before.
     intact = bool(before["intact"]) and tx.documents.commit_of(stored.key, stored.revision) == at

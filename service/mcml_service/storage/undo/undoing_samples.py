@@ -28,7 +28,7 @@ Run = tuple[int, int, int]
 """(first slot, slots, number of the shape)."""
 
 
-def merged_track(before: Track | None, after: Track | None, now: Track | None) -> Track | None:
+def merge_track(before: Track | None, after: Track | None, now: Track | None) -> Track | None:
     """The samples of now with those that changed from before to after as they were before.
 
     None for a bone that has none. LookupError where one of these was changed since.
@@ -62,13 +62,11 @@ def take_back_tracks(tx: Transaction, stored: StoredDocument, at: int, places: s
     before, after = tx.at_commit(at - 1).tracks, tx.at_commit(at).tracks
     for chunk, bone in sorted(places):
         was, became, now = (tracks.chunk(stored.key, chunk, bone) for tracks in (before, after, tx.tracks))
-        channels, columns = merged_track(was, became, now) or ([], np.empty((0, 0)))
+        channels, columns = merge_track(was, became, now) or ([], np.empty((0, 0)))
         tx.tracks.rewrite_chunk(stored.key, chunk, bone, channels, columns)
 
 
-def merged_runs(
-    before: list[Run], after: list[Run], now: list[Run], merge: Callable[[int, int, int], int]
-) -> list[Run]:
+def merge_runs(before: list[Run], after: list[Run], now: list[Run], merge: Callable[[int, int, int], int]) -> list[Run]:
     """The same for which shape the frames of slots have.
 
     merge: the number of the shape for a frame that had one before, another after, and a third one now; it raises
@@ -85,7 +83,7 @@ def merged_runs(
     return [run for run in runs if run[2] >= 0]
 
 
-def merged_shape(before: Shape, after: Shape, now: Shape) -> Shape:
+def merge_shape(before: Shape, after: Shape, now: Shape) -> Shape:
     """The attributes of now with those that came or went from before to after as they were before.
 
     LookupError where one of these, or which bones there are, was changed since.
@@ -109,9 +107,9 @@ def take_back_shapes(tx: Transaction, stored: StoredDocument, runs: tuple[list[R
         if -1 in numbers:
             raise LookupError
         before, after, now = (shapes[number] for number in numbers)
-        return tx.tracks.shape_number(stored.key, merged_shape(before, after, now))
+        return tx.tracks.shape_number(stored.key, merge_shape(before, after, now))
 
-    rows = [{"slot": slot, "count": count, "shape": number} for slot, count, number in merged_runs(*runs, merge)]
+    rows = [{"slot": slot, "count": count, "shape": number} for slot, count, number in merge_runs(*runs, merge)]
     tx.tracks.close(shape_run, stored.key)
     tx.tracks.write_shape_runs(stored.key, rows, tx.commit)
 

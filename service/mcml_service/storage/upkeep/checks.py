@@ -47,17 +47,17 @@ _NAMED = upload.c.id.in_(select(document_upload.c.upload))
 def faults(tx: Transaction, *, past: bool = False) -> list[str]:
     """One sentence a fault. Reads every row and every kept upload once. past: fits the rows of all past revisions
     together too."""
-    found = _told("The database", lambda: tx.dialect.faults(tx.connection))
-    found += _told("The store", lambda: _layout_faults(tx))
+    found = _collect("The database", lambda: tx.dialect.faults(tx.connection))
+    found += _collect("The store", lambda: _layout_faults(tx))
     for table in SEALS:
-        found += _told(f"The table {table.name}", lambda table=table: _sealed_faults(tx, table))  # type: ignore[misc]
-    found += _told("The table track", lambda: _track_faults(tx))
-    found += _told("The skeletons", lambda: _skeleton_faults(tx))
+        found += _collect(f"The table {table.name}", lambda table=table: _find_row_faults(tx, table))  # type: ignore[misc]
+    found += _collect("The table track", lambda: _track_faults(tx))
+    found += _collect("The skeletons", lambda: _skeleton_faults(tx))
     for one in _rows(tx.documents.everything, found):
         found += _document_faults(tx, *one, past=past)
     files = select(upload.c.id, upload.c.sha256, upload.c.size).where(_NAMED)
     for key, sha256, size in _rows(lambda: tx.fetch_all(files), found):
-        found += _told("An upload", lambda key=key, sha256=sha256, size=size: _upload_faults(tx, key, sha256, size))  # type: ignore[misc]
+        found += _collect("An upload", lambda key=key, sha256=sha256, size=size: _upload_faults(tx, key, sha256, size))  # type: ignore[misc]
     return list(dict.fromkeys(found))
 
 
@@ -70,13 +70,13 @@ def document_faults(tx: Transaction, keys: Collection[int]) -> list[str]:
 
 def _document_faults(tx: Transaction, key: int, uuid: str, name: str, *, past: bool) -> list[str]:
     whose = f"{name} ({uuid})"
-    found = _told(whose, lambda: _head_faults(tx, key), whose)
+    found = _collect(whose, lambda: _head_faults(tx, key), whose)
     for then in _states(tx, key, past=past):
-        found += _told(whose, lambda then=then: _motion_faults(then, key), whose)  # type: ignore[misc]
+        found += _collect(whose, lambda then=then: _motion_faults(then, key), whose)  # type: ignore[misc]
     return found
 
 
-def _told(where: str, look: Callable[[], Iterator[str]], whose: str = "") -> list[str]:
+def _collect(where: str, look: Callable[[], Iterator[str]], whose: str = "") -> list[str]:
     """The faults that a look finds; what it meets that cannot be read is one too."""
     found: list[str] = []
     prefix = f"{whose}: " if whose else ""
@@ -91,7 +91,7 @@ def _told(where: str, look: Callable[[], Iterator[str]], whose: str = "") -> lis
         found.append(f"{prefix}{error.what}")
     # Rows that are no longer what was written lead to anything; the check goes on.
     except Exception as error:
-        found.append(f"{where} cannot be read: {_said(error)}")
+        found.append(f"{where} cannot be read: {_describe_error(error)}")
     return found
 
 
@@ -99,11 +99,11 @@ def _rows(read: Callable[[], Iterable[Any]], found: list[str]) -> list[Any]:
     try:
         return list(read())
     except Exception as error:
-        found.append(f"The store cannot be read: {_said(error)}")
+        found.append(f"The store cannot be read: {_describe_error(error)}")
         return []
 
 
-def _said(error: Exception) -> str:
+def _describe_error(error: Exception) -> str:
     """What the database says of itself; of other errors only the kind."""
     cause = getattr(error, "orig", error)
     return str(cause).splitlines()[0] if isinstance(error, SQLAlchemyError) and str(cause) else type(cause).__name__
@@ -125,7 +125,7 @@ def _layout_faults(tx: Transaction) -> Iterator[str]:
 # -- rows --------------------------------------------------------------------------------------------------------------
 
 
-def _sealed_faults(tx: Transaction, table: Table) -> Iterator[str]:
+def _find_row_faults(tx: Transaction, table: Table) -> Iterator[str]:
     seal = SEALS[table]
     for row in chain.from_iterable(tx.stream(select(*seal.read), ROWS)):
         if not seal.holds(tuple(row)):

@@ -18,7 +18,7 @@ from mcml.errors import FormatError
 from mcml_service.storage.core import tables
 from mcml_service.storage.core.identifiers import new_uuid
 from mcml_service.storage.core.schema import CURRENT
-from mcml_service.storage.core.seals import SEALS, sealed
+from mcml_service.storage.core.seals import SEALS, add_checksums
 from mcml_service.storage.documents.damage import describe_damage, describe_track_damage
 from mcml_service.storage.work import tables as work_tables
 
@@ -145,7 +145,7 @@ class ProjectRows:
             for block in self._tx.stream(query, ROWS):
                 self._require_sound(table, names, block)
                 for row in block:
-                    yield self._told(table, {str(name): value for name, value in row._mapping.items()})
+                    yield self._export_row(table, {str(name): value for name, value in row._mapping.items()})
 
     def files(self) -> Iterator[tuple[str, Callable[[], Iterator[bytes]]]]:
         """(SHA-256, content) of the kept files."""
@@ -167,7 +167,7 @@ class ProjectRows:
         for part in _parts(self._among[kind]):
             yield column.in_(part)
 
-    def _told(self, table: Table, row: Mapping[str, Any]) -> Row:
+    def _export_row(self, table: Table, row: Mapping[str, Any]) -> Row:
         told: Row = {}
         for name in _columns(table):
             value, kind = row[name], _kind(table, name)
@@ -191,7 +191,7 @@ class ProjectRows:
         kept = tuple(name for name in names if name not in ("checksum", "data_checksum"))
         places = [names.index(name) for name in kept]
         rows = [tuple(row) for row in block]
-        made, again = sealed(table, kept, [tuple(row[place] for place in places) for row in rows])
+        made, again = add_checksums(table, kept, [tuple(row[place] for place in places) for row in rows])
         sums = [names.index(name) for name in made[len(kept) :]]
         for row, other in zip(rows, again, strict=True):
             if tuple(row[place] for place in sums) != tuple(other[len(kept) :]):
@@ -241,7 +241,7 @@ class ProjectWriter:
             if table is tables.skeleton_element and row["skeleton"] in self._there:
                 continue
             if table.name in _OWN_KEY:
-                self._keyed(table, row)
+                self._write_keyed(table, row)
                 continue
             block.append(self._here(table, row))
             if len(block) == ROWS:
@@ -250,7 +250,7 @@ class ProjectWriter:
         self.tx.insert_rows(table, block)
         return count
 
-    def _keyed(self, table: Table, row: Row) -> None:
+    def _write_keyed(self, table: Table, row: Row) -> None:
         """Write a row to which others refer."""
         keys = self.keys.setdefault(table.name, {})
         number = row[_OWN_KEY[table.name]]
@@ -326,7 +326,7 @@ def _fits(column: Column[Any], value: object) -> bool:
     return isinstance(value, (int, float) if kind is float else kind) and (kind is bool or not isinstance(value, bool))
 
 
-def copied(tx: Transaction, document_key: int, project_key: int) -> str:
+def copy_document(tx: Transaction, document_key: int, project_key: int) -> str:
     """The id of a copy of a document with its whole history, in a project."""
     rows = ProjectRows(tx, None, document_key)
     writer = ProjectWriter(tx, project_key)

@@ -9,7 +9,7 @@ import zstandard
 from sqlalchemy import Table, bindparam, inspect, select, tuple_, update
 
 from mcml_service.storage.core import tables
-from mcml_service.storage.core.seals import SEALS, Row, sealed
+from mcml_service.storage.core.seals import SEALS, Row, add_checksums
 from mcml_service.storage.transaction import Transaction
 
 ROWS = 2000
@@ -34,7 +34,7 @@ def _seal(tx: Transaction, table: Table) -> None:
     keys = [column.name for column in table.primary_key]
     names = tuple(column.name for column in table.columns if "checksum" not in column.name)
     for rows in _batches(tx, table, names, keys):
-        made, values = sealed(table, names, rows)
+        made, values = add_checksums(table, names, rows)
         sums = made[len(names) :]
         places = [names.index(key) for key in keys]
         statement = update(table).where(*(table.c[key] == bindparam(f"key_{key}") for key in keys))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from sqlalchemy import delete, select
 
 from mcml_service.storage.core.identifiers import now
-from mcml_service.storage.core.seals import checked
+from mcml_service.storage.core.seals import verify
 from mcml_service.storage.core.transaction import BaseTransaction
 from mcml_service.storage.projects.projects import Projects
 from mcml_service.storage.projects.quotas import Quotas
@@ -40,9 +40,7 @@ class Aliases:
     def of(self, project_name: str) -> StoredAliases:
         """What a project has, nothing for one that does not exist yet."""
         key = self._projects.find(project_name)
-        rows = (
-            [] if key is None else self._tx.fetch_all(checked(_HELD.where(joint_alias.c.project == key), joint_alias))
-        )
+        rows = [] if key is None else self._tx.fetch_all(verify(_HELD.where(joint_alias.c.project == key), joint_alias))
         if not rows:
             return StoredAliases(project_name)
         ((version, author, changed, packed),) = rows

@@ -10,10 +10,10 @@ from typing import Any
 from sqlalchemy import Row, Select, and_, func, or_, select, update
 
 from mcml.errors import ConflictError, NotFoundError
-from mcml_service.storage.core.identifiers import new_uuid, now, stored_form
+from mcml_service.storage.core.identifiers import new_uuid, normalise_name, now
 from mcml_service.storage.core.tables import project
 from mcml_service.storage.core.transaction import BaseTransaction
-from mcml_service.storage.core.views import seen
+from mcml_service.storage.core.views import is_seen
 from mcml_service.storage.projects.activity import Activity
 from mcml_service.storage.projects.quotas import Quotas
 from mcml_service.storage.work.tables import job, result
@@ -82,7 +82,7 @@ class Jobs:
             uuid=uuid,
             project=project_key,
             analysis=analysis,
-            name=stored_form(name),
+            name=normalise_name(name),
             owner=owner,
             state="running" if runner else "waiting",
             inputs=json.dumps(inputs),
@@ -96,35 +96,35 @@ class Jobs:
             created=now(),
             started=now() if runner else None,
         )
-        self._activity.note("job", "add", project_key=project_key, subject=stored_form(name))
+        self._activity.note("job", "add", project_key=project_key, subject=normalise_name(name))
         return uuid
 
     def get(self, uuid: str) -> StoredJob:
         """NotFoundError."""
-        row = self._tx.fetch_one(self._seen().where(job.c.uuid == uuid))
+        row = self._tx.fetch_one(self._select_seen().where(job.c.uuid == uuid))
         if row is None:
             raise NotFoundError(f"There is no job {uuid}.", remedy="List the jobs to see their ids.")
-        return _stored(row)
+        return _to_job(row)
 
     def page(self, *, project_name: str | None, state: str | None, before: int | None, limit: int) -> list[StoredJob]:
         """The newest first. before: the key of the last job of the page before."""
-        query = self._seen().order_by(job.c.id.desc()).limit(limit)
+        query = self._select_seen().order_by(job.c.id.desc()).limit(limit)
         if project_name is not None:
-            query = query.where(project.c.name == stored_form(project_name))
+            query = query.where(project.c.name == normalise_name(project_name))
         if state is not None:
             query = query.where(job.c.state == state)
         if before is not None:
             query = query.where(job.c.id < before)
-        return [_stored(row) for row in self._tx.fetch_all(query)]
+        return [_to_job(row) for row in self._tx.fetch_all(query)]
 
     def active_or_ended_since(self, time: str) -> list[StoredJob]:
         """Jobs that wait or run, and those that ended at a time or later; the oldest first."""
         going = job.c.state.not_in(ENDED)
-        query = self._seen().where(going | (job.c.ended >= time)).order_by(job.c.id)
-        return [_stored(row) for row in self._tx.fetch_all(query)]
+        query = self._select_seen().where(going | (job.c.ended >= time)).order_by(job.c.id)
+        return [_to_job(row) for row in self._tx.fetch_all(query)]
 
-    def _seen(self) -> Select[Any]:
-        return _LISTED.where(seen(self._tx.view, job.c.project))
+    def _select_seen(self) -> Select[Any]:
+        return _LISTED.where(is_seen(self._tx.view, job.c.project))
 
     def any_claimable(self, of_project: int = 0) -> bool:
         """Whether `claim` would find a job; a cheap read."""
@@ -153,7 +153,7 @@ class Jobs:
                     started=func.coalesce(job.c.started, now()),
                 )
             )
-            taken += map(_stored, self._tx.fetch_all(_LISTED.where(job.c.id == key)))
+            taken += map(_to_job, self._tx.fetch_all(_LISTED.where(job.c.id == key)))
         return taken
 
     def renew(self, uuid: str, runner: str) -> None:
@@ -234,7 +234,7 @@ def _claimable(of_project: int) -> Select[tuple[int]]:
     return select(job.c.id).where(or_(waits, silent))
 
 
-def _stored(row: Row[Any]) -> StoredJob:
+def _to_job(row: Row[Any]) -> StoredJob:
     return StoredJob(
         key=row.id,
         uuid=row.uuid,

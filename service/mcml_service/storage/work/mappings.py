@@ -9,11 +9,11 @@ from typing import Any
 from sqlalchemy import Row, Select, delete, select, tuple_, update
 
 from mcml.errors import NotFoundError
-from mcml_service.storage.core.identifiers import now, stored_form
+from mcml_service.storage.core.identifiers import normalise_name, now
 from mcml_service.storage.core.seals import SEALS
 from mcml_service.storage.core.tables import project
 from mcml_service.storage.core.transaction import BaseTransaction
-from mcml_service.storage.core.views import seen
+from mcml_service.storage.core.views import is_seen
 from mcml_service.storage.projects.projects import Projects
 from mcml_service.storage.projects.quotas import Quotas
 from mcml_service.storage.work.tables import joint_mapping
@@ -44,19 +44,19 @@ class Mappings:
 
     def page(self, project_name: str | None, after: tuple[str, str] | None, limit: int) -> list[StoredMapping]:
         """Mappings by project and name, those behind (project, name) `after`."""
-        query = self._seen().order_by(project.c.name, joint_mapping.c.name).limit(limit)
+        query = self._select_seen().order_by(project.c.name, joint_mapping.c.name).limit(limit)
         if project_name is not None:
             query = query.where(joint_mapping.c.project == self._projects.get(project_name))
         if after is not None:
             query = query.where(tuple_(project.c.name, joint_mapping.c.name) > after)
-        return [_stored(row) for row in self._tx.fetch_all(query)]
+        return [_to_mapping(row) for row in self._tx.fetch_all(query)]
 
     def find(self, project_name: str, name: str) -> StoredMapping | None:
-        query = self._seen().where(
-            project.c.name == stored_form(project_name), joint_mapping.c.name == stored_form(name)
+        query = self._select_seen().where(
+            project.c.name == normalise_name(project_name), joint_mapping.c.name == normalise_name(name)
         )
         row = self._tx.fetch_one(query)
-        return None if row is None else _stored(row)
+        return None if row is None else _to_mapping(row)
 
     def get(self, project_name: str, name: str) -> StoredMapping:
         """NotFoundError."""
@@ -73,7 +73,7 @@ class Mappings:
         found = self.find(project_name, name)
         if found is None:
             key = self._projects.get_or_add(project_name)
-            self._tx.insert_row(joint_mapping, project=key, name=stored_form(name), version=1, **values)
+            self._tx.insert_row(joint_mapping, project=key, name=normalise_name(name), version=1, **values)
         else:
             key = self._projects.get_or_add(project_name)
             row = {"project": key, "name": found.name, "version": found.version + 1, **values}
@@ -82,8 +82,8 @@ class Mappings:
             self._tx.run(chosen.values(**row, checksum=checksum))
         return self.get(project_name, name)
 
-    def _seen(self) -> Select[Any]:
-        return _LISTED.where(seen(self._tx.view, joint_mapping.c.project))
+    def _select_seen(self) -> Select[Any]:
+        return _LISTED.where(is_seen(self._tx.view, joint_mapping.c.project))
 
     def remove(self, stored: StoredMapping) -> None:
         """AccessError."""
@@ -91,6 +91,6 @@ class Mappings:
         self._tx.run(delete(joint_mapping).where(joint_mapping.c.id == stored.key))
 
 
-def _stored(row: Row[tuple[object, ...]]) -> StoredMapping:
+def _to_mapping(row: Row[tuple[object, ...]]) -> StoredMapping:
     pairs = tuple((source, target) for source, target in json.loads(row.pairs))
     return StoredMapping(row.id, row.project_name, row.name, row.version, row.author, row.changed, pairs)

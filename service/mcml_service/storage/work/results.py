@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from sqlalchemy import Row, Select, delete, select, update
 
 from mcml.errors import NotFoundError
-from mcml_service.storage.core.identifiers import new_uuid, now, stored_form
-from mcml_service.storage.core.seals import checked, damage
+from mcml_service.storage.core.identifiers import new_uuid, normalise_name, now
+from mcml_service.storage.core.seals import damage, verify
 from mcml_service.storage.core.tables import document, project
 from mcml_service.storage.core.transaction import BaseTransaction
-from mcml_service.storage.core.views import seen
+from mcml_service.storage.core.views import is_seen
 from mcml_service.storage.projects.quotas import Quotas
 from mcml_service.storage.work.tables import job, result, result_block, result_part
 
@@ -96,7 +96,7 @@ class Results:
             project=project_key,
             parent=None if parent is None else self.get(parent).key,
             analysis=analysis,
-            name=stored_form(name),
+            name=normalise_name(name),
             owner=owner,
             inputs=json.dumps(inputs),
             parameters=json.dumps(parameters),
@@ -133,10 +133,10 @@ class Results:
 
     def get(self, uuid: str) -> StoredResult:
         """NotFoundError."""
-        row = self._tx.fetch_one(self._seen().where(result.c.uuid == uuid))
+        row = self._tx.fetch_one(self._select_seen().where(result.c.uuid == uuid))
         if row is None:
             raise NotFoundError(f"There is no result {uuid}.", remedy="List the results to see their ids.")
-        return _stored(row)
+        return _to_result(row)
 
     def page(
         self,
@@ -148,19 +148,19 @@ class Results:
         limit: int,
     ) -> list[StoredResult]:
         """The newest first. before: the key of the last result of the page before."""
-        query = self._seen().order_by(result.c.id.desc()).limit(limit)
+        query = self._select_seen().order_by(result.c.id.desc()).limit(limit)
         if project_name is not None:
-            query = query.where(project.c.name == stored_form(project_name))
+            query = query.where(project.c.name == normalise_name(project_name))
         if analysis is not None:
             query = query.where(result.c.analysis == analysis)
         if parent is not None:
             query = query.where(_PARENT.c.uuid == parent)
         if before is not None:
             query = query.where(result.c.id < before)
-        return [_stored(row) for row in self._tx.fetch_all(query)]
+        return [_to_result(row) for row in self._tx.fetch_all(query)]
 
-    def _seen(self) -> Select[Any]:
-        return _LISTED.where(seen(self._tx.view, result.c.project))
+    def _select_seen(self) -> Select[Any]:
+        return _LISTED.where(is_seen(self._tx.view, result.c.project))
 
     def parts(self, key: int) -> list[StoredPart]:
         query = (
@@ -173,7 +173,7 @@ class Results:
             StoredPart(
                 name, kind, orjson.loads(zstandard.ZstdDecompressor().decompress(data)), json.loads(arrays), uuid
             )
-            for name, kind, data, arrays, uuid in self._tx.fetch_all(checked(query, result_part))
+            for name, kind, data, arrays, uuid in self._tx.fetch_all(verify(query, result_part))
         ]
 
     def array(self, key: int, part: StoredPart, name: str) -> NDArray[Any]:
@@ -223,7 +223,7 @@ class Results:
         )
         if numbers is not None:
             query = query.where(result_block.c.number.in_(numbers))
-        for block in self._tx.stream(checked(query, result_block), 4):
+        for block in self._tx.stream(verify(query, result_block), 4):
             for (data,) in block:
                 yield np.frombuffer(zstandard.ZstdDecompressor().decompress(data), np.uint8)
 
@@ -253,7 +253,7 @@ def _blocks(values: NDArray[Any]) -> Iterator[bytes]:
         yield zstandard.ZstdCompressor(level=1).compress(flat[start : start + BLOCK_BYTES].tobytes())
 
 
-def _stored(row: Row[Any]) -> StoredResult:
+def _to_result(row: Row[Any]) -> StoredResult:
     return StoredResult(
         key=row.id,
         uuid=row.uuid,

@@ -11,11 +11,11 @@ from typing import Any, Literal
 from sqlalchemy import Select, delete, select, tuple_
 
 from mcml.errors import NotFoundError
-from mcml_service.storage.core.identifiers import now, stored_form
-from mcml_service.storage.core.seals import checked
+from mcml_service.storage.core.identifiers import normalise_name, now
+from mcml_service.storage.core.seals import verify
 from mcml_service.storage.core.tables import project
 from mcml_service.storage.core.transaction import BaseTransaction
-from mcml_service.storage.core.views import seen
+from mcml_service.storage.core.views import is_seen
 from mcml_service.storage.documents.documents import Documents
 from mcml_service.storage.lists.filtering import DocumentFilter, parse_condition, parse_range
 from mcml_service.storage.projects.projects import Projects
@@ -56,19 +56,19 @@ class Saved:
         self, kind: Kind, project_name: str | None, after: tuple[str, str] | None, limit: int
     ) -> list[StoredThing]:
         """By project and name, those behind (project, name) `after`."""
-        query = self._seen().where(saved.c.kind == kind).order_by(project.c.name, saved.c.name).limit(limit)
+        query = self._select_seen().where(saved.c.kind == kind).order_by(project.c.name, saved.c.name).limit(limit)
         if project_name is not None:
-            query = query.where(project.c.name == stored_form(project_name))
+            query = query.where(project.c.name == normalise_name(project_name))
         if after is not None:
             query = query.where(tuple_(project.c.name, saved.c.name) > after)
-        return [_stored(row) for row in self._tx.fetch_all(checked(query, saved))]
+        return [_to_thing(row) for row in self._tx.fetch_all(verify(query, saved))]
 
     def find(self, kind: Kind, project_name: str, name: str) -> StoredThing | None:
-        query = self._seen().where(
-            saved.c.kind == kind, project.c.name == stored_form(project_name), saved.c.name == stored_form(name)
+        query = self._select_seen().where(
+            saved.c.kind == kind, project.c.name == normalise_name(project_name), saved.c.name == normalise_name(name)
         )
-        rows = self._tx.fetch_all(checked(query, saved))
-        return _stored(rows[0]) if rows else None
+        rows = self._tx.fetch_all(verify(query, saved))
+        return _to_thing(rows[0]) if rows else None
 
     def get(self, kind: Kind, project_name: str, name: str) -> StoredThing:
         """NotFoundError."""
@@ -87,7 +87,7 @@ class Saved:
         row = {
             "project": self._projects.get_or_add(project_name),
             "kind": kind,
-            "name": stored_form(name),
+            "name": normalise_name(name),
             "version": 1 if found is None else found.version + 1,
             "author": author,
             "changed": now(),
@@ -96,8 +96,8 @@ class Saved:
         self._tx.insert_rows(saved, [row])
         return self.get(kind, project_name, name)
 
-    def _seen(self) -> Select[Any]:
-        return _HELD.where(seen(self._tx.view, saved.c.project))
+    def _select_seen(self) -> Select[Any]:
+        return _HELD.where(is_seen(self._tx.view, saved.c.project))
 
     def remove(self, kind: Kind, thing: StoredThing) -> None:
         """AccessError."""
@@ -143,6 +143,6 @@ def filter_of(wanted: dict[str, Any]) -> DocumentFilter:
     )
 
 
-def _stored(row: Sequence[Any]) -> StoredThing:
+def _to_thing(row: Sequence[Any]) -> StoredThing:
     project_name, name, version, author, changed, content = row
     return StoredThing(project_name, name, version, author, changed, json.loads(content))

@@ -17,7 +17,7 @@ from sqlalchemy import (
     UniqueConstraint,
 )
 
-from mcml_service.storage.core.schema import KEY, NAME, checksum, covered, metadata
+from mcml_service.storage.core.schema import KEY, NAME, checksum, cover, metadata
 
 joint_mapping = Table(
     "joint_mapping",
@@ -31,7 +31,7 @@ joint_mapping = Table(
     Column("pairs", Text, nullable=False),
     checksum(),
     UniqueConstraint("project", "name"),
-    info=covered("project", "name", "version", "author", "changed", "pairs"),
+    info=cover("project", "name", "version", "author", "changed", "pairs"),
 )
 """Which joint of a source is which of a target, under a name. `pairs`: JSON, [[source, target], …]."""
 
@@ -41,7 +41,7 @@ joint_alias = Table(
     Column("project", ForeignKey("project.id"), primary_key=True),
     *(Column(name, joint_mapping.c[name].type, nullable=False) for name in ("version", "author", "changed", "pairs")),
     checksum(),
-    info=covered("project", "version", "author", "changed", "pairs"),
+    info=cover("project", "version", "author", "changed", "pairs"),
 )
 """What a project calls joints, beside the names that are known. `pairs`: JSON, [[name in files, MCML's name], …]."""
 
@@ -56,7 +56,7 @@ saved = Table(
     Column("changed", String(32), nullable=False),
     Column("content", Text, nullable=False),
     checksum(),
-    info=covered("project", "kind", "name", "version", "author", "changed", "content"),
+    info=cover("project", "kind", "name", "version", "author", "changed", "content"),
 )
 """What a project keeps under a name beside documents. `kind`: query, collection, colours, vocabulary. `content`:
 JSON."""
@@ -77,7 +77,7 @@ comment = Table(
     Column("resolved", String(32)),
     Column("deleted", String(32)),
     checksum(),
-    info=covered(
+    info=cover(
         "document", "revision", "first", "last", "bone", "author", "created", "text", "edited", "resolved", "deleted"
     ),
 )
@@ -129,7 +129,7 @@ result = Table(
     checksum(),
     Index(None, "project"),
     Index(None, "parent"),
-    info=covered(
+    info=cover(
         "uuid", "project", "parent", "analysis", "name", "owner", "inputs", "parameters", "made_with", "created"
     ),
 )
@@ -146,7 +146,7 @@ result_part = Table(
     Column("arrays", Text, nullable=False),
     Column("document", ForeignKey("document.id")),
     checksum(),
-    info=covered("result", "name", "kind", "arrays", "document", "data", last=bytes),
+    info=cover("result", "name", "kind", "arrays", "document", "data", last=bytes),
 )
 """`data`: JSON. `arrays`: name -> type and shape of what lies in `result_block`. `document`: the clip of a part that is
 one."""
@@ -160,5 +160,5 @@ result_block = Table(
     Column("number", Integer, primary_key=True),
     Column("data", LargeBinary, nullable=False),
     checksum(),
-    info=covered("result", "part", "array", "number", "data", last=bytes),
+    info=cover("result", "part", "array", "number", "data", last=bytes),
 )

@@ -68,17 +68,17 @@ class PostgreSQL(Dialect):
         return engine
 
     def writing(self) -> AbstractContextManager[Connection]:
-        return self._connected()
+        return self._connect()
 
     def reading(self) -> AbstractContextManager[Connection]:
-        return self._connected(isolation_level="REPEATABLE READ", postgresql_readonly=True)
+        return self._connect(isolation_level="REPEATABLE READ", postgresql_readonly=True)
 
     def looking(self) -> AbstractContextManager[Connection]:
         # Begin and commit would be two more questions to the server.
-        return self._connected(isolation_level="AUTOCOMMIT")
+        return self._connect(isolation_level="AUTOCOMMIT")
 
     @contextmanager
-    def _connected(self, **options: Any) -> Iterator[Connection]:
+    def _connect(self, **options: Any) -> Iterator[Connection]:
         with self.engine.connect().execution_options(**options) as connection:
             try:
                 with connection.begin():
@@ -162,12 +162,12 @@ class PostgreSQL(Dialect):
         given = "SELECT COALESCE(pg_sequence_last_value(CAST(CAST(:sequence AS text) AS regclass)), 0)"
         return {
             table.name: int(store.fetch_value(text(given), {"sequence": sequence}))
-            for table, _, sequence in _numbered(store)
+            for table, _, sequence in _find_sequences(store)
         }
 
     def after_copy(self, connection: Connection, last: dict[str, int]) -> None:
         store = Statements(connection)
-        for table, key, sequence in _numbered(store):
+        for table, key, sequence in _find_sequences(store):
             greatest = store.fetch_value(select(func.max(key))) or 0
             newest = max(greatest, last.get(table.name, 0))
             # The third value says whether the number was given: the first key is 1.
@@ -192,7 +192,7 @@ def _look_after_rest(engine: Engine, connection: Any, record: Any, _: Any) -> No
         raise InvalidatePoolError from error
 
 
-def _numbered(store: Statements) -> Iterator[tuple[Table, Column[Any], str]]:
+def _find_sequences(store: Statements) -> Iterator[tuple[Table, Column[Any], str]]:
     """Tables whose rows get their keys from a sequence: the table, its key, and the sequence's name."""
     asked = text("SELECT pg_get_serial_sequence(:table, :key)")
     for table in metadata.sorted_tables:
