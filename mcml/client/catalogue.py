@@ -43,8 +43,8 @@ class Operation:
         module, _, name = self.answer.partition(":")
         if not name:
             return None
-        found: type[BaseModel] = getattr(import_module(module), name)
-        return found
+        kind: type[BaseModel] = getattr(import_module(module), name)
+        return kind
 
     def check_names(self, given: dict[str, object]) -> None:
         """RequestError for an argument that it does not have, or one that is missing."""
@@ -59,14 +59,14 @@ class Operation:
 
 @cache
 def _operations() -> dict[str, Operation]:
-    found = {}
+    operations = {}
     for name, row in orjson.loads(PATH.read_bytes()).items():
         arguments = {
-            key: Argument(one["wire"], one["place"], tuple(one["types"]), one["required"])
-            for key, one in row["arguments"].items()
+            key: Argument(argument["wire"], argument["place"], tuple(argument["types"]), argument["required"])
+            for key, argument in row["arguments"].items()
         }
-        found[name] = Operation(name, row["method"], row["path"], arguments, row["answer"], row["is_content"])
-    return found
+        operations[name] = Operation(name, row["method"], row["path"], arguments, row["answer"], row["is_content"])
+    return operations
 
 
 def find_operation(name: str) -> Operation:

@@ -22,20 +22,20 @@ def find_document(client: Client, text: str, *, deleted: bool = False) -> Docume
     asked: dict[str, Any] = {"limit": MOST_NAMED + 1}
     if deleted:
         asked["deleted"] = True
-    found: list[DocumentSummary] = []
+    documents: list[DocumentSummary] = []
     if len(text) <= 36 and set(text.lower()) <= set("0123456789abcdef-"):
-        found = client.call("list_documents", id=text, **asked).items
-    found = found or client.call("list_documents", name=text, **asked).items
-    if not found:
+        documents = client.call("list_documents", id=text, **asked).items
+    documents = documents or client.call("list_documents", name=text, **asked).items
+    if not documents:
         kind = "deleted document" if deleted else "document"
         raise NotFoundError(
             f"There is no {kind} {text}.", remedy="List the documents to see their ids and names: `mcml ls`."
         )
-    if len(found) > 1:
-        named = ", ".join(f"{item.name} {item.id}" for item in found[:MOST_NAMED])
-        more = ", …" if len(found) > MOST_NAMED else ""
+    if len(documents) > 1:
+        named = ", ".join(f"{item.name} {item.id}" for item in documents[:MOST_NAMED])
+        more = ", …" if len(documents) > MOST_NAMED else ""
         raise ConflictError(f"{text!r} is more than one document: {named}{more}.", remedy="Give more of the id.")
-    return found[0]
+    return documents[0]
 
 
 def id_of(client: Client, text: str, *, deleted: bool = False) -> str:
@@ -62,7 +62,7 @@ def choose_documents(
     """
     if texts:
         return [find_document(client, text) for text in texts]
-    found: list[DocumentSummary] = client.every(
+    documents: list[DocumentSummary] = client.every(
         "list_documents", project=project, motion_name=motion_name, xpath=xpath, **conditions
     ).items
-    return found
+    return documents

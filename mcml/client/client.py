@@ -64,12 +64,12 @@ class Client(ABC):
 
 def follow(client: Client, job: Job, progress: JobProgress) -> Job:
     """Look at a job now and then, until it has ended. Who interrupts this ends the job."""
-    found: Job = client.call("get_job", id=job.id)
+    current: Job = client.call("get_job", id=job.id)
     try:
-        while found.state in ("waiting", "running"):
-            progress(found.stage, found.share)
+        while current.state in ("waiting", "running"):
+            progress(current.stage, current.share)
             time.sleep(POLL_SECONDS)
-            found = client.call("get_job", id=job.id)
+            current = client.call("get_job", id=job.id)
     except KeyboardInterrupt:
-        found = client.call("cancel_job", id=job.id)
-    return found
+        current = client.call("cancel_job", id=job.id)
+    return current

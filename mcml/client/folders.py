@@ -85,7 +85,7 @@ def groups_of(paths: list[Path], most: int) -> Iterator[list[Path]]:
             others += [] if path.suffix.lower() in PAIRED else [path]
             continue
         paired: dict[Path, list[Path]] = {}
-        for file in sorted(found for found in path.rglob("*") if found.suffix.lower() in EXTENSIONS):
+        for file in sorted(entry for entry in path.rglob("*") if entry.suffix.lower() in EXTENSIONS):
             if file.suffix.lower() in PAIRED:
                 paired.setdefault(file.parent, []).append(file)
             else:

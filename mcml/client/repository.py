@@ -50,8 +50,8 @@ def open(where: str | PathLike[str], token: str | None = None) -> Repository:
 def _store(address: str) -> Client:
     """A store of this machine, by the package that has one. UnsupportedError where none is installed."""
     for entry in entry_points(group=STORES):
-        found: Client = entry.load()(address)
-        return found
+        client: Client = entry.load()(address)
+        return client
     raise UnsupportedError(
         f"{address} is a store, and nothing here opens one.",
         remedy="Install it: pip install 'mcml-repository[server]'.",
@@ -164,8 +164,8 @@ class Query:
 
     def runs(self) -> list[Run]:
         """Maximal ranges of frames that it finds."""
-        found = (item for page in self._pages("runs") for item in page.items or () if isinstance(item, RunItem))
-        return [Run(item.document, item.name, item.first, item.last) for item in found]
+        runs = (item for page in self._pages("runs") for item in page.items or () if isinstance(item, RunItem))
+        return [Run(item.document, item.name, item.first, item.last) for item in runs]
 
     def nodes(self) -> Iterator[NodeItem]:
         """Nodes with their addresses, as they come."""
@@ -192,8 +192,8 @@ class Query:
 
     def count(self) -> int:
         """How many nodes it finds."""
-        found = Query(self._client, f"count({self._expression})", self._asked).value()
-        return int(sum(found.values()) if isinstance(found, dict) else found)
+        number = Query(self._client, f"count({self._expression})", self._asked).value()
+        return int(sum(number.values()) if isinstance(number, dict) else number)
 
     def to_pandas(self, **quantities: str) -> Any:
         """A DataFrame of its frames, nodes or values: document, frame, time (seconds since frame 1, NaN where unknown),
@@ -213,18 +213,18 @@ class Query:
             table[name] = pd.to_numeric(table[name])
         for name, expression in quantities.items():
             asked = Query(self._client, f"({self._expression})/({expression})", self._asked)
-            found = [item for page in asked._pages("json") for item in page.items or () if isinstance(item, ValueItem)]
-            known = {(item.document, item.frame): item.value for item in found}
+            nodes = [item for page in asked._pages("json") for item in page.items or () if isinstance(item, ValueItem)]
+            known = {(item.document, item.frame): item.value for item in nodes}
             values = [known.get((row["document"], row.get("frame"))) for row in rows]
             table[name] = pd.to_numeric(pd.Series(values, dtype=object), errors="coerce")
         return table
 
     def _place(self, item: NodeItem | ScalarItem) -> dict[str, Any]:
         """The frame that a node is or lies in, and its time."""
-        found = _IN_FRAME.match(item.address) if isinstance(item, NodeItem) else None
-        if found is None:
+        match = _IN_FRAME.match(item.address) if isinstance(item, NodeItem) else None
+        if match is None:
             return {}
-        frame = int(found[1])
+        frame = int(match[1])
         if item.document not in self._times:
             summary: DocumentSummary = self._client.call("get_document", id=item.document)
             self._times[item.document] = summary.seconds_per_frame
@@ -293,8 +293,8 @@ class Document:
 
     def skeleton(self) -> SkeletonView:
         """Its bones with parents, sides, offsets and channels; unit, up axis and rate, stated or likely."""
-        found: SkeletonView = self._call("get_skeleton")
-        return found
+        view: SkeletonView = self._call("get_skeleton")
+        return view
 
     def labels(self) -> list[Label]:
         """Motion names of its frames."""
@@ -383,6 +383,6 @@ class Document:
 def _numbers(content: Content) -> Frames:
     import io
 
-    found = np.load(io.BytesIO(b"".join(map(bytes, content.blocks))))
-    units = found["units"].tolist() if "units" in found else []
-    return Frames.of(found["values"], found["columns"].tolist(), found["times"], found["ids"].tolist(), units)
+    array = np.load(io.BytesIO(b"".join(map(bytes, content.blocks))))
+    units = array["units"].tolist() if "units" in array else []
+    return Frames.of(array["values"], array["columns"].tolist(), array["times"], array["ids"].tolist(), units)

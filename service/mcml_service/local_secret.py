@@ -26,9 +26,9 @@ def read_secret(folder: Path) -> str | None:
 
 def keep_secret(folder: Path) -> str | None:
     """The secret in a folder, made where there is none; None where nothing can be written there."""
-    found = read_secret(folder)
-    if found is not None:
-        return found
+    secret = read_secret(folder)
+    if secret is not None:
+        return secret
     made = PREFIX + secrets.token_urlsafe(32)
     try:
         private_folder(folder)

@@ -104,8 +104,8 @@ def draw_curve(axes: Axes, part: Part) -> None:
     axes.set_xlabel(axis_words(x))
     axes.set_ylabel(axis_words(y))
     series: Sequence[Mapping[str, Any]] = part.data.get("series") or ()
-    for number, one in enumerate(series[: len(INKS)]):
-        axes.plot(one["values"], color=ink(number), label=str(one.get("name", number + 1)))
+    for number, line in enumerate(series[: len(INKS)]):
+        axes.plot(line["values"], color=ink(number), label=str(line.get("name", number + 1)))
     if series:
         axes.legend()
     elif y and y["name"] in part.arrays:
@@ -119,11 +119,11 @@ def draw_curve(axes: Axes, part: Part) -> None:
 
 def draw_points(axes: Axes, part: Part) -> None:
     """Points: the first array that has two columns or more."""
-    found = next((array for array in part.arrays.values() if array.ndim == 2 and array.shape[1] >= 2), None)
-    if found is None:
+    points = next((array for array in part.arrays.values() if array.ndim == 2 and array.shape[1] >= 2), None)
+    if points is None:
         empty(axes, "These points have no coordinates.")
         return
-    values = np.asarray(found)[thin(len(found))]
+    values = np.asarray(points)[thin(len(points))]
     axes.scatter(values[:, 0], values[:, 1], s=4, color=ACCENT, linewidths=0)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel(axis_words({"name": "first axis", "unit": part.data.get("unit", "")}))

@@ -32,11 +32,11 @@ def spread_here(
     told: Callable[[float], None] = lambda share: None,
 ) -> list[Any]:
     """One after the other."""
-    found = []
+    results = []
     for number, piece in enumerate(pieces, 1):
-        found.append(function(piece, *shared))
+        results.append(function(piece, *shared))
         told(number / len(pieces))
-    return found
+    return results
 
 
 class ApartMotions(Sequence[Motion]):

@@ -149,10 +149,10 @@ def share_cookie_name(scheme: str) -> str:
 def _cookie(headers: Headers, name: str) -> str | None:
     """What a browser keeps under a name."""
     try:
-        found: SimpleCookie = SimpleCookie(headers.get("cookie", ""))
+        cookies: SimpleCookie = SimpleCookie(headers.get("cookie", ""))
     except CookieError:
         return None
-    return found[name].value if name in found else None
+    return cookies[name].value if name in cookies else None
 
 
 def _is_foreign(scope: Mapping[str, Any], headers: Headers) -> bool:

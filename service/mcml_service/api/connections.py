@@ -124,10 +124,14 @@ class Connection(H11Protocol):
 
     def _make_room(self) -> bool:
         """Close the other connection that rests longest, if any does."""
-        resting = [one for one in self.connections if isinstance(one, Connection) and one.rests and one is not self]
+        resting = [
+            connection
+            for connection in self.connections
+            if isinstance(connection, Connection) and connection.rests and connection is not self
+        ]
         if not resting:
             return False
-        longest = min(resting, key=lambda one: one._rests_since)
+        longest = min(resting, key=lambda connection: connection._rests_since)
         self.connections.discard(longest)
         longest.transport.abort()
         return True

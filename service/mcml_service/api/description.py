@@ -68,8 +68,8 @@ def _name_problems(operation: dict[str, Any]) -> None:
     operation["responses"].pop("422", None)
     operation["responses"]["4XX"] = {"description": "A problem: what, where, remedy", "content": dict(_PROBLEM)}
     away = "Too much is asked at once, or the store cannot be reached: ask again after `Retry-After` seconds"
-    for status, what in (("503", away), ("507", "The disk is full: nothing was written")):
-        operation["responses"].setdefault(status, {"description": what, "content": dict(_PROBLEM)})
+    for status, reason in (("503", away), ("507", "The disk is full: nothing was written")):
+        operation["responses"].setdefault(status, {"description": reason, "content": dict(_PROBLEM)})
 
 
 def _contents(operation: dict[str, Any]) -> Iterator[dict[str, Any]]:

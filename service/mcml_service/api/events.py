@@ -187,11 +187,11 @@ def _begin(database: Database, mark: str | None) -> News:
             news = News(tx.newest_commit(), now(), tx.activity.newest())
             news.find_changed_jobs(tx)
             return news
-        found = _MARK.fullmatch(mark)
-        if found is None:
+        match = _MARK.fullmatch(mark)
+        if match is None:
             raise QueryError("This id of an event is none that was given here.", remedy="Begin without one.")
         newest = tx.activity.newest()
-        return News(min(int(found[1]), tx.newest_commit()), found[2], min(int(found[3] or newest), newest))
+        return News(min(int(match[1]), tx.newest_commit()), match[2], min(int(match[3] or newest), newest))
 
 
 def _look(

@@ -39,13 +39,13 @@ def file_name_in(disposition: bytes) -> str | None:
             codecs = plausible_codecs(plain, "latin-1")
             return plain.decode(codecs[0] if codecs else "latin-1")
         return None
-    found = _EXTENDED.search(disposition)
-    if found is None:
+    match = _EXTENDED.search(disposition)
+    if match is None:
         return None
     try:
-        return unquote_to_bytes(found[2]).decode(found[1].decode("ascii") or "utf-8")
+        return unquote_to_bytes(match[2]).decode(match[1].decode("ascii") or "utf-8")
     except (LookupError, UnicodeDecodeError):
-        return unquote_to_bytes(found[2]).decode("utf-8", errors="replace")
+        return unquote_to_bytes(match[2]).decode("utf-8", errors="replace")
 
 
 def read_names_in_forms() -> None:

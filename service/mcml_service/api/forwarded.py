@@ -38,7 +38,7 @@ def as_the_client_sent_it(scope: MutableMapping[str, Any], trusted: Sequence[Net
 
 def _is_of(address: str, networks: Sequence[Network]) -> bool:
     try:
-        found = ipaddress.ip_address(address)
+        ip = ipaddress.ip_address(address)
     except ValueError:
         return False
-    return any(found in network for network in networks)
+    return any(ip in network for network in networks)

@@ -32,10 +32,10 @@ def healthz() -> Health:
 def readyz(request: Request, response: Response) -> Health:
     """The store answers and has this program's schema."""
     database = _database(request)
-    found, wanted = database.schema_versions()
-    if found != wanted:
+    version, wanted = database.schema_versions()
+    if version != wanted:
         response.status_code = 503
-        return Health(status=f"schema {found} is not {wanted}", database=database.name)
+        return Health(status=f"schema {version} is not {wanted}", database=database.name)
     return Health(status="ok", database=database.name)
 
 

@@ -80,6 +80,6 @@ def _digest(operation: Operation, given: dict[str, Any]) -> str:
                     made.update(block)
                 item.stream.seek(0)
             else:
-                said = item.model_dump_json() if isinstance(item, BaseModel) else repr(item)
-                made.update(said.encode())
+                text = item.model_dump_json() if isinstance(item, BaseModel) else repr(item)
+                made.update(text.encode())
     return made.hexdigest()

@@ -136,8 +136,8 @@ class Guard:
                 "author": getattr(scope.get("mcml.entry"), "author", None),
                 "client": client and client[0],
             }
-            said = (method, scope["path"], status, milliseconds)
-            requests.info("%s %s %d in %.1f ms", *said, extra={"facts": facts})
+            line = (method, scope["path"], status, milliseconds)
+            requests.info("%s %s %d in %.1f ms", *line, extra={"facts": facts})
 
     def _entry(self, scope: Scope, headers: Headers, refuse: Callable[[Scope, Headers], Any]) -> Any:
         try:

@@ -222,10 +222,10 @@ def _discover(issuer: str) -> dict[str, Any]:
     httpx = asking()
     try:
         answer = httpx.get(f"{issuer.rstrip('/')}/.well-known/openid-configuration", timeout=SECONDS)
-        found: dict[str, Any] = answer.raise_for_status().json()
-        if found["issuer"].rstrip("/") != issuer.rstrip("/"):
-            raise ValueError(found["issuer"])
-        return found
+        metadata: dict[str, Any] = answer.raise_for_status().json()
+        if metadata["issuer"].rstrip("/") != issuer.rstrip("/"):
+            raise ValueError(metadata["issuer"])
+        return metadata
     except (httpx.HTTPError, ValueError, KeyError, AttributeError) as error:
         raise AccessError(
             "The provider of sign-ins does not answer.", remedy="Log in with a password, or try again later."
@@ -235,8 +235,8 @@ def _discover(issuer: str) -> dict[str, Any]:
 def _flow(packed: str | None) -> Flow | None:
     """What the browser kept, None where it kept nothing that makes sense."""
     try:
-        found = json.loads(urlsafe_b64decode(packed or ""))
-        kept = {name: found[name] for name in Flow.__annotations__}
+        flow = json.loads(urlsafe_b64decode(packed or ""))
+        kept = {name: flow[name] for name in Flow.__annotations__}
     except (ValueError, KeyError, TypeError):
         return None
     plain = all(isinstance(kept[name], str) for name in ("state", "nonce", "verifier", "then"))

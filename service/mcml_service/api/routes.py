@@ -192,14 +192,14 @@ def _annotation(argument: Argument) -> Any:
     if argument.body is not None:
         return Annotated[bytes, Depends(_reading(argument.body.most))]
     field = argument.field
-    said: dict[str, Any] = {"description": field.description, "examples": field.examples}
+    extra: dict[str, Any] = {"description": field.description, "examples": field.examples}
     if argument.wire != argument.name and argument.place != "header":
-        said["alias"] = argument.wire
+        extra["alias"] = argument.wire
     kind = argument.bare
     if argument.place == "file":
         many = kind is not SourceFile
-        return Annotated[list[UploadFile] if many else UploadFile, FilePart(**said)]
-    return Annotated[argument.plain, *field.metadata, _MARKS[argument.place](**said)]
+        return Annotated[list[UploadFile] if many else UploadFile, FilePart(**extra)]
+    return Annotated[argument.plain, *field.metadata, _MARKS[argument.place](**extra)]
 
 
 def _reading(most: int) -> Callable[[Request], Any]:
@@ -239,15 +239,15 @@ def call_of(request: Request) -> Call:
 
 
 def _responses(operation: Operation) -> dict[int | str, dict[str, Any]]:
-    said: dict[int | str, dict[str, Any]] = {}
+    responses: dict[int | str, dict[str, Any]] = {}
     if operation.media is not None:
         types = {name: {} if shown is None else {"example": shown} for name, shown in operation.media.types.items()}
         if BYTES in types:
             types[BYTES]["schema"] = {"type": "string", "format": "binary"}
-        said[operation.status] = {"description": operation.media.words, "content": types}
+        responses[operation.status] = {"description": operation.media.words, "content": types}
     if operation.ok_description:
-        said[200] = {"model": operation.model, "description": operation.ok_description}
-    return said
+        responses[200] = {"model": operation.model, "description": operation.ok_description}
+    return responses
 
 
 def _content(operation: Operation) -> dict[str, Any] | None:

@@ -69,9 +69,9 @@ def open_session(
     The token stands in the body, or in `Authorization`. Writes with the cookie need the same `Origin`. Revoking the
     token ends the session.
     """
-    scheme, _, given = (authorization or "").partition(" ")
+    scheme, _, credential = (authorization or "").partition(" ")
     if request.token is None and scheme.lower() == "bearer":
-        request = request.model_copy(update={"token": given.strip()})
+        request = request.model_copy(update={"token": credential.strip()})
     author, secret = _open_session(http, request)
     begin_session(http, response, secret)
     return SessionOpened(author=author, hours=SESSION_HOURS)
@@ -106,7 +106,7 @@ def open_shared(http: Request, response: Response, request: SharedRequest) -> Sh
         tx.attempts.forget(counted)
     with database.for_call(view).read() as tx:
         # What was deleted meanwhile, or is in another project now, is not there.
-        motions = [SharedMotion(**vars(one)) for one in tx.shares.motions(shown)]
+        motions = [SharedMotion(**vars(motion)) for motion in tx.shares.motions(shown)]
     named, lasts = share_cookie_name(http.url.scheme), SESSION_HOURS * 3600
     response.set_cookie(
         named, secret, max_age=lasts, path=SHARED, secure=_by_tls(http), httponly=True, samesite="strict"
@@ -161,8 +161,8 @@ def safe_path(then: str) -> str:
 
 def login_page(why: str, *, status: int = 200, then: str = "/", provider: str | None = None) -> HTMLResponse:
     """The page that lets a browser in. provider: with which one signs in, too."""
-    said = {"why": html.escape(why), "path": LOGIN_PATH, "then": html.escape(then)}
-    shown = FORM.format(**said, signing=_signing(provider, then=then))
+    texts = {"why": html.escape(why), "path": LOGIN_PATH, "then": html.escape(then)}
+    shown = FORM.format(**texts, signing=_signing(provider, then=then))
     return page("MCML Repository", shown, status=status, forms=True)
 
 
@@ -221,14 +221,14 @@ def _join_account(database: Database, request: SessionRequest) -> tuple[str, str
     name = check_name(request.name or "")
     password = hash_password(request.password or "", name)
     with database.write(name) as tx:
-        given: tuple[str, int | None] | None = None
+        granted: tuple[str, int | None] | None = None
         if request.invitation is not None:
-            given = tx.accounts.accept(request.invitation)
+            granted = tx.accounts.accept(request.invitation)
         elif request.link is not None and not tx.accounts.have_owner() and tx.sessions.follow(request.link) is not None:
-            given = "owner", None
-        if given is None:
+            granted = "owner", None
+        if granted is None:
             raise AccessError("This link was used, or is too old.", remedy="Ask for another one.")
-        role, project = given
+        role, project = granted
         person = tx.accounts.add(name, role if project is None else "member", password)
         if project is not None:
             tx.members.put(project, name, role)

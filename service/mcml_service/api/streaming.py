@@ -70,11 +70,11 @@ def make_response(
 
 def _range(content: Content, headers: dict[str, str], http: Request) -> range | None:
     """The bytes that a client asks for, None for all (RFC 9110, 14). One range; others are answered whole."""
-    said = _RANGE.fullmatch(http.headers.get("range", ""))
+    match = _RANGE.fullmatch(http.headers.get("range", ""))
     tag = http.headers.get("if-range")
-    if said is None or content.size is None or "etag" not in headers or (tag is not None and tag != headers["etag"]):
+    if match is None or content.size is None or "etag" not in headers or (tag is not None and tag != headers["etag"]):
         return None
-    first, last = said[1], said[2]
+    first, last = match[1], match[2]
     if not first:
         return range(max(0, content.size - int(last or 0)), content.size)
     return range(int(first), min(int(last) + 1, content.size) if last else content.size)
@@ -87,10 +87,10 @@ def _part(content: Content, headers: dict[str, str], stack: ExitStack, wanted: r
     headers["content-range"] = f"bytes {wanted.start}-{wanted.stop - 1}/{content.size}"
     headers["content-length"] = str(len(wanted))
     kept = stack.pop_all()
-    found, at = content.blocks, 0
+    remaining, at = content.blocks, 0
     if content.seek is not None:
-        found, at = content.seek(wanted.start), wanted.start
-    whole = _resume(_holding(kept, found), at, again)
+        remaining, at = content.seek(wanted.start), wanted.start
+    whole = _resume(_holding(kept, remaining), at, again)
     blocks = ahead(pieces(_within(whole, range(wanted.start - at, wanted.stop - at))))
     return StreamingResponse(blocks, 206, headers, media_type=content.media_type)
 
@@ -185,7 +185,7 @@ def match_tag(request: Request, tag: str) -> str | None:
     """How a client names this representation if it has it already, None if it has not."""
     known = request.headers.get("if-none-match", "")
     for item in known.split(","):
-        said = item.strip().removeprefix("W/")
-        if said == "*" or said.replace('-gzip"', '"') == tag:
-            return tag if said == "*" else said
+        stated = item.strip().removeprefix("W/")
+        if stated == "*" or stated.replace('-gzip"', '"') == tag:
+            return tag if stated == "*" else stated
     return None

@@ -66,13 +66,13 @@ def unknown_page(request: Request) -> Response | None:
 
 def page_addresses(pages: Path) -> list[str]:
     """Patterns of the routes of the pages in pages.json; "/" is the first page."""
-    found = ["/"]
+    addresses = ["/"]
     for row in json.loads(pages.read_text(encoding="utf-8")):
         if row["about"] != "one":
-            found.append(row["path"])
+            addresses.append(row["path"])
         if row["about"] != "nothing":
-            found.append(f"{row['path']}/{{id}}")
-    return found
+            addresses.append(f"{row['path']}/{{id}}")
+    return addresses
 
 
 for address in page_addresses(PAGES):

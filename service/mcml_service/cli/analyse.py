@@ -72,12 +72,12 @@ def _help(description: str, parameters: type[BaseModel]) -> str:
 
 def parse_assignments(pairs: list[str] | None) -> dict[str, Any]:
     """NAME=VALUE pairs as parameters: a value that is JSON is read as such, any other is text."""
-    found: dict[str, Any] = {}
+    parameters: dict[str, Any] = {}
     for pair in pairs or ():
         name, equals, value = pair.partition("=")
         if not equals:
             raise typer.BadParameter(f"{pair!r} is no NAME=VALUE")
-        place = found
+        place = parameters
         *above, last = name.strip().split(".")
         for step in above:
             place = place.setdefault(step, {})
@@ -85,7 +85,7 @@ def parse_assignments(pairs: list[str] | None) -> dict[str, Any]:
             place[last] = json.loads(value)
         except json.JSONDecodeError:
             place[last] = value
-    return found
+    return parameters
 
 
 def _run(analysis: Analysis) -> Callable[..., None]:
@@ -142,8 +142,8 @@ def info(
     id: ResultArgument, database: DatabaseOption = None, server: ServerOption = None, as_json: JsonOption = False
 ) -> None:
     """Show a result: its parts and what can be done with it."""
-    found = open_client(database, server).call("get_result", id=id)
-    present(OPERATIONS["get_result"], found, as_json)
+    result = open_client(database, server).call("get_result", id=id)
+    present(OPERATIONS["get_result"], result, as_json)
 
 
 def picture(

@@ -77,9 +77,9 @@ def _command(operation: Operation) -> Callable[..., None]:
         as_json = values.pop("as_json", False)
         client = open_client(values.pop("database"), values.pop("server"))
         output, force = values.pop("output", None), values.pop("force", False)
-        given = _read_arguments(client, operation, slots, values)
+        arguments = _read_arguments(client, operation, slots, values)
         try:
-            answer = _ask(client, operation, given)
+            answer = _ask(client, operation, arguments)
         except McmlError as error:
             file = next((value for value in values.values() if isinstance(value, Path)), None)
             raise error if file is None else error.in_file(file.name) from error
@@ -112,25 +112,25 @@ def _slots(operation: Operation) -> list[_Slot]:
     # What names nothing is a file with the body.
     sent = {argument.name for argument in arguments if argument.place == "content"}
     file = next((word for word in words if (word not in named or word in sent) and word != "output"), None)
-    found: list[_Slot] = []
+    slots: list[_Slot] = []
     for argument in arguments:
         if argument.place in ("body", "content") and file is not None:
             help_ = f"{argument.field.description or 'File of JSON'}; - reads standard input"
             default: Any = Path("-") if words[file].startswith("[") else inspect.Parameter.empty
-            found.append(_Slot(file, argument, None, Annotated[Path, typer.Argument(help=help_)], default))
+            slots.append(_Slot(file, argument, None, Annotated[Path, typer.Argument(help=help_)], default))
         elif argument.place == "body":
             for name, field in fields[argument.name].items():
-                found.append(_slot(name, argument, name, field.annotation, field, None, words))
+                slots.append(_slot(name, argument, name, field.annotation, field, None, words))
         else:
             default = None if argument.required else argument.default
-            found.append(_slot(argument.name, argument, None, argument.plain, argument.field, default, words))
+            slots.append(_slot(argument.name, argument, None, argument.plain, argument.field, default, words))
     if "output" in words:
         place = Annotated[Path, typer.Argument(help="File to write")]
-        found.append(_Slot("output", None, None, place, inspect.Parameter.empty))
-        found.append(_Slot("force", None, None, ForceOption, False))
+        slots.append(_Slot("output", None, None, place, inspect.Parameter.empty))
+        slots.append(_Slot("force", None, None, ForceOption, False))
     # Arguments come in the order of the words, options behind them.
     order = list(words)
-    return sorted(found, key=lambda slot: order.index(slot.name) if slot.name in order else len(order))
+    return sorted(slots, key=lambda slot: order.index(slot.name) if slot.name in order else len(order))
 
 
 def _slot(

@@ -83,15 +83,15 @@ def tell_calibrations(client: Client, documents: Sequence[ImportedDocument]) -> 
     """One line for each of a few documents: unit, up axis, floor, leg, and where each is from."""
     for document in documents:
         try:
-            found = client.call("get_calibration", id=document.id)
+            calibration = client.call("get_calibration", id=document.id)
         except McmlError as error:
             console.print(Text(f"body     {document.name}: {error.what}"), style="yellow")
             continue
         parts = []
         for name in CALIBRATED:
-            one = getattr(found, name)
-            value = f"{one.value:.4g}" if isinstance(one.value, float) else one.value
-            parts.append(f"{name} {one.origin}" if value is None else f"{name} {value} ({one.origin})")
+            measured = getattr(calibration, name)
+            value = f"{measured.value:.4g}" if isinstance(measured.value, float) else measured.value
+            parts.append(f"{name} {measured.origin}" if value is None else f"{name} {value} ({measured.origin})")
         console.print(Text(f"body     {document.name}: {', '.join(parts)}"))
 
 
@@ -99,7 +99,9 @@ def tell_origins(store: Database, ids: set[str]) -> None:
     """Of how many documents unit, up axis, floor and leg are stated, measured, guessed, unknown."""
     with store.read() as tx:
         kept = tx.bodies.of([listed for listed in tx.columns.documents() if listed.uuid in ids])
-    known = [body.calibration.origins for one in kept.values() if (body := Body.restore(one)) is not None]
+    known = [
+        body.calibration.origins for stored_body in kept.values() if (body := Body.restore(stored_body)) is not None
+    ]
     for name, source in CALIBRATED.items():
         counts = Counter(origins[source].kind for origins in known)
         told = ", ".join(f"{count:,} {kind}" for kind, count in counts.most_common())

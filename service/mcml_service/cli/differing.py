@@ -18,11 +18,11 @@ def tell_differing(database: Database, project: str | None, count: int) -> None:
     end = time.monotonic() + SECONDS
     looked = told = found = 0
     unread: list[str] = []
-    for one in look_for_differing(database, project, lambda: time.monotonic() < end):
+    for looked_at in look_for_differing(database, project, lambda: time.monotonic() < end):
         looked += 1
-        unread += [one.unread] if one.unread else []
-        found += bool(one.found)
-        for item in one.found:
+        unread += [looked_at.unread] if looked_at.unread else []
+        found += bool(looked_at.found)
+        for item in looked_at.found:
             if told < MOST_SHOWN:
                 console.print(f"NOTE {item.name} ({item.id}): {item.what}\n     {item.remedy}")
             told += 1

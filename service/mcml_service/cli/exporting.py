@@ -56,13 +56,13 @@ def export(
     """Write documents as files of any format. Two of one name become two files, the second with the end of its id."""
     write_to_the_end()
     client = open_client(database, server)
-    found = resolve_documents(client, ids, project, motion_name, xpath)
+    documents = resolve_documents(client, ids, project, motion_name, xpath)
     written: set[Path] = set()
     stated: dict[str, Any] = {"first": first, "last": last, "names": names, "unit": unit, "up": up}
     stated |= {"frame_time": frame_time, "raw": raw}
 
     def export_one(item: Any) -> None:
-        to_name = output is not None and str(output) != "-" and not output.is_dir() and len(found) == 1
+        to_name = output is not None and str(output) != "-" and not output.is_dir() and len(documents) == 1
         for path, form in files_to_write(output, format) if to_name and output is not None else [(output, format)]:
             write_one(item, path, form)
 
@@ -74,7 +74,7 @@ def export(
             sys.stdout.buffer.flush()
             return
         target = output if output is not None else Path(".")
-        target = target / local_name(file.name or item.id) if target.is_dir() or len(found) > 1 else target
+        target = target / local_name(file.name or item.id) if target.is_dir() or len(documents) > 1 else target
         if target in written:
             target = target.with_stem(f"{target.stem}-{item.id[-6:]}")
         write_file(target, file.blocks, force=force)
@@ -83,7 +83,7 @@ def export(
         for notice in file.notices:
             console.print(f"         {notice.what}", style="yellow")
 
-    for_each(found, export_one)
+    for_each(documents, export_one)
 
 
 def local_name(said: str) -> str:

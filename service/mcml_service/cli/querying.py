@@ -76,8 +76,8 @@ def xpath(
         "with": with_,
     }
     if form in STREAMS:
-        found = client.call("post_query", request=dict(**asked, limit=limit, **{"as": form}))
-        write_blocks(found.blocks, output, force=force)
+        response = client.call("post_query", request=dict(**asked, limit=limit, **{"as": form}))
+        write_blocks(response.blocks, output, force=force)
         return
     limit = limit or 1000
     request = dict(**asked, limit=limit, **{"as": form})
@@ -116,8 +116,8 @@ def xpath(
 
 
 def _variable(text: str) -> tuple[str, str]:
-    name, found, value = text.partition("=")
-    if not found:
+    name, separator, value = text.partition("=")
+    if not separator:
         raise typer.BadParameter(f"--var {text}: write name=value")
     return name.strip().removeprefix("$"), value
 

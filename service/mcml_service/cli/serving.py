@@ -212,8 +212,8 @@ def doctor(
     line("mcml.dtd", str(dtd_path()))
     line("migrations", str(migrations_path()))
     for module, need in (("pcodec", True), ("simdjson", True), ("psycopg", False)):
-        found = importlib.util.find_spec(module) is not None
-        line(module, "installed" if found else "not installed", found or not need)
+        is_installed = importlib.util.find_spec(module) is not None
+        line(module, "installed" if is_installed else "not installed", is_installed or not need)
     for extra, module in EXTRAS.items():
         there = importlib.util.find_spec(module) is not None
         line(f"extra {extra}", "installed" if there else f"not installed: pip install 'mcml-repository[{extra}]'")

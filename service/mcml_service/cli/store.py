@@ -64,21 +64,21 @@ def check(
     """Compare every row with its checksum, read every kept upload once, and say what does not fit."""
     settings = choose_settings(database)
     store = open_database(settings)
-    found, unread = store.check(past=deep), []
+    faults, unread = store.check(past=deep), []
     if deep:
         with store.read() as tx:
             for compared in compare_all(tx, settings):
-                found += [f"{compared.name}: {fault}" for fault in compared.faults]
+                faults += [f"{compared.name}: {fault}" for fault in compared.faults]
                 unread += [f"{compared.name}: {compared.unread}"] if compared.unread else []
     if as_json:
-        print_json({"faults": found, "not_compared": unread} if deep else {"faults": found})
+        print_json({"faults": faults, "not_compared": unread} if deep else {"faults": faults})
     else:
         for note in unread:
             console.print(f"not compared    {note}")
-        for fault in found:
+        for fault in faults:
             console.print(f"fault    {fault}")
-        console.print("the store is sound" if not found else f"{len(found)} faults")
-    if found:
+        console.print("the store is sound" if not faults else f"{len(faults)} faults")
+    if faults:
         raise typer.Exit(1)
 
 
@@ -92,17 +92,17 @@ def prune(
     MCML_ACTIVITY_DAYS goes, too."""
     settings = choose_settings(database)
     store = open_database(settings)
-    found = prune_history(store, older_than, do=yes)
+    pruned = prune_history(store, older_than, do=yes)
     if yes:
         forget_activity(store, settings.activity_days)
         from mcml_service.xpath.library.disk.part_file import forget
 
         forget(store, settings.cache_dir)
     if as_json:
-        print_json({"pruned": yes, **asdict(found)})
+        print_json({"pruned": yes, **asdict(pruned)})
         return
-    what = f"{found.revisions:,} revisions of {found.documents:,} documents, {found.bytes / 1e6:,.1f} MB"
-    console.print(f"forgot {what}" if yes else f"would forget {what}; --yes does it, and nothing brings them back")
+    room = f"{pruned.revisions:,} revisions of {pruned.documents:,} documents, {pruned.bytes / 1e6:,.1f} MB"
+    console.print(f"forgot {room}" if yes else f"would forget {room}; --yes does it, and nothing brings them back")
 
 
 def compact(
@@ -142,7 +142,7 @@ def token_add(
         expires = now(timedelta(days=days))
     with open_database(choose_settings(database)).write() as tx:
         owner = None if account is None else tx.accounts.get(account)
-        projects = [tx.projects.get(one) for one in project or ()]
+        projects = [tx.projects.get(name_of_project) for name_of_project in project or ()]
         secret = tx.tokens.add(name, expires, scope=scope, owner=owner, projects=projects)
     print(secret)
     console.print(
@@ -153,12 +153,12 @@ def token_add(
 def token_list(database: DatabaseOption = None, as_json: JsonOption = False) -> None:
     """List tokens: their names, first characters and dates."""
     with open_database(choose_settings(database)).read() as tx:
-        found = tx.tokens.all()
+        tokens = tx.tokens.all()
     if as_json:
-        print_json({"items": [vars(item) for item in found]})
+        print_json({"items": [vars(item) for item in tokens]})
         return
     rows = table("name", "begins with", "may", "in", "whose", "made", "expires", "used")
-    for item in found:
+    for item in tokens:
         whose, expires, used = item.account or "", item.expires or "never", item.used or "never"
         where = ", ".join(item.projects) or "all"
         rows.add_row(item.name, item.hint + "…", item.scope, where, whose, item.created, expires, used)

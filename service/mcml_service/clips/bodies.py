@@ -52,7 +52,7 @@ class Body:
         frames = range(self.frames)[first:end]
         own = [place for place, name in enumerate(self.names) if name in joints]
         steps = unpack(self.blocks, own)
-        places = {self.names[place]: found[first:end] for place, found in zip(own, steps, strict=True)}
+        places = {self.names[place]: positions[first:end] for place, positions in zip(own, steps, strict=True)}
         return Stretch(places, len(frames), self.frame_time, self.calibration, first=first)
 
     def facts(self) -> dict[str, Any]:
@@ -98,14 +98,14 @@ def _derive(tx: Transaction, documents: Sequence[Listed], skeletons: Skeletons) 
     for place, clip in enumerate(clips):
         same.setdefault((id(clip.clip.head.skeleton), reading_of(clip.clip.head)), []).append(place)
     references = References(tx)
-    found: dict[int, Body] = {}
+    derived: dict[int, Body] = {}
     for (_, reading), places in same.items():
         skeleton = clips[places[0]].clip.head.skeleton
         frames = [filled(skeleton, clips[place].clip.blocks()) for place in places]
         for place, own, positions in zip(places, frames, clip_positions(skeleton, frames, reading), strict=True):
             shared = partial(references.of, documents[place])
-            found[place] = Body.pack(body_at(clips[place].clip.head, positions, own.values, shared))
-    return [found[place] for place in range(len(clips))]
+            derived[place] = Body.pack(body_at(clips[place].clip.head, positions, own.values, shared))
+    return [derived[place] for place in range(len(clips))]
 
 
 def _derive_in_parts(tx: Transaction, listed: Listed, skeletons: Skeletons) -> Body:
@@ -143,19 +143,19 @@ class References:
     def _first(self, skeleton: int, stated: str | None) -> Reference | None:
         for commit, listed in self._tx.heads.clips_of_skeleton(skeleton, MOST_LOOKED_AT):
             clip = read_clip(self._tx.at_commit(commit), listed, bare=True).clip
-            found = calibrate_clip(clip, clip.frames or 0, {} if stated is None else {"up": stated})
-            if found.origins["reference"].kind == "measured" and found.start.stated == stated:
-                return replace(found.start, of=listed.name if found.start.frame is not None else "")
+            calibration = calibrate_clip(clip, clip.frames or 0, {} if stated is None else {"up": stated})
+            if calibration.origins["reference"].kind == "measured" and calibration.start.stated == stated:
+                return replace(calibration.start, of=listed.name if calibration.start.frame is not None else "")
         return None
 
 
 def read_bodies(tx: Transaction, documents: Sequence[Listed]) -> dict[int, Body]:
     """By the keys of documents: what is kept of them, else worked out now."""
     restored = {key: Body.restore(stored) for key, stored in tx.bodies.of(documents).items()}
-    found = {key: body for key, body in restored.items() if body is not None}
-    missing = [listed for listed in documents if listed.key not in found]
+    sound = {key: body for key, body in restored.items() if body is not None}
+    missing = [listed for listed in documents if listed.key not in sound]
     made = zip(missing, derive_bodies(tx, missing, {}), strict=True)
-    return found | {listed.key: body for listed, body in made}
+    return sound | {listed.key: body for listed, body in made}
 
 
 def read_turned(tx: Transaction, stored: StoredDocument | Listed, name: str, body: Body) -> Array:

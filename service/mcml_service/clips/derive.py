@@ -67,7 +67,7 @@ def keep_bodies(database: Database, documents: Sequence[Listed], skeletons: Skel
         if len(documents) == 1:
             failed(documents[0], error)
             return 0
-        return sum(keep_bodies(database, [one], skeletons, failed) for one in documents)
+        return sum(keep_bodies(database, [document], skeletons, failed) for document in documents)
     if not made:
         return 0
     with database.write(AUTHOR) as tx:

@@ -180,8 +180,8 @@ def _dance(style: Style, keys: _Keys, time: Array) -> tuple[Array, Array]:
 def _between(times: Array, values: Array, time: Array, ease: Callable[[Array], Array]) -> Array:
     last = np.clip(np.searchsorted(times, time, side="right"), 1, len(times) - 1)
     u = np.clip((time - times[last - 1]) / (times[last] - times[last - 1]), 0, 1)
-    found: Array = values[last - 1] + (values[last] - values[last - 1]) * ease(u)[:, None]
-    return found
+    poses: Array = values[last - 1] + (values[last] - values[last - 1]) * ease(u)[:, None]
+    return poses
 
 
 def _cosine(u: Array) -> Array:

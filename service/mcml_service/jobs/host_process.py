@@ -46,5 +46,5 @@ def start(memory: int, running: Any, kept: tuple[Any, ...]) -> None:
 
 def call(function: Callable[..., Any], args: Sequence[Any], kwargs: dict[str, Any]) -> Any:
     """Do one piece of work."""
-    given = [started.kept[value.place] if isinstance(value, Kept) else value for value in args]
-    return function(*given, **kwargs)
+    arguments = [started.kept[value.place] if isinstance(value, Kept) else value for value in args]
+    return function(*arguments, **kwargs)

@@ -56,8 +56,8 @@ class StoredMotions(ApartMotions):
             return each(self._all, function, shared, told)
         step = -(-len(self) // (PIECES * places))
         groups = [self._inputs[at : at + step] for at in range(0, len(self), step)]
-        found = self.spread(_of_each, groups, (self._urls, self._skeleton, function, tuple(shared)), told)
-        return [value for values in found for value in values]
+        groups_of_values = self.spread(_of_each, groups, (self._urls, self._skeleton, function, tuple(shared)), told)
+        return [value for values in groups_of_values for value in values]
 
     def spread(
         self,
@@ -68,14 +68,14 @@ class StoredMotions(ApartMotions):
     ) -> list[Any]:
         if len(pieces) < 2 or self._crew.places() < 2:
             return spread_here(function, pieces, shared, told)
-        found: list[Any] = []
+        results: list[Any] = []
         end = time.monotonic() + self._crew.alone_seconds
-        while len(found) < len(pieces) and time.monotonic() < end:
-            found.append(function(pieces[len(found)], *shared))
-            told(len(found) / len(pieces))
-        if len(found) < len(pieces):
-            found += self._spread(function, pieces, shared, told, len(found))
-        return found
+        while len(results) < len(pieces) and time.monotonic() < end:
+            results.append(function(pieces[len(results)], *shared))
+            told(len(results) / len(pieces))
+        if len(results) < len(pieces):
+            results += self._spread(function, pieces, shared, told, len(results))
+        return results
 
     def _spread(
         self,
@@ -86,7 +86,7 @@ class StoredMotions(ApartMotions):
         first: int,
     ) -> list[Any]:
         """Do the pieces from the first one on. One whose process dies is done once more."""
-        found: dict[int, Any] = {}
+        results: dict[int, Any] = {}
         rest, again = deque(range(first, len(pieces))), set[int]()
         waiting: dict[Future[Any], int] = {}
         with self._crew.helpers(shared) as (executor, given):
@@ -97,15 +97,15 @@ class StoredMotions(ApartMotions):
                 for future in wait(waiting, return_when=FIRST_COMPLETED).done:
                     place = waiting.pop(future)
                     try:
-                        found[place] = future.result()
+                        results[place] = future.result()
                     except BrokenExecutor:
                         if place in again:
                             raise
                         again.add(place)
                         rest.appendleft(place)
                     else:
-                        told((first + len(found)) / len(pieces))
-        return [found[place] for place in range(first, len(pieces))]
+                        told((first + len(results)) / len(pieces))
+        return [results[place] for place in range(first, len(pieces))]
 
 
 def _load(inputs: Sequence[Input], urls: Urls, skeleton: Input | None) -> list[Motion]:

@@ -193,8 +193,8 @@ class Runner:
         if has_begun and not is_last:
             log.warning("job %s: its worker died, and it is tried once more", job.uuid)
             return
-        what = "The worker died twice on this job; it may have taken too much memory."
-        raise (McmlError if has_begun else InterruptionError)(what, remedy=self._remedy) from error
+        reason = "The worker died twice on this job; it may have taken too much memory."
+        raise (McmlError if has_begun else InterruptionError)(reason, remedy=self._remedy) from error
 
     @property
     def _remedy(self) -> str:

@@ -43,24 +43,24 @@ MAPPED = ipaddress.ip_network("64:ff9b::/96")
 
 def is_public(address: str) -> bool:
     """Whether an address is one of the internet, and no host of a network of one's own."""
-    found = ipaddress.ip_address(address.partition("%")[0])
-    if isinstance(found, ipaddress.IPv6Address):
-        inner = found.ipv4_mapped or found.sixtofour
-        if found in MAPPED:
-            inner = ipaddress.IPv4Address(found.packed[-4:])
+    ip = ipaddress.ip_address(address.partition("%")[0])
+    if isinstance(ip, ipaddress.IPv6Address):
+        inner = ip.ipv4_mapped or ip.sixtofour
+        if ip in MAPPED:
+            inner = ipaddress.IPv4Address(ip.packed[-4:])
         if inner is not None:
             return is_public(str(inner))
-        if found.teredo is not None:
+        if ip.teredo is not None:
             return False
-    return found.is_global and not found.is_multicast
+    return ip.is_global and not ip.is_multicast
 
 
 def addresses_of(host: str, port: int, *, private: bool) -> list[str]:
     """Addresses of a host. OSError where there are none, or some is of a network of one's own and those are refused."""
-    found = [str(entry[4][0]) for entry in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)]
-    if not private and not all(map(is_public, found)):
+    addresses = [str(entry[4][0]) for entry in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)]
+    if not private and not all(map(is_public, addresses)):
         raise OSError("the host is in a private network")
-    return found
+    return addresses
 
 
 def signature(secret: str, message: str, timestamp: int, payload: bytes) -> str:

@@ -72,9 +72,9 @@ def perform(
             motions = apart(inputs, parameters.get(SKELETON))
         else:
             motions = database.ask(lambda tx: load_motions(tx, inputs, loading, parameters.get(SKELETON)))
-        given = {name: value for name, value in parameters.items() if name not in (EXTENDS, LEFT_OUT, SKELETON)}
+        values = {name: value for name, value in parameters.items() if name not in (EXTENDS, LEFT_OUT, SKELETON)}
         # A job may have waited while the program, and with it what parameters may be, became another.
-        checked = chosen.parameters.model_validate(check_parameters(chosen.parameters, given))
+        checked = chosen.parameters.model_validate(check_parameters(chosen.parameters, values))
 
         def report(stage: str, share: float) -> None:
             progress(stage, LOADING + (1 - LOADING) * share)

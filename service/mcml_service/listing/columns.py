@@ -54,9 +54,9 @@ class Pairs:
 
     def having(self, wanted: Mask, documents: int) -> Mask:
         """Which of so many documents have one of the codes that are wanted."""
-        found = np.zeros(documents, np.bool_)
-        found[self.places[wanted[self.codes]]] = True
-        return found
+        mask = np.zeros(documents, np.bool_)
+        mask[self.places[wanted[self.codes]]] = True
+        return mask
 
     def counts(self, among: Mask, codes: int) -> Numbers:
         """How many documents have each of so many codes."""
@@ -112,10 +112,10 @@ class Columns:
 
     def once(self, name: Any, make: Callable[[], Any]) -> Any:
         """What is worked out when it is first asked for."""
-        found = self.kept.get(name)
-        if found is None:
-            found = self.kept[name] = make()
-        return found
+        value = self.kept.get(name)
+        if value is None:
+            value = self.kept[name] = make()
+        return value
 
     def place_behind(self, name: str, key: int) -> int:
         """How many documents stand before a name and key, or there."""

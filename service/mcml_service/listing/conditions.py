@@ -23,42 +23,42 @@ def can_tell(wanted: DocumentFilter) -> bool:
 def fulfilling(columns: Columns, wanted: DocumentFilter) -> Mask:
     """Which documents fulfil all of the conditions."""
     known = columns.once("fulfilling", dict)
-    found: Mask | None = known.get(wanted)
-    if found is None:
-        found = _fulfilling(columns, wanted)
+    mask: Mask | None = known.get(wanted)
+    if mask is None:
+        mask = _fulfilling(columns, wanted)
         if len(known) >= KEPT:
             known.clear()
-        known[wanted] = found
-    return found
+        known[wanted] = mask
+    return mask
 
 
 def _fulfilling(columns: Columns, wanted: DocumentFilter) -> Mask:
     words, count = columns.words, len(columns)
-    found = ~columns["there"] if wanted.deleted else columns["there"].copy()
+    mask = ~columns["there"] if wanted.deleted else columns["there"].copy()
     if wanted.project is not None:
-        found &= columns["projects"] == _code(words.projects.code(normalise_name(wanted.project)))
+        mask &= columns["projects"] == _code(words.projects.code(normalise_name(wanted.project)))
     if wanted.format is not None:
-        found &= columns["formats"] == _code(words.formats.code(wanted.format))
+        mask &= columns["formats"] == _code(words.formats.code(wanted.format))
     if wanted.skeleton is not None:
-        found &= columns["skeletons"] == wanted.skeleton
+        mask &= columns["skeletons"] == wanted.skeleton
     if wanted.name is not None:
-        found &= columns["names"] == normalise_name(wanted.name)
+        mask &= columns["names"] == normalise_name(wanted.name)
     if wanted.id is not None:
-        found &= _begins(columns["uuids"], wanted.id.lower())
+        mask &= _begins(columns["uuids"], wanted.id.lower())
     for word in (wanted.text or "").split():
         holding = columns.said.having(words.texts.holding(word), count)
         holding |= columns.named.having(words.texts.holding(word), count)
-        found &= holding | columns.having.having(words.properties.holding(word), count)
+        mask &= holding | columns.having.having(words.properties.holding(word), count)
     if wanted.motion_name is not None:
         named = columns.named.codes == _code(words.texts.code(normalise_name(wanted.motion_name)))
-        found &= _mark(columns.named.places[named], count)
+        mask &= _mark(columns.named.places[named], count)
     for condition in wanted.properties:
-        found &= columns.having.having(_properties(columns, *condition), count)
+        mask &= columns.having.having(_properties(columns, *condition), count)
     if wanted.among is not None:
-        found &= np.isin(columns["keys"], np.array(wanted.among, np.int64))
-    found &= _within(columns["frames"] * columns["seconds"], wanted.length)
-    found &= _within(1.0 / columns["seconds"], wanted.rate)
-    return found
+        mask &= np.isin(columns["keys"], np.array(wanted.among, np.int64))
+    mask &= _within(columns["frames"] * columns["seconds"], wanted.length)
+    mask &= _within(1.0 / columns["seconds"], wanted.rate)
+    return mask
 
 
 def _code(code: int | None) -> int:
@@ -66,36 +66,36 @@ def _code(code: int | None) -> int:
 
 
 def _mark(places: Column, count: int) -> Mask:
-    found = np.zeros(count, np.bool_)
-    found[places] = True
-    return found
+    mask = np.zeros(count, np.bool_)
+    mask[places] = True
+    return mask
 
 
 def _begins(uuids: Column, beginning: str) -> Mask:
-    said = np.frombuffer(beginning.encode(), np.uint8)
+    codes = np.frombuffer(beginning.encode(), np.uint8)
     width = uuids.dtype.itemsize
-    if len(said) > width:
+    if len(codes) > width:
         return np.zeros(len(uuids), np.bool_)
-    letters = uuids.view(np.uint8).reshape(len(uuids), width)[:, : len(said)]
-    return np.asarray((letters == said).all(axis=1))
+    letters = uuids.view(np.uint8).reshape(len(uuids), width)[:, : len(codes)]
+    return np.asarray((letters == codes).all(axis=1))
 
 
 def _properties(columns: Columns, name: str, least: float | None, greatest: float | None, text: str | None) -> Mask:
     """Which different properties fulfil a condition."""
     properties = columns.words.properties
     names, numbers, _ = columns.properties
-    found: Mask = names == _code(properties.names.code(name))
+    mask: Mask = names == _code(properties.names.code(name))
     if text is not None:
-        found &= np.fromiter((value[2] == text for value in properties.values[: len(names)]), np.bool_, len(names))
-    return found & _within(numbers, (least, greatest))
+        mask &= np.fromiter((value[2] == text for value in properties.values[: len(names)]), np.bool_, len(names))
+    return mask & _within(numbers, (least, greatest))
 
 
 def _within(values: Any, bounds: Range) -> Mask | np.bool_:
     least, greatest = bounds
-    found: Mask | np.bool_ = np.True_
+    mask: Mask | np.bool_ = np.True_
     # What is unknown, NaN, is within no bounds.
     if least is not None:
-        found = found & (values >= least)
+        mask = mask & (values >= least)
     if greatest is not None:
-        found = found & (values <= greatest)
-    return found
+        mask = mask & (values <= greatest)
+    return mask

@@ -54,8 +54,8 @@ def _most(numbering: Numbering[Any], counts: Numbers, most: int) -> Counts:
         # Only those that may be among them are looked at one by one.
         least = np.partition(counts[codes], len(codes) - most)[len(codes) - most]
         codes = codes[counts[codes] >= least]
-    found = ((-int(counts[code]), numbering.values[code]) for code in codes.tolist())
-    return [(one, -count) for count, one in nsmallest(most, found)]
+    most_common = ((-int(counts[code]), numbering.values[code]) for code in codes.tolist())
+    return [(value, -count) for count, value in nsmallest(most, most_common)]
 
 
 def _properties(columns: Columns, among: Mask, most: int, bins: int) -> list[PropertyFacet]:
@@ -64,12 +64,12 @@ def _properties(columns: Columns, among: Mask, most: int, bins: int) -> list[Pro
     counts = columns.having.counts(among, len(names)) * is_short
     is_number = ~np.isnan(numbers)
     totals = np.bincount(names, counts, len(properties.names)).astype(np.int64)
-    found = []
+    facets = []
     for name, total in _most(properties.names, totals, most):
         its_own = (names == properties.names.code(name)) & (counts > 0)
         of_numbers = np.flatnonzero(its_own & is_number)
         texts = np.where(its_own & ~is_number, counts, 0)
-        found.append(
+        facets.append(
             PropertyFacet(
                 name,
                 total,
@@ -77,7 +77,7 @@ def _properties(columns: Columns, among: Mask, most: int, bins: int) -> list[Pro
                 [(value[2], count) for value, count in _most(properties, texts, most)],
             )
         )
-    return found
+    return facets
 
 
 def _make_bins(values: Column, counts: Numbers, bins: int) -> Bins | None:

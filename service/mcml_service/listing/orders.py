@@ -64,8 +64,8 @@ def _encode(columns: Columns, column: str) -> tuple[Numbering[str], Column]:
 
 
 def _sort(columns: Columns, vocabulary: Numbering[str]) -> list[str]:
-    found: list[str] = columns.once(("sorted", id(vocabulary)), lambda: sorted(vocabulary.values))
-    return found
+    texts: list[str] = columns.once(("sorted", id(vocabulary)), lambda: sorted(vocabulary.values))
+    return texts
 
 
 def _ranks(columns: Columns, vocabulary: Numbering[str]) -> Numbers:

@@ -89,8 +89,8 @@ class Register:
         if last is not None and last.words.values() > STALE * self._whole:
             last = None
         if last is None:
-            found = no_columns().update(newest, whole_since, (), read_list_rows(tx))
-            self._whole = found.words.values() + 1000
+            columns = no_columns().update(newest, whole_since, (), read_list_rows(tx))
+            self._whole = columns.words.values() + 1000
         elif last.commit > newest:
             # An older state, which a transaction still reads.
             return None
@@ -99,9 +99,9 @@ class Register:
             gone = set(changed)
             if whole_since != last.whole_since:
                 gone |= set(last["keys"].tolist()).difference(find_keys(tx))
-            found = last.update(newest, whole_since, sorted(gone), read_list_rows(tx, changed))
-        self._is_too_large = found.words.characters() > MOST_CHARACTERS
-        self._last = None if self._is_too_large else found
+            columns = last.update(newest, whole_since, sorted(gone), read_list_rows(tx, changed))
+        self._is_too_large = columns.words.characters() > MOST_CHARACTERS
+        self._last = None if self._is_too_large else columns
         return self._last
 
 

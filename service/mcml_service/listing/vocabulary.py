@@ -35,15 +35,15 @@ class Numbering(Generic[Value]):
 
     def codes(self, values: Iterable[Value]) -> Codes:
         """Their numbers; values that are new get some. For one thread at a time."""
-        found = []
+        numbers = []
         for value in values:
             code = self._codes.get(value)
             if code is None:
                 self.add(value)
                 self.values.append(value)
                 code = self._codes[value] = len(self.values) - 1
-            found.append(code)
-        return np.array(found, np.int32)
+            numbers.append(code)
+        return np.array(numbers, np.int32)
 
     def code(self, value: Value) -> int | None:
         """The number of a value, None where it has none."""
@@ -73,10 +73,10 @@ class Vocabulary(Numbering[Value]):
         known = self._words.get(word, np.empty(0, np.bool_))
         if len(known) < len(self._folded):
             rest = self._folded[len(known) :]
-            found = np.zeros(len(rest), np.bool_)
+            mask = np.zeros(len(rest), np.bool_)
             for form in forms_of(word):
-                found |= np.fromiter(map(contains, rest, repeat(form)), np.bool_, len(rest))
-            known = np.concatenate([known, found])
+                mask |= np.fromiter(map(contains, rest, repeat(form)), np.bool_, len(rest))
+            known = np.concatenate([known, mask])
             if len(self._words) >= KNOWN_WORDS:
                 self._words.clear()
             self._words[word] = known

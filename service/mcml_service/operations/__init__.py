@@ -366,10 +366,10 @@ def find_operation(name: str) -> Operation:
     """The operation of that name. NotFoundError where there is none."""
     if name in OPERATIONS:
         return OPERATIONS[name]
-    found = {operation.name: operation for operation in all_operations()}
-    if name not in found:
-        raise NotFoundError(f"There is no operation {name!r}.", remedy=f"There are: {', '.join(found)}.")
-    return found[name]
+    operations = {operation.name: operation for operation in all_operations()}
+    if name not in operations:
+        raise NotFoundError(f"There is no operation {name!r}.", remedy=f"There are: {', '.join(operations)}.")
+    return operations[name]
 
 
 def all_operations() -> list[Operation]:

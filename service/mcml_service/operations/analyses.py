@@ -198,16 +198,16 @@ def _answer_model(name: str, used: Use) -> type[BaseModel]:
 
 
 def _motion(clip: MadeClip, positions: bool) -> ClipMotion:
-    found = walked(clip.skeleton, clip.translations, clip.rotations)[0] if positions else None
-    if found is not None and found.size > INLINE_NUMBERS:
-        raise SizeError(f"The clip has {found.size:,} numbers.", remedy="Fetch it with format=npy.")
+    world = walked(clip.skeleton, clip.translations, clip.rotations)[0] if positions else None
+    if world is not None and world.size > INLINE_NUMBERS:
+        raise SizeError(f"The clip has {world.size:,} numbers.", remedy="Fetch it with format=npy.")
     return ClipMotion(
         name=clip.name,
         frames=len(clip.rotations),
         seconds_per_frame=clip.frame_time,
         joints=list(clip.skeleton.names),
         parents=[joint.parent for joint in clip.skeleton.joints],
-        positions=None if found is None else found.round(5).tolist(),
+        positions=None if world is None else world.round(5).tolist(),
     )
 
 

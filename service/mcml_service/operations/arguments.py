@@ -128,10 +128,10 @@ def tag(stored: StoredDocument, form: str = "json") -> str:
 
 def find_for_write(tx: Transaction, uuid: str, if_match: str | None, *, deleted: bool = False) -> StoredDocument:
     """The document, locked for a change, if the request was made for its current revision."""
-    found = tx.documents.find(uuid, deleted=deleted)
-    if found is None:
+    current = tx.documents.find(uuid, deleted=deleted)
+    if current is None:
         raise NotFoundError(f"There is no document {uuid}.", remedy="List the documents to see their ids.")
-    tx.documents.lock(found.key)
+    tx.documents.lock(current.key)
     stored = tx.documents.get(uuid, deleted=deleted)
     check_match(if_match, stored.revision, "document", "revision")
     return stored

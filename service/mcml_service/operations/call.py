@@ -169,6 +169,6 @@ class Call:
         lasting: it is of a revision that the question names, so it will never be another.
         """
         self.tag, self.lasting = tag, lasting
-        said = self.known(tag)
-        if said is not None:
-            raise SameError(said)
+        known = self.known(tag)
+        if known is not None:
+            raise SameError(known)

@@ -188,23 +188,23 @@ def list_documents(
     after = _after(page, order)
     conditions = wanted.filter(call)
     with call.database.read() as tx:
-        found = call.repository.register.page(tx, conditions, order, after, page.most(call) + 1, offset)
-        places, more = page.cut(call, found.places, lambda place: _cursor(place, order))
+        listed = call.repository.register.page(tx, conditions, order, after, page.most(call) + 1, offset)
+        places, more = page.cut(call, listed.places, lambda place: _cursor(place, order))
         shown = tx.documents.get_many([place.key for place in places])
         also = frozenset((with_ or "").split(",")) - {""}
         items = _cards(call, tx, shown, also)
-    return DocumentPage(items=items, next_cursor=more, total=found.total)
+    return DocumentPage(items=items, next_cursor=more, total=listed.total)
 
 
 def _after(page: Page, order: Order) -> Place | None:
     """The place that the cursor names. QueryError where it is of another order."""
     if order.column in PLAIN:
-        said = page.after(str, int)
-        return None if said is None else Place(said[0], *said)
-    said = page.after(str, bool, TYPES[order.column], str, int)
-    if said is None:
+        cursor = page.after(str, int)
+        return None if cursor is None else Place(cursor[0], *cursor)
+    cursor = page.after(str, bool, TYPES[order.column], str, int)
+    if cursor is None:
         return None
-    direction, is_known, value, name, key = said
+    direction, is_known, value, name, key = cursor
     if direction != _direction(order):
         raise QueryError("This cursor is of a list in another order.", remedy="Begin again without a cursor.")
     return Place(value if is_known else None, name, key)
@@ -311,8 +311,8 @@ def list_revisions(
     before = page.after(int)
     with call.database.read() as tx:
         stored = tx.documents.get(id)
-        found = tx.revisions.of(stored.key, before=None if before is None else before[0], limit=page.most(call) + 1)
-        items, more = page.cut(call, found, lambda item: (item.number,))
+        revisions = tx.revisions.of(stored.key, before=None if before is None else before[0], limit=page.most(call) + 1)
+        items, more = page.cut(call, revisions, lambda item: (item.number,))
         shown = [Revision.model_validate(item, from_attributes=True) for item in items]
         if with_ is not None:
             for item, answer in zip(items, shown, strict=True):
@@ -330,8 +330,8 @@ def _find_touched(tx: Transaction, stored: StoredDocument, revision: StoredRevis
     )
     if before is None:
         return None
-    found = find_changed_frames(tx, stored.key, revision.commit, before.frames, then.frames)
-    return [FrameRange(first=first, last=last) for first, last in found]
+    ranges = find_changed_frames(tx, stored.key, revision.commit, before.frames, then.frames)
+    return [FrameRange(first=first, last=last) for first, last in ranges]
 
 
 def compare_revisions(
@@ -346,9 +346,9 @@ def compare_revisions(
     from mcml_service.actions.reading import compare_revisions as comparing
 
     with call.database.read() as tx:
-        then, one = at_revision(tx, id, before)
+        then, stored = at_revision(tx, id, before)
         now, other = at_revision(tx, id, after)
-        return comparing.compare_revisions(then, one, now, other)
+        return comparing.compare_revisions(then, stored, now, other)
 
 
 def set_properties(

@@ -122,8 +122,8 @@ def _window(
     else:
         window = frames_window(then, stored, first, stored.frames if last is None else last, layout)
     facts = {"first-line": window.first, "lines": window.lines, "total-lines": window.total}
-    said = {name: str(number) for name, number in facts.items()}
-    return Content(window.content, "application/xml", f"{stored.name}.{part}.xml", facts=said, shown=True)
+    texts = {name: str(number) for name, number in facts.items()}
+    return Content(window.content, "application/xml", f"{stored.name}.{part}.xml", facts=texts, shown=True)
 
 
 def find_text(

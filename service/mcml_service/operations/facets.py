@@ -21,23 +21,23 @@ def get_facets(
     """Takes the conditions of the list of documents, and counts among those that fulfil them."""
     conditions = wanted.filter(call)
     with call.database.read() as tx:
-        found = call.repository.register.facets(tx, conditions, limit, bins)
+        facets = call.repository.register.facets(tx, conditions, limit, bins)
     return FacetList(
-        total=found.total,
-        projects=_counts(found.projects),
-        formats=_counts(found.formats),
+        total=facets.total,
+        projects=_counts(facets.projects),
+        formats=_counts(facets.formats),
         skeletons=[
-            SkeletonCount(skeleton=key, joints=joints, documents=count) for (key, joints), count in found.skeletons
+            SkeletonCount(skeleton=key, joints=joints, documents=count) for (key, joints), count in facets.skeletons
         ],
-        motion_names=_counts(found.motion_names),
-        lengths=_histogram(found.lengths),
-        rates=[RateCount(value=value, documents=count) for value, count in found.rates],
-        unknown=found.unknown,
+        motion_names=_counts(facets.motion_names),
+        lengths=_histogram(facets.lengths),
+        rates=[RateCount(value=value, documents=count) for value, count in facets.rates],
+        unknown=facets.unknown,
         properties=[
             PropertyCounts(
                 name=item.name, documents=item.documents, numbers=_histogram(item.bins), texts=_counts(item.texts)
             )
-            for item in found.properties
+            for item in facets.properties
         ],
     )
 

@@ -25,10 +25,10 @@ def list_jobs(
 ) -> JobPage:
     before = page.after(int)
     with call.database.read() as tx:
-        found = tx.jobs.page(
+        jobs = tx.jobs.page(
             project_name=project, state=state, before=None if before is None else before[0], limit=page.most(call) + 1
         )
-    shown, more = page.cut(call, found, lambda job: (job.key,))
+    shown, more = page.cut(call, jobs, lambda job: (job.key,))
     return JobPage(items=[job_answer(job) for job in shown], next_cursor=more)
 
 

@@ -66,7 +66,7 @@ def delete_media(call: Call, id: DocumentId) -> None:
 
 
 def _media(tx: Transaction, stored: StoredDocument) -> StoredMedia:
-    found = tx.media.of(stored.key)
-    if found is None:
+    media = tx.media.of(stored.key)
+    if media is None:
         raise NotFoundError(f"{stored.name!r} carries no video or audio.", remedy="Put some.")
-    return found
+    return media

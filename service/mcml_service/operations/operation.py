@@ -201,8 +201,8 @@ class Operation:
     @cached_property
     def model(self) -> type[BaseModel] | None:
         """The model of an answer in JSON, None where there is none."""
-        said = get_type_hints(self.function, include_extras=True)["return"]
-        kinds = get_args(said) if get_origin(said) in (Union, UnionType) else (said,)
+        returned = get_type_hints(self.function, include_extras=True)["return"]
+        kinds = get_args(returned) if get_origin(returned) in (Union, UnionType) else (returned,)
         return next((kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel)), None)
 
     @cached_property
@@ -219,10 +219,12 @@ class Operation:
     def arguments(self) -> tuple[Argument, ...]:
         hints = get_type_hints(self.function, include_extras=True)
         parameters = list(inspect.signature(self.function).parameters.values())[1:]
-        found = [one for item in parameters for one in _arguments(self, hints[item.name], item.name, item.default)]
-        if any(argument.place == "file" for argument in found):
-            found = [_in_form(argument) for argument in found]
-        return tuple(found)
+        arguments = [
+            each for item in parameters for each in _arguments(self, hints[item.name], item.name, item.default)
+        ]
+        if any(argument.place == "file" for argument in arguments):
+            arguments = [_in_form(argument) for argument in arguments]
+        return tuple(arguments)
 
     def is_queued(self, given: Mapping[str, Any]) -> bool:
         """Whether it takes long with these arguments."""
@@ -269,8 +271,8 @@ class Operation:
 def _as_shared(share: Share, given: Mapping[str, Any]) -> Mapping[str, Any]:
     """Arguments of a call by who has a link, with the revision that it shows. NotFoundError for another document or
     revision, AccessError for a format that is not given away."""
-    found = share.documents.get(given["id"])
-    if found is None:
+    document = share.documents.get(given["id"])
+    if document is None:
         raise NotFoundError("This link shows no such document.", remedy="Take one that it shows.")
     if "format" in given and "original" in given:
         if given["format"] not in share.formats:
@@ -279,7 +281,7 @@ def _as_shared(share: Share, given: Mapping[str, Any]) -> Mapping[str, Any]:
                 remedy=f"It gives {', '.join(sorted(share.formats)) or 'none'}.",
             )
         given = {**given, "original": False}
-    return {**given, "revision": found.choose_revision(given.get("revision"))}
+    return {**given, "revision": document.choose_revision(given.get("revision"))}
 
 
 def gives(words: str, types: Mapping[str, Any]) -> Callable[[Function], Function]:

@@ -48,12 +48,12 @@ def change_project(call: Call, change: ProjectChange, project: ProjectName) -> P
         key = tx.projects.get(project)
         tx.quotas.require(key, "own")
         bounds = {name: getattr(change, name) for name in ("most_documents", "most_bytes")}
-        given = {name: bound or None for name, bound in bounds.items() if bound is not None}
-        if given and not may(call.view.everywhere, "operate"):
+        changes = {name: bound or None for name, bound in bounds.items() if bound is not None}
+        if changes and not may(call.view.everywhere, "operate"):
             raise AccessError(
                 "Owners of the repository say how much a project may hold.", remedy="Ask one of them for more room."
             )
-        chosen = replace(tx.quotas.of(key), **given)
+        chosen = replace(tx.quotas.of(key), **changes)
         if change.archived is not None:
             since = chosen.archived or now()
             chosen = replace(chosen, archived=since if change.archived else None)

@@ -120,13 +120,13 @@ def post_query(call: Call, request: QueryRequest) -> QueryAnswer | Content:
     paged = request.cursor is not None or (request.as_ == "xml" and request.limit is not None)
     if request.as_ in ("json", "runs") or paged:
         return _page(call, request)
-    found = call.queries.stream(request, call.limits)
+    answer = call.queries.stream(request, call.limits)
     if request.as_ not in STREAMS:
-        batches = _batches(STREAMS["ndjson"][0](found))
+        batches = _batches(STREAMS["ndjson"][0](answer))
         return Content(write_table(request.as_, batches, About(_COLUMNS)), TYPES[request.as_], f"answer.{request.as_}")
     write, media_type = STREAMS[request.as_]
     write = RAW_CSV if request.as_ == "csv" and request.raw else write
-    return Content(write(found), media_type, facts={} if found.total is None else {"total-count": str(found.total)})
+    return Content(write(answer), media_type, facts={} if answer.total is None else {"total-count": str(answer.total)})
 
 
 def complete_query(
@@ -140,9 +140,10 @@ def complete_query(
     ] = None,
     project: InProject = None,
 ) -> Completions:
-    first, found = call.queries.completions(q, len(q) if at is None else min(at, len(q)), document or [], project)
+    first, completions = call.queries.completions(q, len(q) if at is None else min(at, len(q)), document or [], project)
     items = [
-        CompletionItem(text=item.text, kind=item.kind, detail=item.detail, documents=item.documents) for item in found
+        CompletionItem(text=item.text, kind=item.kind, detail=item.detail, documents=item.documents)
+        for item in completions
     ]
     return Completions(first=first, items=items)
 

@@ -39,14 +39,14 @@ def list_results(
 ) -> ResultPage:
     before = page.after(int)
     with call.database.read() as tx:
-        found = tx.results.page(
+        results = tx.results.page(
             project_name=project,
             analysis=analysis,
             parent=parent,
             before=None if before is None else before[0],
             limit=page.most(call) + 1,
         )
-    shown, more = page.cut(call, found, lambda result: (result.key,))
+    shown, more = page.cut(call, results, lambda result: (result.key,))
     return ResultPage(items=[result_answer(result) for result in shown], next_cursor=more)
 
 
@@ -88,13 +88,13 @@ def get_result_array(
 ) -> ArrayValues | Content:
     """A result never changes, and the answer says so."""
     with call.database.read() as tx:
-        stored, found = _part(tx, id, part)
+        stored, stored_part = _part(tx, id, part)
         asked = crc32(repr((id, part, array, first, rows, row, dtype, format)).encode())
         call.set_tag(f"{array}-{asked:08x}", lasting=True)
         if row is not None:
-            values = tx.results.rows(stored.key, found, array, np.array(row, dtype=np.intp))
+            values = tx.results.rows(stored.key, stored_part, array, np.array(row, dtype=np.intp))
         else:
-            values = tx.results.array(stored.key, found, array)
+            values = tx.results.array(stored.key, stored_part, array)
     if dtype is not None:
         values = values.astype("<f4")
     whole = row is not None or not values.ndim

@@ -17,13 +17,13 @@ def list_running_queries(call: Call) -> RunningQueries:
     return RunningQueries(
         items=[
             RunningQuery(
-                id=one.id,
-                q=one.text,
-                author=one.limits.author,
-                began=now(timedelta(seconds=-one.seconds)),
-                seconds=round(one.seconds, 3),
+                id=query.id,
+                q=query.text,
+                author=query.limits.author,
+                began=now(timedelta(seconds=-query.seconds)),
+                seconds=round(query.seconds, 3),
             )
-            for one in call.queries.running()
+            for query in call.queries.running()
         ]
     )
 

@@ -39,8 +39,8 @@ ALL = ""
 
 
 def list_saved_queries(call: Call, page: Page, project: InProject = None) -> SavedQueryPage:
-    found, more = _page(call, "query", page, project)
-    return SavedQueryPage(items=[_query(thing) for thing in found], next_cursor=more)
+    things, more = _page(call, "query", page, project)
+    return SavedQueryPage(items=[_query(thing) for thing in things], next_cursor=more)
 
 
 def get_saved_query(call: Call, name: Name, project: Keeper = "default") -> SavedQuery:
@@ -66,8 +66,8 @@ def delete_query(call: Call, name: Name, project: Keeper = "default", if_match: 
 
 def list_collections(call: Call, page: Page, project: InProject = None) -> CollectionPage:
     """Without the documents that are in them."""
-    found, more = _page(call, "collection", page, project)
-    return CollectionPage(items=[_collection(thing) for thing in found], next_cursor=more)
+    things, more = _page(call, "collection", page, project)
+    return CollectionPage(items=[_collection(thing) for thing in things], next_cursor=more)
 
 
 def get_collection(call: Call, name: Name, project: Keeper = "default") -> Collection:
@@ -101,9 +101,9 @@ def delete_collection(call: Call, name: Name, project: Keeper = "default", if_ma
 def get_colours(call: Call, project: Keeper = "default") -> Colours:
     with call.database.read() as tx:
         thing = tx.saved.find("colours", project, ALL)
-    found = thing or StoredThing(project, ALL, 0, "", "", {"items": {}})
-    call.tag = str(found.version)
-    return _colours(found)
+    colours = thing or StoredThing(project, ALL, 0, "", "", {"items": {}})
+    call.tag = str(colours.version)
+    return _colours(colours)
 
 
 def save_colours(call: Call, colours: ColoursToSave, project: Keeper = "default", if_match: IfMatch = None) -> Colours:
@@ -115,9 +115,9 @@ def get_vocabulary(call: Call, project: Keeper = "default") -> Vocabulary:
     """Other names are allowed there, too."""
     with call.database.read() as tx:
         thing = tx.saved.find("vocabulary", project, ALL)
-    found = thing or StoredThing(project, ALL, 0, "", "", {"items": []})
-    call.tag = str(found.version)
-    return _vocabulary(found)
+    vocabulary = thing or StoredThing(project, ALL, 0, "", "", {"items": []})
+    call.tag = str(vocabulary.version)
+    return _vocabulary(vocabulary)
 
 
 def save_vocabulary(
@@ -152,8 +152,8 @@ def _check_vocabulary(words: list[VocabularyWord]) -> list[dict[str, object]]:
 def _page(call: Call, kind: Kind, page: Page, project: str | None) -> tuple[list[StoredThing], str | None]:
     after = page.after(str, str)
     with call.database.read() as tx:
-        found = tx.saved.page(kind, project, None if after is None else (after[0], after[1]), page.most(call) + 1)
-    shown, more = page.cut(call, found, lambda thing: (thing.project, thing.name))
+        things = tx.saved.page(kind, project, None if after is None else (after[0], after[1]), page.most(call) + 1)
+    shown, more = page.cut(call, things, lambda thing: (thing.project, thing.name))
     return list(shown), more
 
 
@@ -178,9 +178,9 @@ def _delete(call: Call, kind: Kind, project: str, name: str, if_match: str | Non
 def _check(tx: Transaction, kind: Kind, project: str, name: str, if_match: str | None) -> None:
     # Whoever saves an equal name at this moment is waited for.
     tx.order()
-    found = tx.saved.find(kind, project, name)
-    if found is not None:
-        check_match(if_match, found.version, kind, "version")
+    thing = tx.saved.find(kind, project, name)
+    if thing is not None:
+        check_match(if_match, thing.version, kind, "version")
 
 
 def _query(thing: StoredThing) -> SavedQuery:

@@ -57,10 +57,10 @@ def get_thumbnail(call: Call, id: DocumentId, revision: AtRevision = None) -> Co
     with call.database.read() as tx:
         then, stored = at_revision(tx, id, revision)
         call.set_tag(tag(stored, "thumbnail"), lasting=revision is not None)
-        found = then.thumbnails.of([stored]).get(stored.key)
-        if found is None:
-            found = picture_of(then, stored)
-            call.held.callback(keep_pictures, call.database, [(stored, found)])
-    if not found.data:
+        thumbnail = then.thumbnails.of([stored]).get(stored.key)
+        if thumbnail is None:
+            thumbnail = picture_of(then, stored)
+            call.held.callback(keep_pictures, call.database, [(stored, thumbnail)])
+    if not thumbnail.data:
         raise NotFoundError(f"{stored.name!r} has no joints, so there is nothing to draw.", remedy="Look at its text.")
-    return Content(iter([found.data]), THUMBNAIL, f"{stored.name}.mt1", size=len(found.data))
+    return Content(iter([thumbnail.data]), THUMBNAIL, f"{stored.name}.mt1", size=len(thumbnail.data))

@@ -110,11 +110,16 @@ def run_reader(module: str, *arguments: str, stream: BinaryIO, seconds: float, m
     """
     target = tempfile.TemporaryFile()  # noqa: SIM115  # the caller closes it
     try:
-        with tempfile.TemporaryFile() as source, tempfile.TemporaryFile() as said:
+        with tempfile.TemporaryFile() as source, tempfile.TemporaryFile() as error_file:
             stream.seek(0)
             shutil.copyfileobj(stream, source, 1 << 20)
             source.seek(0)
-            _run(start_program(module, *arguments, stdin=source, stdout=target, stderr=said), said, seconds, memory)
+            _run(
+                start_program(module, *arguments, stdin=source, stdout=target, stderr=error_file),
+                error_file,
+                seconds,
+                memory,
+            )
     except BaseException:
         target.close()
         raise

@@ -97,9 +97,9 @@ class Database:
     @contextmanager
     def _reading(self) -> Iterator[Connection]:
         if self.from_replica and self.replica is not None:
-            with self.replica.reading() as found:
-                if found is not None:
-                    yield found
+            with self.replica.reading() as replica:
+                if replica is not None:
+                    yield replica
                     return
         with self.dialect.reading() as connection:
             yield connection
@@ -125,13 +125,13 @@ class Database:
 
         mend: makes what rows of an older store lack, in the same transaction. StoreError for an older store without.
         """
-        found, wanted = self.schema_versions()
-        if found == wanted:
+        version, wanted = self.schema_versions()
+        if version == wanted:
             # Reading commands need no write lock, and work while another process writes.
             self._require_layout()
             return
-        refuse_newer(found, wanted)
-        if found is not None and mend is None:
+        refuse_newer(version, wanted)
+        if version is not None and mend is None:
             self.require_schema()
         # Imported late: it takes as long as all else that a short command needs.
         from alembic import command
@@ -143,8 +143,8 @@ class Database:
             config.set_main_option("script_location", str(migrations_path()))
             config.attributes["connection"] = connection
             command.upgrade(config, "head")
-            if found is not None and mend is not None:
-                mend(found, Transaction(connection, self.dialect))
+            if version is not None and mend is not None:
+                mend(version, Transaction(connection, self.dialect))
 
     def make_or_require(self) -> None:
         """Make a new store whole. StoreError where the schema of one that is there is not this program's."""
@@ -156,9 +156,11 @@ class Database:
     def schema_versions(self) -> tuple[str | None, str | None]:
         """(the store's schema version, this program's)."""
         # A store on a full disk has to be opened before it can be emptied.
-        found = self.reserve.spend(self._schema_version, TO_OPEN)
+        version = self.reserve.spend(self._schema_version, TO_OPEN)
         # Migrations have numbers, and go forward only: the last one is the newest.
-        return found, max(path.name[:4] for path in (migrations_path() / "versions").glob("[0-9][0-9][0-9][0-9]_*.py"))
+        return version, max(
+            path.name[:4] for path in (migrations_path() / "versions").glob("[0-9][0-9][0-9][0-9]_*.py")
+        )
 
     def _schema_version(self) -> str | None:
         with translate(self.dialect), self.dialect.reading() as connection:
@@ -167,11 +169,11 @@ class Database:
 
     def require_schema(self) -> None:
         """StoreError unless the schema is this program's."""
-        found, wanted = self.schema_versions()
-        if found != wanted:
-            refuse_newer(found, wanted)
+        version, wanted = self.schema_versions()
+        if version != wanted:
+            refuse_newer(version, wanted)
             raise StoreError(
-                f"The store's schema is {found or 'empty'}, this program needs {wanted}.",
+                f"The store's schema is {version or 'empty'}, this program needs {wanted}.",
                 remedy="Run `mcml db upgrade`, or `mcml serve`; an SQLite store is copied beside itself before.",
             )
         self._require_layout()

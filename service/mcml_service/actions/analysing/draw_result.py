@@ -71,7 +71,9 @@ def draw_result(
 
 def pictures_of(analysis: Analysis | None, parts: Mapping[str, Part]) -> dict[str, Picture]:
     """Every picture that there is of a result: the analysis's own, then each part as its kind says."""
-    own = {name: one for name, one in (analysis.pictures if analysis else {}).items() if one.parts[0] in parts}
+    own = {
+        name: picture for name, picture in (analysis.pictures if analysis else {}).items() if picture.parts[0] in parts
+    }
     drawn = {name: part for name, part in parts.items() if part.kind not in ("clip", "model") and name not in own}
     rank = {"curve": 0, "points": 1, "graph": 2, "table": 3}
     plain = sorted(drawn, key=lambda name: (rank[drawn[name].kind], name))
@@ -81,14 +83,14 @@ def pictures_of(analysis: Analysis | None, parts: Mapping[str, Part]) -> dict[st
 
 
 def _picture(analysis: Analysis | None, parts: Parts, name: str | None) -> tuple[str, Picture]:
-    found = pictures_of(analysis, parts)
-    if not found:
+    pictures = pictures_of(analysis, parts)
+    if not pictures:
         raise NotFoundError("This result has nothing to draw.", remedy="Look at its parts.")
     if name is None:
-        return next(iter(found.items()))
-    if name not in found:
-        raise NotFoundError(f"The result has no picture {name!r}.", remedy=f"It has: {', '.join(found)}.")
-    return name, found[name]
+        return next(iter(pictures.items()))
+    if name not in pictures:
+        raise NotFoundError(f"The result has no picture {name!r}.", remedy=f"It has: {', '.join(pictures)}.")
+    return name, pictures[name]
 
 
 def _parts(tx: Transaction, stored: StoredResult) -> Parts:

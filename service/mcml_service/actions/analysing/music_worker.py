@@ -20,14 +20,14 @@ def main() -> None:
     end_after(float(sys.argv[2]))
     try:
         bpm = float(sys.argv[3]) if len(sys.argv) > 3 else None
-        found = track_beats(io.BytesIO(sys.stdin.buffer.read()), sys.argv[1], bpm)
+        beats = track_beats(io.BytesIO(sys.stdin.buffer.read()), sys.argv[1], bpm)
         answer: dict[str, object] = {
-            "beats": found.beats.tolist(),
-            "clear": found.clear,
+            "beats": beats.beats.tolist(),
+            "clear": beats.clear,
             "rivals": [
-                {"bpm": rival.bpm, "ratio": str(rival.ratio), "strength": rival.strength} for rival in found.rivals
+                {"bpm": rival.bpm, "ratio": str(rival.ratio), "strength": rival.strength} for rival in beats.rivals
             ],
-            "meters": [{"beats_per_bar": meter.beats, "strength": meter.strength} for meter in found.meters],
+            "meters": [{"beats_per_bar": meter.beats, "strength": meter.strength} for meter in beats.meters],
         }
     except McmlError as error:
         code = error.code if isinstance(error, AnalysisError) else type(error).__name__

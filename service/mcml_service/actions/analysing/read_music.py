@@ -31,20 +31,20 @@ def read_music(
     with run_reader(
         _WORKER, file.name, str(seconds), *stated, stream=file.stream, seconds=seconds, memory=memory
     ) as answer:
-        found = json.load(answer)
-    if "beats" not in found:
-        if found["code"] in _KINDS:
-            raise _KINDS[found["code"]](found["what"], remedy=found["remedy"])
-        raise AnalysisError(found["code"], found["what"], remedy=found["remedy"])
-    tempo = fit_tempo(found["beats"])
-    per_bar = beats_per_bar or found["meters"][0]["beats_per_bar"]
+        heard = json.load(answer)
+    if "beats" not in heard:
+        if heard["code"] in _KINDS:
+            raise _KINDS[heard["code"]](heard["what"], remedy=heard["remedy"])
+        raise AnalysisError(heard["code"], heard["what"], remedy=heard["remedy"])
+    tempo = fit_tempo(heard["beats"])
+    per_bar = beats_per_bar or heard["meters"][0]["beats_per_bar"]
     return MusicBeats(
-        music=Music(beats=found["beats"], beats_per_bar=per_bar),
+        music=Music(beats=heard["beats"], beats_per_bar=per_bar),
         bpm=tempo.bpm,
         even=tempo.even,
         residual_seconds=tempo.residual,
         bars=int(tempo.indices[-1]) // per_bar,
-        clear=found["clear"],
-        rivals=found["rivals"],
-        meters=found["meters"],
+        clear=heard["clear"],
+        rivals=heard["rivals"],
+        meters=heard["meters"],
     )

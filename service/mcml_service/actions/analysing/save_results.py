@@ -87,8 +87,8 @@ def write_labels(tx: Transaction, part: Part, job: StoredJob) -> Part:
 def add_parts(tx: Transaction, key: int, parts: Parts, documents: Mapping[str, str]) -> None:
     """Write the parts of a result. documents: uuid of the document of each part that is a clip."""
     for name, part in parts.items():
-        found = tx.documents.get(documents[name]).key if name in documents else None
-        tx.results.add_part(key, name, part.kind, part.data, part.arrays, found)
+        document_key = tx.documents.get(documents[name]).key if name in documents else None
+        tx.results.add_part(key, name, part.kind, part.data, part.arrays, document_key)
 
 
 def load_parts(tx: Transaction, key: int) -> Parts:
@@ -105,10 +105,10 @@ def load_parts(tx: Transaction, key: int) -> Parts:
 
 def list_versions(analysis: str) -> dict[str, str]:
     """Versions of the libraries, and of the rules of an analysis."""
-    found = {f"rule {name}": number for name, number in ANALYSES[analysis].rules.items()}
+    versions = {f"rule {name}": number for name, number in ANALYSES[analysis].rules.items()}
     for library in LIBRARIES:
         try:
-            found[library] = version(library)
+            versions[library] = version(library)
         except PackageNotFoundError:
-            found[library] = "checkout"
-    return found
+            versions[library] = "checkout"
+    return versions

@@ -62,18 +62,18 @@ def start_analysis(
             )
         checked |= {EXTENDS: extends}
     selected, projects = select_documents(database, queries, selection)
-    found = select_captured(database, selection, selected)
-    if len(found) < len(selected):
-        checked |= {LEFT_OUT: len(selected) - len(found)}
-    if len(found) < (1 if extends else analysis.fewest):
+    inputs = select_captured(database, selection, selected)
+    if len(inputs) < len(selected):
+        checked |= {LEFT_OUT: len(selected) - len(inputs)}
+    if len(inputs) < (1 if extends else analysis.fewest):
         raise AnalysisError(
             "too-few-clips",
-            f"{analysis.title} needs at least {analysis.fewest} documents; the selection has {len(found)}"
-            + (f", and {len(selected) - len(found)} that an analysis made." if len(found) < len(selected) else "."),
-            remedy="Widen the selection." + (" include_made takes these too." if len(found) < len(selected) else ""),
+            f"{analysis.title} needs at least {analysis.fewest} documents; the selection has {len(inputs)}"
+            + (f", and {len(selected) - len(inputs)} that an analysis made." if len(inputs) < len(selected) else "."),
+            remedy="Widen the selection." + (" include_made takes these too." if len(inputs) < len(selected) else ""),
         )
     model = analysis.parameters.model_validate(parameters)
-    analysis.check(model, [str(item["document"]) for item in found])
+    analysis.check(model, [str(item["document"]) for item in inputs])
     if skeleton is not None:
         with database.read() as tx:
             body = tx.documents.get(skeleton)
@@ -83,18 +83,18 @@ def start_analysis(
                 )
         checked |= {SKELETON: {"document": body.uuid, "revision": body.revision}}
     most = min(analysis.most, settings.job_clips)
-    if len(found) > most:
+    if len(inputs) > most:
         raise SizeError(
-            f"The selection has {len(found)} documents; {analysis.title} takes {most}.", remedy="Narrow it."
+            f"The selection has {len(inputs)} documents; {analysis.title} takes {most}.", remedy="Narrow it."
         )
     target = project or (projects.pop() if len(projects) == 1 else "default")
     with database.write(author) as tx:
         return tx.jobs.add(
             tx.projects.get_or_add(given_name(target, "project")),
             analysis.name,
-            given_name(name or f"{analysis.name} of {_words(selection, len(found))}", "result"),
+            given_name(name or f"{analysis.name} of {_words(selection, len(inputs))}", "result"),
             author,
-            found,
+            inputs,
             checked,
             runner,
         )

@@ -115,14 +115,14 @@ class Results:
                 self.forget(uuid)
                 raise
         with self._lock:
-            found = self._ready.get(uuid)
-            if found is not None:
+            prepared = self._ready.get(uuid)
+            if prepared is not None:
                 self._ready.move_to_end(uuid)
-                return found
+                return prepared
         # What operations kept holds no more than what is new, so that all paths of a space share one copy of it.
         chain: list[tuple[StoredResult, Parts]] = []
         above = uuid
-        while found is None:
+        while prepared is None:
             with self._database.read() as tx:
                 stored = tx.results.get(above)
                 chain.append((stored, load_parts(tx, stored.key)))
@@ -130,8 +130,8 @@ class Results:
                 break
             above = stored.parent
             with self._lock:
-                found = self._ready.get(above)
-        ready = None if found is None else found[1]
+                prepared = self._ready.get(above)
+        ready = None if prepared is None else prepared[1]
         for stored, parts in reversed(chain):
             analysis = ANALYSES.get(stored.analysis)
             if analysis is None:

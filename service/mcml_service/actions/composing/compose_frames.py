@@ -156,20 +156,20 @@ def _resolve_segments(queries: Queries, segments: list[Segment]) -> Iterator[tup
         if segment.xpath is None:
             yield number, segment
             continue
-        found, cursor = 0, None
+        count, cursor = 0, None
         while True:
             where: dict[str, Any] = {"document": [segment.document] if segment.document else [], "as": "runs"}
             asked = QueryRequest(q=segment.xpath, project=segment.project, limit=1000, cursor=cursor, **where)
             answer = queries.answer(asked)
             for item in answer.items or ():
                 if isinstance(item, RunItem):
-                    found += 1
+                    count += 1
                     run = {"first": item.first, "last": item.last, "revision": item.revision}
                     yield number, segment.model_copy(update={"xpath": None, "document": item.document, **run})
             cursor = answer.next_cursor
             if cursor is None:
                 break
-        if not found:
+        if not count:
             raise DocumentError(f"Segment {number}: the expression finds no frames.", remedy="Try it with GET /xpath.")
 
 
@@ -243,8 +243,8 @@ class _Fitting:
         self, stored: StoredDocument, whole: Whole, mapping: JointMapping | None, frame_time: float
     ) -> FrameBlock:
         fitted = fit(whole, self._head, mapping, frame_time)
-        said = [f"{stored.name}: {notice}" for notice in fitted.notices]
-        self.notices += [notice for notice in said if notice not in self.notices]
+        notices = [f"{stored.name}: {notice}" for notice in fitted.notices]
+        self.notices += [notice for notice in notices if notice not in self.notices]
         return fitted.block
 
     def _layer(self, source: _Source, block: FrameBlock, layer: Layer) -> FrameBlock:

@@ -30,10 +30,10 @@ def export_documents(
     """
     name, part = find_target(options.format)
     parts = [item.name for item in WRITERS[name].parts] if name in WRITERS and part is None else [options.format]
-    found, _ = select_documents(database, queries, selection)
+    uuids, _ = select_documents(database, queries, selection)
     # What was begun cannot be made again, as it would have to be where a replica goes away.
     database = database.for_call(database.view)
-    return zip_files(_files(database, [str(item["document"]) for item in found], options, parts))
+    return zip_files(_files(database, [str(item["document"]) for item in uuids], options, parts))
 
 
 def _files(

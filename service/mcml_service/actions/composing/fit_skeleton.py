@@ -53,11 +53,11 @@ def fit(source: Whole, body: ClipHead, mapping: JointMapping | None, frame_time:
     says; its way through the room is scaled by the legs, which reconciles units too. frame_time: seconds.
     Raises DocumentError for markers on a skeleton or that lack some of `body`'s, and where hardly a joint is the same.
     """
-    one, two = source.head.skeleton, body.skeleton
-    kinds = are_markers(one), are_markers(two)
+    own, two = source.head.skeleton, body.skeleton
+    kinds = are_markers(own), are_markers(two)
     if all(kinds):
         return _markers(source, body)
-    if mapping is None and _is_same_body(one, two):
+    if mapping is None and _is_same_body(own, two):
         return Fitted(_renumber_joints(source, two))
     if any(kinds):
         raise DocumentError(
@@ -65,15 +65,15 @@ def fit(source: Whole, body: ClipHead, mapping: JointMapping | None, frame_time:
             remedy="Choose documents of one kind.",
         )
     source, notices = upright(source, up_of(body))
-    one = source.head.skeleton
-    matches = match_joints(one, two, mapping)
-    if mapping is None and 2 * len(matches) <= min(len(one), len(two)):
+    own = source.head.skeleton
+    matches = match_joints(own, two, mapping)
+    if mapping is None and 2 * len(matches) <= min(len(own), len(two)):
         raise DocumentError(
-            f"Only {len(matches)} joints of {len(one)} are known in the skeleton of the result, which has {len(two)}.",
+            f"Only {len(matches)} joints of {len(own)} are known in the skeleton of the result, which has {len(two)}.",
             remedy="Say in `mapping` which joint is which, or take the skeleton of another document.",
         )
     made = retarget(
-        one,
+        own,
         source.block,
         two,
         matches,
@@ -82,7 +82,7 @@ def fit(source: Whole, body: ClipHead, mapping: JointMapping | None, frame_time:
         target_reading=reading_of(body),
         up=source.up,
     )
-    notices += [notice.what for notice in [*made.report.notices(one, two), *made.shortfall.notices(two)]]
+    notices += [notice.what for notice in [*made.report.notices(own, two), *made.shortfall.notices(two)]]
     return Fitted(made.block, tuple(notices))
 
 
@@ -100,7 +100,7 @@ def match_joints(source: Skeleton, target: Skeleton, mapping: JointMapping | Non
     if mapping is None:
         return suggest_matches(source, target)
     suggested = {(match.source, match.target): match for match in suggest_matches(source, target)}
-    found = []
+    matches = []
     for pair in mapping.pairs:
         unknown = [
             (what, name)
@@ -112,8 +112,8 @@ def match_joints(source: Skeleton, target: Skeleton, mapping: JointMapping | Non
             raise DocumentError(f"The {what} has no joint {name!r}.", remedy="Ask with preview for all names.")
         if not unknown:
             key = source.names.index(pair.source), target.names.index(pair.target)
-            found.append(suggested.get(key) or Match(*key, 1.0, "you said so"))
-    return tuple(found)
+            matches.append(suggested.get(key) or Match(*key, 1.0, "you said so"))
+    return tuple(matches)
 
 
 def with_body(head: ClipHead, body: ClipHead) -> ClipHead:

@@ -29,7 +29,7 @@ def mapping_of(tx: Transaction, project: str, wanted: list[JointPair] | str | No
     """A mapping as a request names it: its pairs, or those of a saved one. NotFoundError."""
     if isinstance(wanted, str):
         pairs = tx.mappings.get(project, wanted).pairs
-        return JointMapping(tuple(JointPair(source=one, target=other) for one, other in pairs), exact=False)
+        return JointMapping(tuple(JointPair(source=source, target=other) for source, other in pairs), exact=False)
     return None if wanted is None else JointMapping(tuple(wanted))
 
 
@@ -40,5 +40,5 @@ def mapping_answer(stored: StoredMapping) -> Mapping:
         version=stored.version,
         author=stored.author,
         changed=stored.changed,
-        pairs=[JointPair(source=one, target=other) for one, other in stored.pairs],
+        pairs=[JointPair(source=source, target=other) for source, other in stored.pairs],
     )

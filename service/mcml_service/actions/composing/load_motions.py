@@ -104,12 +104,12 @@ def _retarget_clip(then: Transaction, stored: StoredDocument, seconds: float, bo
     if whole.head.skeleton == body.head.skeleton:
         return read_clip(then, stored).clip
     whole, _ = upright(whole, body.up)
-    one, two = whole.head.skeleton, body.head.skeleton
+    source, two = whole.head.skeleton, body.head.skeleton
     made = retarget(
-        one,
+        source,
         whole.block,
         two,
-        match_joints(one, two, None),
+        match_joints(source, two, None),
         seconds,
         reading=whole.reading,
         target_reading=body.reading,

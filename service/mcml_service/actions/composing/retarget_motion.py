@@ -112,12 +112,12 @@ def _retarget(
     if are_markers(source.head.skeleton) or are_markers(target.head.skeleton):
         raise DocumentError("Markers have no skeleton.", remedy="Choose a document of a body.")
     source, notices = upright(source, target.up)
-    one, two = source.head.skeleton, target.head.skeleton
+    source_skeleton, two = source.head.skeleton, target.head.skeleton
     made = retarget(
-        one,
+        source_skeleton,
         source.block,
         two,
-        match_joints(one, two, mapping),
+        match_joints(source_skeleton, two, mapping),
         seconds,
         reading=source.reading,
         target_reading=target.reading,
@@ -146,7 +146,7 @@ def _retarget(
                 "parameters": _parameters(request, mapping),
             },
         )
-    told = _describe(document, made, one, two, notices)
+    told = _describe(document, made, source_skeleton, two, notices)
     if window is not None:
         told.motion = preview_motion(with_body(source.head, target.head), [made.block], window, seconds)
     return told

@@ -31,7 +31,7 @@ POSE = OVERRIDES + "pose"
 
 def describe_calibration(tx: Transaction, stored: StoredDocument) -> wire.Calibration:
     """What is known of the clip, and where from."""
-    kept = Body.restore(found) if (found := tx.bodies.of([stored]).get(stored.key)) is not None else None
+    kept = Body.restore(stored_body) if (stored_body := tx.bodies.of([stored]).get(stored.key)) is not None else None
     (listed,) = tx.columns.documents([stored.key])
     return _view(kept or read_bodies(tx, [listed])[stored.key], kept=kept is not None)
 

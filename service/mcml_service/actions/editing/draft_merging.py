@@ -115,8 +115,8 @@ class Merge:
             rows = slice(start, stop)
             if not to:
                 if mine[rows].any():
-                    what = address_frame(block.first + start)
-                    self._conflict("frames", what, _list_values(base[rows]), None, _list_values(wanted[rows]))
+                    address = address_frame(block.first + start)
+                    self._conflict("frames", address, _list_values(base[rows]), None, _list_values(wanted[rows]))
                 continue
             theirs = _samples(self.now, to, to + stop - start - 1, block.columns)
             fought = mine[rows] & ~_same(theirs, base[rows]) & ~_same(theirs, wanted[rows])
@@ -200,21 +200,21 @@ def _samples(state: _State, first: int, last: int, columns: Sequence[tuple[str, 
     """(n, D) samples of frames first to last, NaN where there is none, or no such bone."""
     numbers = {name: number for number, name in state.tx.heads.bone_names(state.stored.key).items()}
     wanted = [(numbers.get(bone, -1), CHANNEL_INDEX.get(channel, -1)) for bone, channel in columns]
-    found = np.full((last - first + 1, len(columns)), np.nan)
+    samples = np.full((last - first + 1, len(columns)), np.nan)
     bones = sorted({bone for bone, _ in wanted if bone >= 0})
     at = 0
     for block in state.tx.tracks.blocks(state.stored.key, first, last, bones=bones):
         place = {column: index for index, column in enumerate(block.columns)}
         for index, column in enumerate(wanted):
             if column in place:
-                found[at : at + len(block), index] = block.values[:, place[column]]
+                samples[at : at + len(block), index] = block.values[:, place[column]]
         at += len(block)
-    return found
+    return samples
 
 
 def _same(one: Array, other: Array) -> NDArray[np.bool_]:
-    found: NDArray[np.bool_] = (one == other) | (np.isnan(one) & np.isnan(other))
-    return found
+    equal: NDArray[np.bool_] = (one == other) | (np.isnan(one) & np.isnan(other))
+    return equal
 
 
 def _neighbours(places: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
@@ -226,19 +226,19 @@ def _neighbours(places: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
 
 
 def _list_values(values: Array) -> list[Any]:
-    found: list[Any] = values[:MOST_VALUES].tolist()
-    return found
+    listed: list[Any] = values[:MOST_VALUES].tolist()
+    return listed
 
 
 def _without(labels: Sequence[Label], others: Sequence[Label]) -> list[Label]:
     left = list(others)
-    found = []
+    rest = []
     for label in labels:
         if label in left:
             left.remove(label)
         else:
-            found.append(label)
-    return found
+            rest.append(label)
+    return rest
 
 
 def _like(label: Label, others: Sequence[Label]) -> Label | None:

@@ -39,22 +39,22 @@ def insert_elements(
     renumber: frames that come, and those behind them, count on where ids counted up by one.
     DocumentError where `mcml.dtd` or the rules beyond it do not allow them there.
     """
-    found = _element_in_frames(address)
-    if found and not found.tag and where != "into":
-        check_range(stored, found.frame, found.frame)
-        _splice(tx, stored, found.frame + (where == "after"), 0, elements, renumber)
+    inside = _element_in_frames(address)
+    if inside and not inside.tag and where != "into":
+        check_range(stored, inside.frame, inside.frame)
+        _splice(tx, stored, inside.frame + (where == "after"), 0, elements, renumber)
     elif address == MOTION and where == "into" and all(element.tag == "frame" for element in elements):
         _splice(tx, stored, stored.frames + 1, 0, elements, renumber)
-    elif found:
-        element = frame_at(tx, stored, found.frame)
-        if not found.tag:
+    elif inside:
+        element = frame_at(tx, stored, inside.frame)
+        if not inside.tag:
             place = _end_of(element, elements)
         else:
-            place = _place(element, found.tag, found.number, address) + (where == "after")
+            place = _place(element, inside.tag, inside.number, address) + (where == "after")
             if where == "into":
-                raise DocumentError(f"{found.tag} holds no elements.", at=Place(element=address))
+                raise DocumentError(f"{inside.tag} holds no elements.", at=Place(element=address))
         element.children[place:place] = elements
-        _splice(tx, stored, found.frame, 1, [element], renumber=False)
+        _splice(tx, stored, inside.frame, 1, [element], renumber=False)
     elif address.startswith(MOTION):
         raise DocumentError("Only frames can be put here.", at=Place(element=address), remedy="See mcml.dtd.")
     else:
@@ -62,25 +62,25 @@ def insert_elements(
 
 
 def _element_in_frames(address: str) -> FrameAddress | None:
-    found = read_frame_address(address)
-    return None if found is None or found.attribute is not None else found
+    place = read_frame_address(address)
+    return None if place is None or place.attribute is not None else place
 
 
 def replace_element(tx: Transaction, stored: StoredDocument, address: str, elements: list[Element]) -> None:
     """Put elements in the place of the one at an address. Writes no revision."""
-    found = _element_in_frames(address)
-    if found and not found.tag:
-        check_range(stored, found.frame, found.frame)
-        _splice(tx, stored, found.frame, 1, elements, renumber=False)
-    elif found:
-        element = frame_at(tx, stored, found.frame)
-        place = _place(element, found.tag, found.number, address)
+    inside = _element_in_frames(address)
+    if inside and not inside.tag:
+        check_range(stored, inside.frame, inside.frame)
+        _splice(tx, stored, inside.frame, 1, elements, renumber=False)
+    elif inside:
+        element = frame_at(tx, stored, inside.frame)
+        place = _place(element, inside.tag, inside.number, address)
         change = _change(element.children[place], elements)
         if change is not None:
             apply_change(tx, stored, address, change)
             return
         element.children[place : place + 1] = elements
-        _splice(tx, stored, found.frame, 1, [element], renumber=False)
+        _splice(tx, stored, inside.frame, 1, [element], renumber=False)
     elif address.startswith(MOTION):
         raise DocumentError("This element is not replaced.", at=Place(element=address), remedy="Change its text.")
     else:

@@ -52,9 +52,9 @@ def _rewrite_track(
     tx: Transaction, stored: StoredDocument, slot: int, bone: int, changes: Mapping[int, float | None]
 ) -> None:
     chunk, offset = divmod(slot, CHUNK)
-    found = tx.tracks.chunk(stored.key, chunk, bone)
+    track = tx.tracks.chunk(stored.key, chunk, bone)
     length = tx.tracks.chunk_length(stored.key, chunk)
-    channels, columns = found if found is not None else ([], np.empty((0, length)))
+    channels, columns = track if track is not None else ([], np.empty((0, length)))
     for channel, value in changes.items():
         if channel not in channels:
             channels = [*channels, channel]

@@ -184,15 +184,15 @@ def _write_track(
     place = slice(offset, offset + len(rows))
     changed = False
     for channel, index in wanted.items():
-        said = ~np.isnan(rows[:, index])
-        if not said.any():
+        stated = ~np.isnan(rows[:, index])
+        if not stated.any():
             continue
         here = columns[channels.index(channel), place] if channel in channels else np.full(len(rows), np.nan)
-        if np.isnan(here[said]).any():
+        if np.isnan(here[stated]).any():
             raise DocumentError(
                 "Some of these frames have no such sample.", remedy="Add the attribute to their frame_bone first."
             )
-        new = np.where(said, rows[:, index], here)
+        new = np.where(stated, rows[:, index], here)
         if not np.array_equal(here.view(np.int64), np.ascontiguousarray(new).view(np.int64)):
             columns[channels.index(channel), place] = new
             changed = True
@@ -218,8 +218,8 @@ def _renumber_bones(tx: Transaction, stored: StoredDocument, source: StoredDocum
     used = {bone for shape in block.shapes for bone, _ in shape}
     lacking = [there[bone] for bone in sorted(used) if there[bone] not in here]
     if lacking or (source.skeleton != stored.skeleton and _poses(tx, source) != _poses(tx, stored)):
-        what = f"Bone {lacking[0]!r} is not in this document." if lacking else "The skeletons differ."
-        raise DocumentError(what, remedy="Retarget the motion onto this document's skeleton first.")
+        reason = f"Bone {lacking[0]!r} is not in this document." if lacking else "The skeletons differ."
+        raise DocumentError(reason, remedy="Retarget the motion onto this document's skeleton first.")
     number = {bone: here[there[bone]] for bone in used}
     return replace(
         block,

@@ -158,10 +158,10 @@ def edit_head(
     match = HEAD.fullmatch(address)
     document = tx.heads.document(stored)
     before = joint_names(document)
-    found = dict(addresses(document))
-    if match is None or match["element"] not in found:
+    elements = dict(addresses(document))
+    if match is None or match["element"] not in elements:
         raise missing_at(address)
-    edit(document, found[match["element"]])
+    edit(document, elements[match["element"]])
     shapes = tx.tracks.shapes_in_use(stored.key)
     bones = tx.heads.bone_names(stored.key)
     _check_names(document, before, {escape(bones[bone]) for shape in shapes for bone, _ in shape}, address)

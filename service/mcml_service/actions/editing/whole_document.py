@@ -35,7 +35,7 @@ def change_document(
     frame_time: str | float | None = None,
 ) -> StoredDocument:
     """Apply what is given (None leaves a fact as it is) as one revision; answers the document as it then is."""
-    what = set_facts(
+    changed = set_facts(
         tx,
         stored,
         name=name,
@@ -46,9 +46,9 @@ def change_document(
         up=up,
         frame_time=frame_time,
     )
-    if not what:
+    if not changed:
         return stored
-    tx.documents.add_revision(stored, "change", message or f"changed {', '.join(what)}")
+    tx.documents.add_revision(stored, "change", message or f"changed {', '.join(changed)}")
     return tx.documents.get(stored.uuid)
 
 
@@ -179,8 +179,8 @@ def add_labels(
 
 def remove_labels(tx: Transaction, stored: StoredDocument, key: int) -> None:
     """Remove one span by its number; NotFoundError."""
-    found = [span for span in tx.spans.of(stored.key) if span.key == key]
-    if not found:
+    spans = [span for span in tx.spans.of(stored.key) if span.key == key]
+    if not spans:
         raise NotFoundError(f"The document has no label {key}.", remedy="List its labels; numbers change with edits.")
     tx.spans.close([key])
-    tx.documents.add_revision(stored, "unlabel", found[0].name)
+    tx.documents.add_revision(stored, "unlabel", spans[0].name)

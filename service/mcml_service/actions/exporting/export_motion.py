@@ -176,13 +176,13 @@ def _columns(tx: Transaction, source: StoredClip) -> list[tuple[int, int]]:
     """(joint, channel) of every channel that a frame has: those of the skeleton, then those that edits added."""
     bones = tx.heads.bone_names(source.stored.key)
     joints = {name: joint for joint, name in enumerate(source.names)}
-    found = dict.fromkeys(source.clip.head.skeleton.columns())
+    columns = dict.fromkeys(source.clip.head.skeleton.columns())
     for shape in tx.tracks.shapes_in_use(source.stored.key):
         for bone, bits in shape:
-            found.update(
+            columns.update(
                 {(joints[bones[bone]], channel): None for channel in range(len(CHANNELS)) if bits >> channel & 1}
             )
-    return list(found)
+    return list(columns)
 
 
 def _csv(source: StoredClip, columns: list[tuple[int, int]], shown: Callable[[str], str]) -> Iterator[bytes]:

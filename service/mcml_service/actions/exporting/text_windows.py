@@ -93,9 +93,9 @@ def find_text(
         counts = children_of_frames(tx, stored, first, last) if layout is Layout.PRETTY else None
         size = last - first + 1 if counts is None else int(counts.sum()) + 2 * len(counts)
         if at + size > line:
-            found = _in_frames(tx, stored, first, last, layout, wanted, at, line)
-            if found is not None:
-                return found, None
+            places = _in_frames(tx, stored, first, last, layout, wanted, at, line)
+            if places is not None:
+                return places, None
             if time.monotonic() > until and last < stored.frames:
                 return None, at + size
         at += size

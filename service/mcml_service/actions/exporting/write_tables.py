@@ -86,7 +86,9 @@ def write_csv(batches: Batches, about: About) -> Iterator[bytes]:
             writer.writerow(map(shown, batch))
             head = False
         columns = [
-            [shown(one) for one in column] if isinstance(next(iter(column), None), str) else np.asarray(column).tolist()
+            [shown(item) for item in column]
+            if isinstance(next(iter(column), None), str)
+            else np.asarray(column).tolist()
             for column in batch.values()
         ]
         writer.writerows(["" if value != value else value for value in row] for row in zip(*columns, strict=True))
@@ -111,7 +113,10 @@ def write_columns(form: str, batches: Batches, about: About) -> Iterator[bytes]:
     empty: dict[str, Any] = {} if types is None else {name: [] for name in types}
     first = pa.RecordBatch.from_pydict(dict(next(batches, empty)), schema)
     if units:
-        fields = [one.with_metadata({"unit": units[one.name]}) if one.name in units else one for one in first.schema]
+        fields = [
+            column.with_metadata({"unit": units[column.name]}) if column.name in units else column
+            for column in first.schema
+        ]
         first = pa.RecordBatch.from_arrays(first.columns, schema=pa.schema(fields))
     sink = pa.PythonFile(tail, "w")
     if form == "arrow":

@@ -120,10 +120,10 @@ def _is_intact(head: ClipHead, options: ImportOptions) -> bool:
 def _make_names_canonical(encoder: ClipEncoder, stream: ClipStream, options: ImportOptions) -> None:
     """Motion names that the document itself has are stored as labels are: canonically, and none impossible."""
     for row in encoder.spans.rows:
-        said = row["name"]
-        row["name"] = motion_names.canonical(said, strict=options.strict_names)
-        if row["name"] != said:
-            notice = Notice("note", f"motion name {said!r} is stored as {row['name']!r}")
+        source_name = row["name"]
+        row["name"] = motion_names.canonical(source_name, strict=options.strict_names)
+        if row["name"] != source_name:
+            notice = Notice("note", f"motion name {source_name!r} is stored as {row['name']!r}")
             if notice not in stream.notices:
                 stream.notices.append(notice)
 

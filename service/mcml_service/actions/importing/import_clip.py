@@ -194,26 +194,26 @@ class Importer:
 
     def store(self, tx: Transaction) -> Imported:
         """Write what is not written yet and make the document visible. Changes nothing here: it may be repeated."""
-        found = self._found
+        encoded = self._found
         key = self._flush(tx)
-        tx.tracks.write_shapes(key, found.shapes)
-        tx.tracks.write_shape_runs(key, found.shape_rows, 0)
-        tx.tracks.write_frame_runs(key, found.frame_runs, 0)
-        tx.tracks.write_timeline(key, [Piece(1, 0, found.frames)] if found.frames else [], 0)
-        tx.spans.write(key, found.spans, 0)
-        tx.heads.write_header(key, found.header, 0)
-        tx.heads.write_bones(key, found.bones, 0)
+        tx.tracks.write_shapes(key, encoded.shapes)
+        tx.tracks.write_shape_runs(key, encoded.shape_rows, 0)
+        tx.tracks.write_frame_runs(key, encoded.frame_runs, 0)
+        tx.tracks.write_timeline(key, [Piece(1, 0, encoded.frames)] if encoded.frames else [], 0)
+        tx.spans.write(key, encoded.spans, 0)
+        tx.heads.write_header(key, encoded.header, 0)
+        tx.heads.write_bones(key, encoded.bones, 0)
         tx.documents.write_content(
             key,
             0,
-            skeleton=tx.heads.add_skeleton(self.project, found.skeleton, len(found.bones)),
-            version=found.version,
-            frames=found.frames,
-            frame_time=found.frame_time,
-            intact=found.intact,
+            skeleton=tx.heads.add_skeleton(self.project, encoded.skeleton, len(encoded.bones)),
+            version=encoded.version,
+            frames=encoded.frames,
+            frame_time=encoded.frame_time,
+            intact=encoded.intact,
         )
-        if found.thumbnail is not None:
-            tx.thumbnails.add(key, 1, found.thumbnail.data, found.thumbnail.facts)
+        if encoded.thumbnail is not None:
+            tx.thumbnails.add(key, 1, encoded.thumbnail.data, encoded.thumbnail.facts)
         if self.skips_twins:
             # Whoever stores an equal clip at this moment is waited for.
             tx.order()
@@ -221,9 +221,11 @@ class Importer:
         twins = tx.uploads.twins(self.digests, self.project) if all(kept) else []
         if twins and self.skips_twins:
             raise _StoredMeanwhile(twins[0])
-        facts = found.facts | {"twins": twins}
-        said = orjson.dumps(facts).decode()
-        tx.documents.publish(key, self.name, self.project, next_slot=found.frames, receipt=said, message=self.clip.name)
+        facts = encoded.facts | {"twins": twins}
+        receipt = orjson.dumps(facts).decode()
+        tx.documents.publish(
+            key, self.name, self.project, next_slot=encoded.frames, receipt=receipt, message=self.clip.name
+        )
         return Imported(self.uuid, self.name, facts)
 
     def _prepare(self, upload: Upload) -> None:

@@ -47,15 +47,15 @@ def import_files(
         options = replace(options, aliases=tx.aliases.of(options.project).pairs)
     lookup = _skeleton_lookup(database, options.skeleton) if options.skeleton else None
     result = ImportResult()
-    with gathered(files, settings.file_limits, lookup) as found, ThreadPoolExecutor(WORKERS) as executor:
-        result.problems += found.problems
-        chosen = options if len(found.clips) == 1 else replace(options, name=None)
+    with gathered(files, settings.file_limits, lookup) as gathering, ThreadPoolExecutor(WORKERS) as executor:
+        result.problems += gathering.problems
+        chosen = options if len(gathering.clips) == 1 else replace(options, name=None)
         batch = Batch(database, author, result)
-        with reading_ahead(_short_clips(database, found.clips, chosen), chosen, settings, pool) as workers:
+        with reading_ahead(_short_clips(database, gathering.clips, chosen), chosen, settings, pool) as workers:
             try:
-                for number, clip in enumerate(found.clips):
+                for number, clip in enumerate(gathering.clips):
                     if workers.is_behind(number):
-                        batch.store_early(len(found.clips) - number)
+                        batch.store_early(len(gathering.clips) - number)
                     apart = workers.take(number)
                     batch.take(Importer(database, clip, chosen, settings, author, executor, progress, apart))
             finally:

@@ -213,4 +213,4 @@ def _begin() -> None:
 
 def _read_all(sent: list[SentClip], settings: Settings) -> list[ReadApart | None]:
     """In a worker: what it makes of clips."""
-    return [read_apart(one, settings) for one in sent]
+    return [read_apart(file, settings) for file in sent]

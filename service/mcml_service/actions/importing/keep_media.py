@@ -41,8 +41,8 @@ def media_type_of(beginning: bytes) -> str:
 
 def _some(stream: BinaryIO) -> list[bytes]:
     """The next blocks of a file, none at its end."""
-    found = (stream.read(BLOCK_BYTES) for _ in range(BLOCKS_AT_A_TIME))
-    return [block for block in found if block]
+    blocks = (stream.read(BLOCK_BYTES) for _ in range(BLOCKS_AT_A_TIME))
+    return [block for block in blocks if block]
 
 
 def keep_media(database: Database, uuid: str, file: SourceFile, offset: float, author: str) -> StoredMedia:
@@ -73,6 +73,6 @@ def keep_media(database: Database, uuid: str, file: SourceFile, offset: float, a
         if made is not None:
             tx.uploads.complete(made)
         tx.media.put(stored.key, key, file_name(file.name), kind, offset)
-        found = tx.media.of(stored.key)
-    assert found is not None
-    return found
+        media = tx.media.of(stored.key)
+    assert media is not None
+    return media

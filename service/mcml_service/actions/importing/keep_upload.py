@@ -102,9 +102,9 @@ class Upload:
     def attach(self, tx: Transaction, document_key: int) -> bool:
         """Make it a file of the document, whole; answers whether its bytes were stored already."""
         # An equal file may have been stored since this one was read, by another import or earlier in this transaction.
-        found = tx.uploads.find(self.sha256, self.size) if self.key is None else None
-        if found is not None:
-            tx.uploads.attach(document_key, self.part, self.file_name, found)
+        upload = tx.uploads.find(self.sha256, self.size) if self.key is None else None
+        if upload is not None:
+            tx.uploads.attach(document_key, self.part, self.file_name, upload)
             return True
         if self.blocks is None:
             raise NotFoundError(

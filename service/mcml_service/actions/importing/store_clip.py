@@ -110,7 +110,7 @@ def clip_file(made: MadeClip, format_name: str) -> tuple[str, str, bytes]:
         return f"{name}.mcml", "application/xml", b"".join(_mcml(stream, from_head(stream.head)))
     known = WRITERS.get(format_name)
     if known is None or len(known.parts) != 1:
-        singles = ", ".join(["mcml", *(item for item, found in WRITERS.items() if len(found.parts) == 1)])
+        singles = ", ".join(["mcml", *(item for item, writer in WRITERS.items() if len(writer.parts) == 1)])
         raise UnsupportedError(f"{format_name!r} is not a format of one file.", remedy=f"Use one of: {singles}.")
     clip = convert_clip(as_stream(made), format_name)
     part = known.parts[0]

@@ -45,8 +45,8 @@ def compare_all(tx: Transaction, settings: Settings) -> Iterator[Compared]:
             yield _compare(tx, key, uuid, label, settings)
         # Whatever damaged rows lead to: the store has an answer for it, not a trace.
         except Exception as error:
-            what = str(error) if isinstance(error, McmlError) else "its rows cannot be read"
-            yield Compared(key, label, faults=(what,))
+            reason = str(error) if isinstance(error, McmlError) else "its rows cannot be read"
+            yield Compared(key, label, faults=(reason,))
 
 
 def _compare(tx: Transaction, key: int, uuid: str, label: str, settings: Settings) -> Compared:
@@ -87,11 +87,14 @@ def _differences(
     for chunk, (first_side, other_side) in enumerate(zip_longest(_chunks(given), _chunks(wanted))):
         both = [side for side in (first_side, other_side) if side is not None]
         columns = tuple(dict.fromkeys(column for side in both for column in side.columns))
-        one, other = _spread(first_side, columns), _spread(other_side, columns)
-        if len(one) != len(other):
+        first_values, other = _spread(first_side, columns), _spread(other_side, columns)
+        if len(first_values) != len(other):
             faults["it has another number of frames than its file"] = None
             break
-        different = ~((one == other) & (np.signbit(one) == np.signbit(other)) | np.isnan(one) & np.isnan(other))
+        different = ~(
+            (first_values == other) & (np.signbit(first_values) == np.signbit(other))
+            | np.isnan(first_values) & np.isnan(other)
+        )
         for index in np.flatnonzero(different.any(axis=0)).tolist():
             rows = np.flatnonzero(different[:, index])
             first, last = chunk * CHUNK + int(rows[0]) + 1, chunk * CHUNK + int(rows[-1]) + 1

@@ -77,7 +77,7 @@ def differing(tx: Transaction, stored: StoredDocument) -> Iterator[Differing]:
         again = f"import the kept file again: mcml export {stored.uuid} --format {stored.format}, then mcml import"
     changed = renames(tx, stored)[1]
     if changed:
-        told = [f"{one.before} -> {one.after}" for one in changed]
+        told = [f"{rename.before} -> {rename.after}" for rename in changed]
         yield describe(f"names would be {_few(told)}", f"mcml names apply {stored.uuid}")
     step = max(1, -(-stored.frames // MOST_FRAMES))
     clip = read_clip(tx, stored, step=step, bare=True).clip
@@ -94,7 +94,7 @@ def differing(tx: Transaction, stored: StoredDocument) -> Iterator[Differing]:
     sample = _sample(clip)
     readings = differing_translations(skeleton, sample)
     if readings:
-        told = [f"{skeleton.joints[one.joint].source_name} {one.mode}" for one in readings]
+        told = [f"{skeleton.joints[rename.joint].source_name} {rename.mode}" for rename in readings]
         yield describe(f"positions would be read as {_few(told)}", again)
     up = changed_up(clip.head, _positions(clip, sample))
     if up is not None:
@@ -114,13 +114,13 @@ def _quantities(tx: Transaction, stored: StoredDocument) -> tuple[str, ...]:
 def _sample(clip: ClipStream) -> Array:
     """(frames, columns of the skeleton); NaN where a sample is missing."""
     columns = {column: place for place, column in enumerate(clip.head.skeleton.columns())}
-    found = []
+    sample = []
     for block in clip.blocks():
         values = np.full((len(block), len(columns)), np.nan)
         known = [index for index, column in enumerate(block.columns) if column in columns]
         values[:, [columns[block.columns[index]] for index in known]] = block.values[:, known]
-        found.append(values)
-    return np.concatenate(found) if found else np.empty((0, len(columns)))
+        sample.append(values)
+    return np.concatenate(sample) if sample else np.empty((0, len(columns)))
 
 
 def _positions(clip: ClipStream, sample: Array) -> Array:

@@ -29,9 +29,9 @@ def prune_history(database: Database, days: float, *, do: bool, author: str = "l
     with database.read() as tx:
         cut = tx.pruning.commit_before(limit.isoformat(timespec="milliseconds").replace("+00:00", "Z"))
         old = tx.pruning.older(cut)
-    for one in old if do else ():
-        database.reserve.spend(lambda one=one: _forget(database, one, author))  # type: ignore[misc]
-    return Prunable(len(old), sum(one.revisions for one in old), sum(one.bytes for one in old))
+    for revision in old if do else ():
+        database.reserve.spend(lambda revision=revision: _forget(database, revision, author))  # type: ignore[misc]
+    return Prunable(len(old), sum(revision.revisions for revision in old), sum(revision.bytes for revision in old))
 
 
 def forget_activity(database: Database, days: int) -> int:

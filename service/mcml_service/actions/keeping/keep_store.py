@@ -43,11 +43,11 @@ def upgrade(database: Database) -> Path | None:
 
     SpaceError where there is no room for the copy: then nothing is upgraded.
     """
-    found, wanted = database.schema_versions()
+    version, wanted = database.schema_versions()
     path = database.dialect.file
     kept = None
-    if path is not None and found is not None and wanted is not None and found < wanted:
-        kept = path.with_name(f"{path.name}.schema-{found}.{datetime.now(UTC):%Y%m%dT%H%M%SZ}.backup")
+    if path is not None and version is not None and wanted is not None and version < wanted:
+        kept = path.with_name(f"{path.name}.schema-{version}.{datetime.now(UTC):%Y%m%dT%H%M%SZ}.backup")
         _copy_file(path, kept)
     database.migrate(_mend)
     return kept
@@ -99,12 +99,12 @@ def restore(database: Database, source: Path) -> int:
 
 def _require_schema(copy: Database, source: Path) -> None:
     """StoreError unless a backup has this program's schema."""
-    found, wanted = copy.schema_versions()
-    if found is None:
+    version, wanted = copy.schema_versions()
+    if version is None:
         raise StoreError(f"{source} is no backup of a store.", remedy="Name a file that `mcml db backup` wrote.")
-    if found < (wanted or ""):
+    if version < (wanted or ""):
         raise StoreError(
-            f"The backup's schema is {found}, this program needs {wanted}.",
+            f"The backup's schema is {version}, this program needs {wanted}.",
             remedy=f"Upgrade a copy of it first: mcml db upgrade --database sqlite:///{source}",
         )
     copy.require_schema()

@@ -96,9 +96,9 @@ def import_project(
                             remedy="Export the project again.",
                         )
                 keys = list(writer.keys.get("document", {}).values())
-                found = document_faults(tx, keys)
-                if found:
-                    raise FormatError(f"What the file holds does not fit together: {found[0]}")
+                faults = document_faults(tx, keys)
+                if faults:
+                    raise FormatError(f"What the file holds does not fit together: {faults[0]}")
                 tx.activity.note("project", "import", project_key=writer.project_key, subject=wanted)
                 return wanted, len(keys)
     except _BROKEN as error:
@@ -149,9 +149,9 @@ class _Reading:
 
     def _keep_upload(self, tx: Transaction, name: str, sha256: str) -> int:
         size = self._names[name].file_size
-        found = tx.uploads.find(sha256, size)
-        if found is not None:
-            return found
+        upload = tx.uploads.find(sha256, size)
+        if upload is not None:
+            return upload
         key, digest, taken = tx.uploads.begin(sha256, size), hashlib.sha256(), 0
         for number, block in enumerate(self._blocks(name)):
             digest.update(block)

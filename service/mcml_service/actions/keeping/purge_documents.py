@@ -38,7 +38,7 @@ def purgeable(database: Database, uuids: Sequence[str], deleted_days: float | No
         if deleted_days is not None:
             limit = datetime.now(UTC) - timedelta(days=deleted_days)
             wanted += tx.purging.find_deleted_before(limit.isoformat(timespec="milliseconds").replace("+00:00", "Z"))
-        found = []
+        documents = []
         for uuid in dict.fromkeys(wanted):
             stored = tx.documents.find(uuid, deleted=True)
             if stored is None:
@@ -48,8 +48,8 @@ def purgeable(database: Database, uuids: Sequence[str], deleted_days: float | No
             held = tx.purging.measure(stored.key)
             clips, results, own = tx.purging.find_made_from(uuid)
             facts = (held.revisions, held.bytes, held.deleted, tuple(clips), tuple(results), len(own))
-            found.append(Purgeable(uuid, stored.name, stored.project, *facts))
-        return found
+            documents.append(Purgeable(uuid, stored.name, stored.project, *facts))
+        return documents
 
 
 def purge_documents(

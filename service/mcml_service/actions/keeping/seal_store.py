@@ -20,10 +20,10 @@ def seal_store(tx: Transaction) -> None:
     marked, so that nobody reads it as if it were sound.
     """
     seal_rows(tx)
-    for found in compare_all(tx, Settings()):
-        for fault in found.faults:
-            log.warning("%s: %s", found.name, fault)
-        for chunk, bone in found.chunks:
-            spoil(tx, track, document=found.key, chunk=chunk, bone=bone, from_commit=0)
-        if found.faults and not found.chunks:
-            spoil(tx, content, document=found.key)
+    for difference in compare_all(tx, Settings()):
+        for fault in difference.faults:
+            log.warning("%s: %s", difference.name, fault)
+        for chunk, bone in difference.chunks:
+            spoil(tx, track, document=difference.key, chunk=chunk, bone=bone, from_commit=0)
+        if difference.faults and not difference.chunks:
+            spoil(tx, content, document=difference.key)

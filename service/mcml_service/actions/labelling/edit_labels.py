@@ -35,11 +35,11 @@ def change_label(
     strict: bool = False,
 ) -> list[StoredSpan]:
     """Give a label another name or other frames, or split it before the frame `split`. Answers what it has become."""
-    found = next((span for span in tx.spans.of(stored.key) if span.key == key), None)
-    if found is None:
+    current = next((span for span in tx.spans.of(stored.key) if span.key == key), None)
+    if current is None:
         raise NotFoundError(f"The document has no label {key}.", remedy="List its labels; numbers change with edits.")
-    wanted = found.name if name is None else motion_names.canonical(name, strict=strict)
-    start, end = found.first if first is None else first, found.last if last is None else last
+    wanted = current.name if name is None else motion_names.canonical(name, strict=strict)
+    start, end = current.first if first is None else first, current.last if last is None else last
     check_range(stored, start, end)
     ranges = [(start, end)]
     if split is not None:
@@ -49,11 +49,13 @@ def change_label(
                 remedy=f"Split it before a frame from {start + 1} to {end}.",
             )
         ranges = [(start, split - 1), (split, end)]
-    tx.spans.close([found.key])
-    rows = [{"name": wanted, "rank": found.rank, "first": a, "last": b} for a, b in ranges]
+    tx.spans.close([current.key])
+    rows = [{"name": wanted, "rank": current.rank, "first": a, "last": b} for a, b in ranges]
     tx.spans.write(stored.key, rows, tx.commit)
-    tx.documents.add_revision(stored, "label", f"{found.name} {found.first}-{found.last}: {_describe(wanted, ranges)}")
-    return [span for span in tx.spans.of(stored.key) if (span.name, span.rank) == (wanted, found.rank)
+    tx.documents.add_revision(
+        stored, "label", f"{current.name} {current.first}-{current.last}: {_describe(wanted, ranges)}"
+    )
+    return [span for span in tx.spans.of(stored.key) if (span.name, span.rank) == (wanted, current.rank)
             and (span.first, span.last) in ranges]  # fmt: skip
 
 
@@ -100,13 +102,13 @@ def label_by_query(
             break
     changed = []
     with database.write(author) as tx:
-        for uuid, found in runs.items():
+        for uuid, frame_ranges in runs.items():
             stored = tx.documents.get(uuid)
             tx.documents.lock(stored.key)
             stored = tx.documents.get(uuid)
-            if any(revision != stored.revision for _, _, revision in found):
+            if any(revision != stored.revision for _, _, revision in frame_ranges):
                 raise DocumentError(f"{stored.name} was edited meanwhile.", remedy="Repeat the request.")
-            ranges = [(first, last) for first, last, _ in found]
+            ranges = [(first, last) for first, last, _ in frame_ranges]
             touched = other not in (None, wanted) and _take_off(tx, stored, other, ranges)
             touched |= (_take_off if remove else _put_on)(tx, stored, wanted, ranges)
             if touched:
@@ -209,13 +211,13 @@ def write_label_table(
 
 def _document(tx: Transaction, text: str, key: str, line: int, project: str | None) -> StoredDocument:
     if key == "document":
-        found = tx.documents.find(text)
-        matches = [found] if found else []
+        document = tx.documents.find(text)
+        matches = [document] if document else []
     else:
         matches = tx.documents.page(DocumentFilter(project=project, name=text), after=None, limit=2)
     if len(matches) != 1:
-        what = f"More than one document is named {text!r}." if matches else f"There is no document {text!r}."
-        raise DocumentError(what, at=Place(line=line), remedy="Use ids in a column `document`.")
+        reason = f"More than one document is named {text!r}." if matches else f"There is no document {text!r}."
+        raise DocumentError(reason, at=Place(line=line), remedy="Use ids in a column `document`.")
     return matches[0]
 
 

@@ -102,11 +102,11 @@ def set_properties(tx: Transaction, content: bytes, project: str | None = None) 
 
 
 def _find_named(tx: Transaction, row: Row, project: str | None) -> StoredDocument | None:
-    found = tx.documents.page(DocumentFilter(project=project, name=row.document), after=None, limit=2)
-    if len(found) > 1:
+    documents = tx.documents.page(DocumentFilter(project=project, name=row.document), after=None, limit=2)
+    if len(documents) > 1:
         raise DocumentError(
             f"More than one document is named {row.document!r}.",
             at=Place(line=row.line),
             remedy="Say which project, or use ids in a column `document`.",
         )
-    return found[0] if found else None
+    return documents[0] if documents else None

@@ -32,7 +32,7 @@ def suggest_labels(
     reader = HubReader(skeleton, whole.reading)
     hub = reader.read(whole.block)
     try:
-        found = suggest_movements(
+        movements = suggest_movements(
             skeleton, reader.rest, hub.translations, hub.rotations, seconds, whole.up, facing=facing
         )
     except ConversionError as error:
@@ -40,14 +40,14 @@ def suggest_labels(
         raise
     return [
         SuggestedLabel(
-            name=str(MotionName(one.side, one.part, one.movement)),
-            first=one.first + 1,
-            last=one.last + 1,
-            degrees=one.degrees,
-            confidence=one.confidence,
+            name=str(MotionName(movement.side, movement.part, movement.movement)),
+            first=movement.first + 1,
+            last=movement.last + 1,
+            degrees=movement.degrees,
+            confidence=movement.confidence,
         )
-        for one in found
-        if one.confidence >= confidence
+        for movement in movements
+        if movement.confidence >= confidence
     ]
 
 
@@ -55,10 +55,10 @@ def accept_labels(database: Database, uuid: str, confidence: float, author: str)
     """Name frames as suggested, as one revision; answers how many labels were added. Raises as `suggest_labels`."""
     with database.read() as tx:
         stored = tx.documents.get(uuid)
-        found = suggest_labels(tx, stored, confidence)
+        suggestions = suggest_labels(tx, stored, confidence)
     with database.write(author) as tx:
         tx.documents.lock(stored.key)
         current = tx.documents.get(uuid)
         if current.revision != stored.revision:
             raise ConflictError(f"{stored.name} was edited meanwhile.", remedy="Repeat the request.")
-        return len(add_labels(tx, current, [(item.name, item.first, item.last) for item in found], strict=True))
+        return len(add_labels(tx, current, [(item.name, item.first, item.last) for item in suggestions], strict=True))

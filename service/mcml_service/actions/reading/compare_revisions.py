@@ -62,14 +62,14 @@ def compare_revisions(
 
 def join_runs(runs: list[Run]) -> list[Run]:
     """Runs with those joined that follow each other in both revisions."""
-    found: list[Run] = []
+    runs_joined: list[Run] = []
     for run in runs:
-        last = found[-1] if found else None
+        last = runs_joined[-1] if runs_joined else None
         if last and (last.before + last.count, last.after + last.count) == (run.before, run.after):
-            found[-1] = Run(last.before, last.after, last.count + run.count)
+            runs_joined[-1] = Run(last.before, last.after, last.count + run.count)
         else:
-            found.append(run)
-    return found
+            runs_joined.append(run)
+    return runs_joined
 
 
 def _label(item: tuple[str, int, int]) -> LabelDifference:
@@ -77,16 +77,16 @@ def _label(item: tuple[str, int, int]) -> LabelDifference:
 
 
 def _head(before: Element, after: Element) -> list[ElementDifference]:
-    one, other = (
+    old_elements, other = (
         {address: (dict(element.attributes), element.text) for address, element in addresses(document)}
         for document in (before, after)
     )
-    found: list[ElementDifference] = []
-    for address in [*one, *(address for address in other if address not in one)]:
-        old, new = one.get(address), other.get(address)
-        if old != new and len(found) < MOST_HEAD:
-            found.append(ElementDifference(address=address, before=_words(old), after=_words(new)))
-    return found
+    differences: list[ElementDifference] = []
+    for address in [*old_elements, *(address for address in other if address not in old_elements)]:
+        old, new = old_elements.get(address), other.get(address)
+        if old != new and len(differences) < MOST_HEAD:
+            differences.append(ElementDifference(address=address, before=_words(old), after=_words(new)))
+    return differences
 
 
 def _words(element: tuple[dict[str, str], str] | None) -> str | None:
@@ -99,10 +99,10 @@ def _words(element: tuple[dict[str, str], str] | None) -> str | None:
 def _bones(
     before: Transaction, one: StoredDocument, after: Transaction, other: StoredDocument, runs: list[Run]
 ) -> list[BoneDifference]:
-    found: dict[str, BoneDifference] = {}
+    by_bone: dict[str, BoneDifference] = {}
     for run in runs:
         for name, position, channels, angles in _compare_frame_bones(before, one, after, other, run):
-            bone = found.setdefault(
+            bone = by_bone.setdefault(
                 name, BoneDifference(bone=name, first=position, last=position, frames=0, channels={}, angle=None)
             )
             bone.first, bone.last = min(bone.first, position), max(bone.last, position)
@@ -111,7 +111,7 @@ def _bones(
                 bone.channels[channel] = max(bone.channels.get(channel, 0.0), size)
             if angles is not None:
                 bone.angle = max(bone.angle or 0.0, angles)
-    return sorted(found.values(), key=lambda bone: (bone.first, bone.bone))
+    return sorted(by_bone.values(), key=lambda bone: (bone.first, bone.bone))
 
 
 def _compare_frame_bones(

@@ -20,7 +20,7 @@ def cards(tx: Transaction, documents: Sequence[StoredDocument], pictures: Pictur
     spans = tx.spans.of_many(keys) if "labels" in also else {}
     stated = tx.heads.read_texts(keys, (UNIT, UP)) if "passport" in also else {}
     joints = tx.heads.joints([stored.skeleton for stored in documents]) if "passport" in also else {}
-    found = []
+    described = []
     for stored in documents:
         card = Card(**vars(summary(stored)))
         picture = pictures.get(stored.key)
@@ -31,8 +31,8 @@ def cards(tx: Transaction, documents: Sequence[StoredDocument], pictures: Pictur
         if "passport" in also:
             facts = {} if picture is None else picture.facts
             card.passport = passport(stored, stated.get(stored.key, {}), joints[stored.skeleton], facts)
-        found.append(card)
-    return found
+        described.append(card)
+    return described
 
 
 def passport(stored: StoredDocument, header: dict[str, str], joints: int, facts: dict[str, object]) -> Passport:

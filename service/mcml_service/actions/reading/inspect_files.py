@@ -23,9 +23,9 @@ def inspect_files(
     window: frames of which positions are told.
     """
     clips: list[dict[str, Any]] = []
-    with gathered(files, settings.file_limits) as found:
-        problems = list(found.problems)
-        for clip in found.clips:
+    with gathered(files, settings.file_limits) as gathering:
+        problems = list(gathering.problems)
+        for clip in gathering.clips:
             try:
                 with offering(clip):
                     opened = open_clip(clip, options, settings.file_limits)

@@ -57,10 +57,10 @@ def _below(element: Element, address: str) -> list[Child]:
 
 def _leaves(stored: StoredDocument) -> list[Child]:
     """What stands in a motion before its frames."""
-    found = [Child(f"{MOTION}/{FRAMES}", FRAMES, text=str(stored.frames))]
+    leaves = [Child(f"{MOTION}/{FRAMES}", FRAMES, text=str(stored.frames))]
     if stored.frame_time is not None:
-        found.append(Child(f"{MOTION}/{FRAMETIME}", FRAMETIME, text=stored.frame_time))
-    return found
+        leaves.append(Child(f"{MOTION}/{FRAMETIME}", FRAMETIME, text=stored.frame_time))
+    return leaves
 
 
 def _frames(tx: Transaction, stored: StoredDocument, first: int, last: int) -> list[Child]:

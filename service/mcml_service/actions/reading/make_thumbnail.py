@@ -106,9 +106,9 @@ def most_poses(head: ClipHead) -> int:
 
 def poses_of(head: ClipHead) -> Poses:
     """What gathers the poses of a whole clip while it is imported."""
-    found = Poses(head, max(1, int(_rate(head) / DENSE)))
-    found.full = len(head.skeleton) > MOST_AT_IMPORT
-    return found
+    poses = Poses(head, max(1, int(_rate(head) / DENSE)))
+    poses.full = len(head.skeleton) > MOST_AT_IMPORT
+    return poses
 
 
 def thumbnail_of(poses: Poses, head: ClipHead) -> Thumbnail | None:
@@ -189,11 +189,11 @@ class _Drawing:
             return None
         start, end = self.window
         times = loop_times(self.figure, start, end)
-        found = poses_at(self.positions, self.spacing, times) if loop is None else loop
+        poses = poses_at(self.positions, self.spacing, times) if loop is None else loop
         scrub = poses_at(self.positions, self.spacing, scrub_times(self.figure, len(self.positions), self.whole))
         middle = poses_at(self.joints, self.spacing, times[len(times) // 2 : len(times) // 2 + 1])[0]
         view = view_of(self.skeleton, self.figure, middle, axis_of(self.facts["up"]))
-        return Thumbnail(draw(self.figure, found, scrub, end - start, view), self.facts)
+        return Thumbnail(draw(self.figure, poses, scrub, end - start, view), self.facts)
 
 
 def _facts(head: ClipHead, joints: Array) -> dict[str, Any]:

@@ -64,18 +64,18 @@ def preview_motion(
         parts.append(points[skipped if skipped >= 0 else skipped % window.step :: window.step])
         at += len(some)
     tips = [joint for joint, _ in rest_of(skeleton, reading_of(head)).tips]
-    found = np.concatenate([*parts, np.empty((0, len(skeleton) + len(tips), 3))])
-    if not len(found) and at:
+    every_position = np.concatenate([*parts, np.empty((0, len(skeleton) + len(tips), 3))])
+    if not len(every_position) and at:
         raise NotFoundError(f"The motion has {at} frames.", remedy="Ask for frames within it.")
     return PreviewMotion(
         first=window.first,
-        shape=list(found.shape),
+        shape=list(every_position.shape),
         bones=list(skeleton.names),
         parents=[*(joint.parent for joint in skeleton.joints), *tips],
         origin=origin.tolist(),
         seconds_per_frame=seconds,
         up=head.fields.get("global_axis_of_gravity", "").strip().upper() or likely_up(skeleton, pose).axis,
-        data=base64.b64encode(found.astype("<f4").tobytes()).decode(),
+        data=base64.b64encode(every_position.astype("<f4").tobytes()).decode(),
     )
 
 

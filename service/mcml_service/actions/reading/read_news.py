@@ -45,8 +45,8 @@ class News:
         if self.missed or newest == self.commit:
             self.commit = newest
             return []
-        found = tx.revisions.since(self.commit, AT_A_TIME)
-        self.commit = max((number for number, _ in found), default=newest) if len(found) >= AT_A_TIME else newest
+        news = tx.revisions.since(self.commit, AT_A_TIME)
+        self.commit = max((number for number, _ in news), default=newest) if len(news) >= AT_A_TIME else newest
         return [
             DocumentEvent(
                 document=uuid,
@@ -57,7 +57,7 @@ class News:
                 author=item.author,
                 time=item.time,
             )
-            for _, (uuid, item) in found
+            for _, (uuid, item) in news
         ]
 
     def comments(self, tx: Transaction) -> list[ActivityEvent]:
@@ -65,15 +65,15 @@ class News:
         newest = tx.activity.newest()
         if newest <= self.event:
             return []
-        found = tx.activity.after(self.event, AT_A_TIME, kind="comment")
-        self.event = found[-1].number if len(found) == AT_A_TIME else newest
-        return [tell_event(event) for event in found]
+        news = tx.activity.after(self.event, AT_A_TIME, kind="comment")
+        self.event = news[-1].number if len(news) == AT_A_TIME else newest
+        return [tell_event(event) for event in news]
 
     def find_changed_jobs(self, tx: Transaction) -> list[StoredJob]:
         """Jobs that are in another state than was told, or further."""
         # Another server's clock may be behind, and what has ended is seen a little later.
         time, known = now(-timedelta(seconds=CLOCKS_APART)), self.jobs
-        found = tx.jobs.active_or_ended_since(self.time)
-        seen: Told = {job.uuid: (job.state, job.stage, job.share, job.cancel) for job in found}
+        jobs = tx.jobs.active_or_ended_since(self.time)
+        seen: Told = {job.uuid: (job.state, job.stage, job.share, job.cancel) for job in jobs}
         self.jobs, self.time = seen, time
-        return [job for job in found if known.get(job.uuid) != seen[job.uuid]]
+        return [job for job in jobs if known.get(job.uuid) != seen[job.uuid]]

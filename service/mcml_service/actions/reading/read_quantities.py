@@ -24,14 +24,14 @@ def quantity_columns(
     Only as many frames around these are looked at as give the values of the whole document. NotFoundError for joints
     that the document has not.
     """
-    found = np.empty((max(0, last - first + 1), len(asked)))
-    for place, one in enumerate(asked):
-        one.check_joints(body.names)
-        if one.needs_rotations:
-            found[:, place] = read_turned(tx, stored, one.arguments[0], body)[first - 1 : last]
+    values = np.empty((max(0, last - first + 1), len(asked)))
+    for place, quantity in enumerate(asked):
+        quantity.check_joints(body.names)
+        if quantity.needs_rotations:
+            values[:, place] = read_turned(tx, stored, quantity.arguments[0], body)[first - 1 : last]
         else:
-            found[:, place] = _stretch(one, body, first, last)
-    return found
+            values[:, place] = _stretch(quantity, body, first, last)
+    return values
 
 
 def _stretch(asked: AskedQuantity, body: Body, first: int, last: int) -> Array:
@@ -54,6 +54,6 @@ def with_quantities(numbers: Numbers, asked: Sequence[AskedQuantity], values: Ar
             yield part if alone else np.concatenate([channels, part], axis=1), ids
 
     columns = [] if alone else numbers.columns
-    units = [*[""] * len(columns), *(one.unit for one in asked)]
-    columns = [*columns, *(one.text for one in asked)]
+    units = [*[""] * len(columns), *(quantity.unit for quantity in asked)]
+    columns = [*columns, *(quantity.text for quantity in asked)]
     return replace(numbers, columns=columns, shape=(len(columns),), blocks=blocks, units=units)

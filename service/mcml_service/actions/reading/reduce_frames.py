@@ -96,7 +96,7 @@ def _from_zones(
     row_of: dict[int, int] = {}
     for row in range(len(values)):
         low, high = first + row * step, min(first + (row + 1) * step - 1, last)
-        piece = next((one for one in pieces if one.first <= low and high < one.first + one.count), None)
+        piece = next((own for own in pieces if own.first <= low and high < own.first + own.count), None)
         if piece is None or (piece.slot + low - piece.first) % CHUNK:
             continue
         slot, end = piece.slot + low - piece.first, piece.slot + high - piece.first + 1

@@ -55,12 +55,12 @@ def ask_document(tx: Transaction, stored: StoredDocument, first: int, last: int 
 
 def ask_file(files: list[SourceFile], settings: Settings, first: int, last: int | None) -> Asked:
     """The same of a clip that files hold, as an import would read them; nothing is stored."""
-    with gathered(files, settings.file_limits) as found:
-        for name, error in found.problems:
+    with gathered(files, settings.file_limits) as gathering:
+        for name, error in gathering.problems:
             raise error.in_file(name)
-        if len(found.clips) != 1:
-            raise RequestError(f"The files hold {len(found.clips)} clips.", remedy="Send the files of one clip.")
-        (clip,) = found.clips
+        if len(gathering.clips) != 1:
+            raise RequestError(f"The files hold {len(gathering.clips)} clips.", remedy="Send the files of one clip.")
+        (clip,) = gathering.clips
         try:
             with offering(clip):
                 opened = open_clip(clip, ImportOptions(), settings.file_limits)
@@ -94,7 +94,7 @@ def ask_positions(
 def find_alike(tx: Transaction, caches: Caches, asked: Asked, where: Where, limits: Limits) -> SearchAnswer:
     """What is most like what is asked."""
     lasts = len(asked.poses) * (asked.seconds or 0.0) if asked.moves else 1.0
-    found = search(
+    nearest = search(
         tx,
         caches,
         Scope(tx, caches.listing, where.documents, where.project),
@@ -112,14 +112,14 @@ def find_alike(tx: Transaction, caches: Caches, asked: Asked, where: Where, limi
             last=hit.last,
             distance=hit.distance,
         )
-        for hit in found.hits
+        for hit in nearest.hits
     ]
     warnings = []
-    if found.unlike:
+    if nearest.unlike:
         warnings.append(
-            f"{len(found.unlike):,} of {found.documents:,} documents left out: they have no frames, share fewer than "
-            f"{FEWEST} joints with what is asked{', or their frame time is not known' if asked.moves else ''} "
-            f"({named(found.unlike, np.ones(len(found.unlike), bool))})."
+            f"{len(nearest.unlike):,} of {nearest.documents:,} documents left out: they have no frames, share fewer "
+            f"than {FEWEST} joints with what is asked{', or their frame time is not known' if asked.moves else ''} "
+            f"({named(nearest.unlike, np.ones(len(nearest.unlike), bool))})."
         )
     joints = [
         name for name, points in zip(JOINTS, asked.poses.transpose(1, 0, 2), strict=True) if np.isfinite(points).all()

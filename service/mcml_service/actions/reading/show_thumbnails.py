@@ -27,19 +27,19 @@ def pictures_of(
 
     One that cannot be read has none: what is wrong with it is told by whoever reads more of it.
     """
-    found = tx.thumbnails.of(documents)
+    thumbnails = tx.thumbnails.of(documents)
     made: list[tuple[StoredDocument, StoredThumbnail]] = []
     until = time.monotonic() + seconds
     for stored in documents:
-        if stored.key in found:
+        if stored.key in thumbnails:
             continue
         if time.monotonic() > until:
             break
         with suppress(McmlError):
             picture = picture_of(tx, stored)
-            found[stored.key] = picture
+            thumbnails[stored.key] = picture
             made.append((stored, picture))
-    return found, made
+    return thumbnails, made
 
 
 def picture_of(tx: Transaction, stored: StoredDocument) -> StoredThumbnail:

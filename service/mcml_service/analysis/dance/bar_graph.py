@@ -156,7 +156,7 @@ def find_shared_points(clips: Sequence[Clip]) -> list[Figure]:
 def _clouds(clips: Sequence[Clip], figures: Sequence[Figure], bars: AllBars, middles: Array) -> Array:
     """(B, 7 P, 3) points about a frame of each bar, lengths in the clips' unit."""
     points = figures[0].points
-    found = np.empty((len(bars), (2 * REACH + 1) * points, 3))
+    points_of_bars = np.empty((len(bars), (2 * REACH + 1) * points, 3))
     for owner, (clip, figure) in enumerate(zip(clips, figures, strict=True)):
         own = np.flatnonzero(bars.owners == owner)
         if not len(own):
@@ -165,8 +165,8 @@ def _clouds(clips: Sequence[Clip], figures: Sequence[Figure], bars: AllBars, mid
         middle = whole(middles[own]).tolist()
         frames = np.concatenate([cloud_frames(frame, clip.fps, len(motion)) for frame in middle])
         clouds = cloud_points(figure, motion.translations[frames], motion.rotations[frames])
-        found[own] = clouds.reshape(len(own), -1, 3)
-    return found
+        points_of_bars[own] = clouds.reshape(len(own), -1, 3)
+    return points_of_bars
 
 
 def keep_only(graph: BarGraph, wanted: NDArray[np.bool_]) -> BarGraph:

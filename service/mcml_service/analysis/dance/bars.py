@@ -55,14 +55,14 @@ def good_intervals(beats: Array, period: float, tolerance: Tolerance = 0.2, wind
 
 def group(good: NDArray[np.bool_], supported: NDArray[np.bool_], stride: int = 4) -> list[int]:
     """Indices of the first beats of bars: three good intervals in a row, at least three of four beats supported."""
-    found, beat = [], 0
+    groups, beat = [], 0
     while beat + 3 <= len(good):
         if good[beat : beat + 3].all() and supported[beat : beat + 4].sum() >= _SUPPORTED:
-            found.append(beat)
+            groups.append(beat)
             beat += stride
         else:
             beat += 1
-    return found
+    return groups
 
 
 def bars_of(
@@ -111,15 +111,15 @@ def find_bars(
     """
     window, step = window_of(fps), None if period is None else period * fps
     sure = np.ones(len(beats), dtype=bool)
-    found = bars_of(beats, sure, "detected", step, window, tolerance, stride, lead_in)
-    if step is None or which == "detected" or (which == "auto" and len(found.bars) >= ENOUGH):
-        return found
+    bars = bars_of(beats, sure, "detected", step, window, tolerance, stride, lead_in)
+    if step is None or which == "detected" or (which == "auto" and len(bars.bars) >= ENOUGH):
+        return bars
     strength = beat_strength(speed, candidates, window)
     path = track(strength, step)
     supported = strength[path] >= k2
     moved = np.where(supported, locate(speed, path, fps), path) if middle else path.astype(float)
     tracked = bars_of(moved, supported, "tracked", step, window, tolerance, stride, lead_in)
-    return tracked if which == "tracked" or len(tracked.bars) > len(found.bars) else found
+    return tracked if which == "tracked" or len(tracked.bars) > len(bars.bars) else bars
 
 
 def beat_strength(speed: Array, candidates: Frames, window: int) -> Array:

@@ -173,10 +173,10 @@ def _too_far(graph: BarGraph, choice: Choice) -> AnalysisError:
 
 def _no_edges(graph: BarGraph) -> AnalysisError:
     least = threshold_for_two(graph)
-    found = "no threshold gives two bars" if least is None else f"a threshold of {least:.4f} gives two bars"
+    reason = "no threshold gives two bars" if least is None else f"a threshold of {least:.4f} gives two bars"
     return AnalysisError(
         "no-edges",
-        f"No bar leads to another and back at the threshold {graph.threshold:.4f}; {found}.",
+        f"No bar leads to another and back at the threshold {graph.threshold:.4f}; {reason}.",
         remedy="Raise the threshold, add clips, or allow_repeat." if least is None else f"Use threshold={least:.4f}.",
         threshold=least,
     )
@@ -204,15 +204,15 @@ def find_allowed_bars(
 
 
 def _find_labelled(clips: Sequence[Clip], bars: AllBars, label: str) -> NDArray[np.bool_]:
-    found = np.zeros(len(bars), dtype=bool)
+    labelled = np.zeros(len(bars), dtype=bool)
     for bar in range(len(bars)):
         first, last = half_up(bars.frames[bar, 0]), half_up(bars.frames[bar, 3])
         covered = np.zeros(last - first + 1, dtype=bool)
         for name, start, end in clips[bars.owners[bar]].motion.labels:
             if name == label:
                 covered[max(0, start - first) : max(0, end + 1 - first)] = True
-        found[bar] = covered.mean() >= 0.5
-    return found
+        labelled[bar] = covered.mean() >= 0.5
+    return labelled
 
 
 def dance_of(

@@ -114,10 +114,10 @@ def nearest(times: Array, others: Array) -> Array:
 
 def inside(time: Array, transitions: Sequence[Transition]) -> NDArray[np.bool_]:
     """(F,) whether a time lies in a transition."""
-    found = np.zeros(len(time), dtype=bool)
+    within = np.zeros(len(time), dtype=bool)
     for transition in transitions:
-        found |= (time > transition.start) & (time < transition.end)
-    return found
+        within |= (time > transition.start) & (time < transition.end)
+    return within
 
 
 def of_transition(watched: Watched, transition: Transition) -> dict[str, float | int | None]:
@@ -146,14 +146,14 @@ def grid_metrics(watched: Watched, grid: Array) -> dict[str, float]:
     inner = grid[1:-1]
     lows = minima(watched.speed) / watched.fps
     hits = {"grid_hits_frame": 1.0 / watched.fps, "grid_hits_70ms": NEAR}
-    found = {
+    figures = {
         "beat_align_music": beat_alignment(inner, watched.beats),
         "beat_align_motion": beat_alignment(watched.beats, grid),
     }
     for name, width in hits.items():
         near = nearest(inner, lows) <= width + 1e-9 if len(lows) and len(inner) else np.zeros(len(inner))
-        found[name] = float(near.mean()) if len(inner) else 0.0
-    return found
+        figures[name] = float(near.mean()) if len(inner) else 0.0
+    return figures
 
 
 def greatest(values: Array) -> float:

@@ -66,8 +66,8 @@ class Pairs:
 def cloud_frames(middle: int, fps: float, frames: int) -> Indices:
     """(7,) frames of a cloud about a frame, a thirtieth of a second apart, within the clip."""
     steps = np.arange(-REACH, REACH + 1)
-    found: Indices = np.clip(middle + np.floor(steps * fps / 30 + 0.5).astype(np.intp), 0, frames - 1)
-    return found
+    around: Indices = np.clip(middle + np.floor(steps * fps / 30 + 0.5).astype(np.intp), 0, frames - 1)
+    return around
 
 
 def cloud_weights(points: int) -> Array:
@@ -148,12 +148,12 @@ def nearest_jumps(
     """
     shared = (ends, starts, weights, natural, (size, allow_repeat, keep, within))
     if spread is None:
-        found = [_jumps_from(range(len(ends)), *shared, told)]
+        jumps = [_jumps_from(range(len(ends)), *shared, told)]
     else:
         step = max(LEAST_ROWS, -(-len(ends) // MOST_PIECES))
         pieces = [range(at, min(at + step, len(ends))) for at in range(0, len(ends), step)]
-        found = spread(_jumps_from, pieces, shared, told)
-    first, second, distances, complete = zip(*found, strict=True)
+        jumps = spread(_jumps_from, pieces, shared, told)
+    first, second, distances, complete = zip(*jumps, strict=True)
     rows = [(np.concatenate(first), np.concatenate(second), np.concatenate(distances))]
     held, whole = len(rows[0][0]), all(complete)
     if held > keep:
@@ -274,11 +274,11 @@ def connect(
     while True:
         most = min(keep, everything)
         pairs = nearest_jumps(ends, starts, weights, size, natural, allow_repeat, most, told=told, spread=spread)
-        found = least_threshold(count, pairs, wanted)
-        if found is not None or pairs.complete:
+        least = least_threshold(count, pairs, wanted)
+        if least is not None or pairs.complete:
             break
         keep *= 4
-    level = float(pairs.distances.max(initial=0.0)) if found is None else found
+    level = float(pairs.distances.max(initial=0.0)) if least is None else least
     near = pairs.distances <= level
     chosen = Pairs(pairs.first[near], pairs.second[near], pairs.distances[near], pairs.complete)
     return _edges(ends, starts, weights, size, natural, chosen), level, pairs

@@ -151,9 +151,9 @@ def track_beats(stream: BinaryIO, name: str = "music", bpm: float | None = None)
     try:
         samples, rate = librosa.load(stream, sr=22050, mono=True, duration=LONGEST + 1)
     except Exception as error:
-        what = "begins as sound does, but is cut off or damaged" if known else "is no WAV, FLAC or MP3"
+        reason = "begins as sound does, but is cut off or damaged" if known else "is no WAV, FLAC or MP3"
         remedy = "Save it again with another program." if known else "Send WAV, FLAC or MP3."
-        raise AnalysisError("music-undecodable", f"{name} {what}.", remedy=remedy) from error
+        raise AnalysisError("music-undecodable", f"{name} {reason}.", remedy=remedy) from error
     if len(samples) > LONGEST * rate:
         raise LimitError(f"{name} is longer than 15 minutes.", remedy="Cut it.")
     if not len(samples):
@@ -164,8 +164,8 @@ def track_beats(stream: BinaryIO, name: str = "music", bpm: float | None = None)
 
     def track(about: float | None) -> Array:
         options: dict[str, Any] = {} if about is None else {"bpm": about}
-        _, found = librosa.beat.beat_track(onset_envelope=loudness, sr=rate, units="time", trim=False, **options)
-        return np.asarray(found, dtype=float)
+        _, beats = librosa.beat.beat_track(onset_envelope=loudness, sr=rate, units="time", trim=False, **options)
+        return np.asarray(beats, dtype=float)
 
     first = fit_tempo(track(bpm).tolist())
     rivals = rivals_of(bpm or first.bpm, track, heard, SLOWEST, FASTEST)

@@ -58,7 +58,7 @@ class Meter:
 
 def rivals_of(bpm: float, track: Track, heard: Heard, slowest: float, fastest: float) -> list[Rival]:
     """The tempi at simple ratios of one, the likeliest first."""
-    found = []
+    rivals = []
     for ratio in RATIOS:
         other = bpm * float(ratio)
         if slowest <= other <= fastest:
@@ -67,8 +67,8 @@ def rivals_of(bpm: float, track: Track, heard: Heard, slowest: float, fastest: f
                 own = 60.0 / _period(beats)
                 # A tracker that goes its own way tells nothing of this tempo.
                 if abs(np.log2(own / other)) < 0.2:
-                    found.append(Rival(own, ratio, _fits(beats, heard), beats))
-    return sorted(found, key=lambda rival: -rival.strength * _usual(rival.bpm))
+                    rivals.append(Rival(own, ratio, _fits(beats, heard), beats))
+    return sorted(rivals, key=lambda rival: -rival.strength * _usual(rival.bpm))
 
 
 def is_clear(rivals: list[Rival]) -> bool:
@@ -81,14 +81,14 @@ def meters_of(beats: Array, heard: Heard) -> list[Meter]:
     accents = _loudest(beats, heard)
     accents = accents - accents.mean() if len(accents) else accents
     energy = float(accents @ accents)
-    found = []
+    meters = []
     for count in METERS:
         again = 0.0
         if energy > 0 and len(accents) > 4 * count:
             pairs = len(accents) - count
             again = float(accents[count:] @ accents[:-count]) / energy * len(accents) / pairs
-        found.append(Meter(count, float(np.clip(again, 0.0, 1.0))))
-    return sorted(found, key=lambda meter: -meter.strength - (_ACCENT if meter.beats == METERS[0] else 0.0))
+        meters.append(Meter(count, float(np.clip(again, 0.0, 1.0))))
+    return sorted(meters, key=lambda meter: -meter.strength - (_ACCENT if meter.beats == METERS[0] else 0.0))
 
 
 def _period(beats: Array) -> float:
@@ -125,4 +125,4 @@ def _loudest(beats: Array, heard: Heard) -> Array:
     """(n,) the loudest of what is heard at each beat, 0 where nothing is."""
     near = _reach(beats)
     first, last = np.searchsorted(heard.times, beats - near), np.searchsorted(heard.times, beats + near)
-    return np.array([heard.strengths[one:other].max(initial=0.0) for one, other in zip(first, last, strict=True)])
+    return np.array([heard.strengths[start:other].max(initial=0.0) for start, other in zip(first, last, strict=True)])

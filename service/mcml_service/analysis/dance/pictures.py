@@ -36,22 +36,22 @@ def draw_beats(parts: Parts, figure: Figure) -> None:
     fields = figure.subplots(len(shown), 1, squeeze=False)[:, 0]
     bars, facts = columns_of(parts["bars"]), {row["document"]: row for row in columns_of(parts["clips"])}
     candidates = columns_of(parts["candidates"])
-    for axes, one in zip(fields, shown, strict=True):
-        own = [bar for bar in bars if bar["document"] == one["document"]]
-        left = [row for row in candidates if row["document"] == one["document"] and row["verdict"] != "beat"]
-        bpm = facts[one["document"]]["bpm"]
-        axes.set_title(one["name"] + (f", {bpm:.1f} beats a minute" if bpm else ", no tempo found"))
-        values = np.asarray(one["values"]) / (one["mean"] or 1.0)
-        seconds = np.arange(len(values)) * one["step"] / one["fps"]
+    for axes, panel in zip(fields, shown, strict=True):
+        own = [bar for bar in bars if bar["document"] == panel["document"]]
+        left = [row for row in candidates if row["document"] == panel["document"] and row["verdict"] != "beat"]
+        bpm = facts[panel["document"]]["bpm"]
+        axes.set_title(panel["name"] + (f", {bpm:.1f} beats a minute" if bpm else ", no tempo found"))
+        values = np.asarray(panel["values"]) / (panel["mean"] or 1.0)
+        seconds = np.arange(len(values)) * panel["step"] / panel["fps"]
         for number, bar in enumerate(own):
-            start, end = (bar["b0"] - 1) / one["fps"], (bar["b3"] - 1) / one["fps"]
+            start, end = (bar["b0"] - 1) / panel["fps"], (bar["b3"] - 1) / panel["fps"]
             axes.axvspan(start, end, color=ACCENT, alpha=0.14 if number % 2 else 0.22, linewidth=0)
             if len(own) <= MOST_BARS:
                 words = axes.get_xaxis_transform()
                 axes.text(start, 0.98, f" {bar['bar']}", va="top", transform=words, color=ACCENT, fontsize=7)
         axes.plot(seconds, values, color="#141A22", linewidth=0.8)
         axes.axhline(1.0, color=LINE, linewidth=0.8, zorder=0)
-        beats = np.asarray(one["beats"])
+        beats = np.asarray(panel["beats"])
         axes.plot(beats, np.interp(beats, seconds, values), "o", color=ACCENT, markersize=3, label="beat")
         refused = np.array([row["seconds"] for row in left])
         axes.plot(refused, np.interp(refused, seconds, values), "x", color=WARM, markersize=3, label="rejected")

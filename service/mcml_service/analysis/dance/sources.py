@@ -137,13 +137,13 @@ def _tempo(
         return None, tuple(periods(detected, len(motion), motion.fps))
     if search.source_bpm:
         return None, ()
-    found = shared or tempo_of([channels_of(motion)])
-    return found, () if found is None else tuple(Period(60.0 / peak.bpm, peak.strength) for peak in found.peaks[:3])
+    tempo = shared or tempo_of([channels_of(motion)])
+    return tempo, () if tempo is None else tuple(Period(60.0 / peak.bpm, peak.strength) for peak in tempo.peaks[:3])
 
 
 def _own(beats: Sequence[float], fps: float, frames: int) -> Array:
-    found: Array = np.unique(np.asarray(beats, dtype=float) * fps)
-    return found[found <= frames - 1]
+    beat_frames: Array = np.unique(np.asarray(beats, dtype=float) * fps)
+    return beat_frames[beat_frames <= frames - 1]
 
 
 def on_one_skeleton(clips: Sequence[Clip]) -> tuple[list[Clip], list[str]]:

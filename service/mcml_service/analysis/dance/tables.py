@@ -75,13 +75,14 @@ def clips_table(clips: Sequence[Clip]) -> Part:
 def warnings_table(texts: Sequence[str], clips: Sequence[Clip]) -> Part:
     """Warnings, and what is doubtful of the tempi of clips; code: a word for programs, where there is one."""
     tempi = {
-        (code, f"{'All clips' if len({id(c.tempo) for c in clips}) < len(clips) else clip.motion.name}: {what}")
+        (code, f"{'All clips' if len({id(c.tempo) for c in clips}) < len(clips) else clip.motion.name}: {sentence}")
         for clip in clips
         if clip.tempo is not None
-        for code, what in clip.tempo.warnings()
+        for code, sentence in clip.tempo.warnings()
     }
     return table(
-        ["warning", "code"], [*([text, None] for text in texts), *([what, code] for code, what in sorted(tempi))]
+        ["warning", "code"],
+        [*([text, None] for text in texts), *([sentence, code] for code, sentence in sorted(tempi))],
     )
 
 
@@ -120,8 +121,10 @@ def candidates_table(clips: Sequence[Clip]) -> Part:
     """Every minimum with its verdict: beat, end, or the condition that it fails first."""
     rows = []
     for clip in clips:
-        found = clip.candidates
-        for frame, verdict, dip, rest in zip(found.frames, found.verdicts, found.dips, found.rests, strict=True):
+        candidates = clip.candidates
+        for frame, verdict, dip, rest in zip(
+            candidates.frames, candidates.verdicts, candidates.dips, candidates.rests, strict=True
+        ):
             time = float(frame / clip.fps)
             rows.append([clip.motion.document, int(frame) + 1, time, REASONS[verdict], float(dip), float(rest)])
     return table(["document", "frame", "seconds", "verdict", "dip", "rest"], rows)

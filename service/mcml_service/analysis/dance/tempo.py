@@ -78,18 +78,18 @@ class Tempo:
         """(code, sentence)."""
         best = f"{self.peaks[0].bpm:.1f} beats a minute"
         others = ", ".join(f"{peak.bpm:.1f}" for peak in self.peaks[1:3])
-        found = []
+        texts = []
         if not self.clear:
             rivals = f" as well as {others}" if others else ""
-            found.append(
+            texts.append(
                 ("tempo-unclear", f"The tempo is ambiguous: {best}{rivals}. State it as source_bpm if it is known.")
             )
         if self.octave >= _OCTAVE:
-            found.append(("tempo-octave", f"The tempo may be {best}, or a simple multiple or part of it ({others})."))
+            texts.append(("tempo-octave", f"The tempo may be {best}, or a simple multiple or part of it ({others})."))
         if self.steady < _STEADY:
             share = f"{100 * (1 - self.steady):.0f} %"
-            found.append(("tempo-changes", f"{share} of the windows of 20 s have another tempo than {best}."))
-        return found
+            texts.append(("tempo-changes", f"{share} of the windows of 20 s have another tempo than {best}."))
+        return texts
 
 
 def body_channels(figure: Figure, translations: Array, rotations: Array, fps: float) -> Array:
@@ -144,8 +144,8 @@ def _movement(positions: Array) -> Array:
 
 
 def _blur(series: Array, seconds: float) -> Array:
-    found: Array = scipy.ndimage.gaussian_filter1d(series, seconds * RATE, mode="nearest")
-    return found
+    blurred: Array = scipy.ndimage.gaussian_filter1d(series, seconds * RATE, mode="nearest")
+    return blurred
 
 
 def _quick(series: Array) -> Array:
@@ -171,21 +171,21 @@ def _bounce(rising: Array) -> Array:
 
 def tempo_of(clips: Sequence[Array]) -> Tempo | None:
     """The tempo of clips that share their music, from the channels (3, n) of each; None where nothing moves in time."""
-    found = [periodicity(window) for channels in clips for window in _windows(channels)]
-    if not found:
+    strengths = [periodicity(window) for channels in clips for window in _windows(channels)]
+    if not strengths:
         return None
-    whole = np.mean(found, axis=0)
+    whole = np.mean(strengths, axis=0)
     peaks = _peaks(whole)
     if not peaks:
         return None
     best = peaks[0].bpm
     related = {peak: any(_near(peak.bpm / best, ratio) for ratio in _RELATED) for peak in peaks[1:]}
-    own = [each[0].bpm for each in map(_peaks, found) if each]
+    own = [each[0].bpm for each in map(_peaks, strengths) if each]
     return Tempo(
         peaks,
         rival=max((peak.score for peak, is_related in related.items() if not is_related), default=0.0),
         octave=max((peak.score for peak, is_related in related.items() if is_related), default=0.0),
-        steady=sum(_is_octave(bpm / best) for bpm in own) / len(found),
+        steady=sum(_is_octave(bpm / best) for bpm in own) / len(strengths),
         seconds=sum(channels.shape[1] for channels in clips) / RATE,
     )
 
@@ -215,7 +215,7 @@ def periodicity(window: Array) -> Array:
     hann = np.hanning(count)
     length = max(_PADDED, 1 << (count - 1).bit_length())
     hertz = np.arange(length // 2 + 1) * RATE / length
-    found = np.zeros(len(TEMPI))
+    strengths = np.zeros(len(TEMPI))
     for channel, weight in zip(window, _WEIGHTS, strict=True):
         energy = float(channel @ channel)
         if not energy > 0:
@@ -232,23 +232,23 @@ def periodicity(window: Array) -> Array:
         power = np.abs(np.fft.rfft(hann * channel, length)) ** 2
         least = float(((hann * channel) ** 2).sum() * (hann**2).sum())
         coherence = np.sqrt(2 * np.interp(TEMPI / 60.0, hertz, power) / least)
-        found += weight * comb * coherence
-    return found
+        strengths += weight * comb * coherence
+    return strengths
 
 
 def _peaks(strength: Array, most: int = 8) -> tuple[Peak, ...]:
     """Local maxima of the score, the best first, none within 4 % of a better one."""
     score = strength * np.exp(-((np.log2(TEMPI / _USUAL) / _WIDTH) ** 2) / 2)
     places = np.flatnonzero((score[1:-1] > score[:-2]) & (score[1:-1] >= score[2:])) + 1
-    found: list[Peak] = []
+    peaks: list[Peak] = []
     cell = float(np.log(TEMPI[1] / TEMPI[0]))
     for place in places[np.argsort(-score[places], kind="stable")].tolist():
         before, at, after = np.log(np.maximum(score[place - 1 : place + 2], 1e-300))
         curve = before - 2 * at + after
         move = float(np.clip(0.5 * (before - after) / curve, -0.5, 0.5)) if curve < 0 else 0.0
         bpm = float(TEMPI[place] * np.exp(cell * move))
-        if not any(_near(bpm / other.bpm, 1.0) for other in found):
-            found.append(Peak(bpm, float(strength[place]), float(score[place] / score[places].max())))
-        if len(found) == most:
+        if not any(_near(bpm / other.bpm, 1.0) for other in peaks):
+            peaks.append(Peak(bpm, float(strength[place]), float(score[place] / score[places].max())))
+        if len(peaks) == most:
             break
-    return tuple(found)
+    return tuple(peaks)

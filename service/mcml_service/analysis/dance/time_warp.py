@@ -87,7 +87,7 @@ def segments(
     play_on: maps end a beat later, at leave, for a blend in which the first motion plays on.
     """
     cuts = [0, *(place + 1 for place, follows in enumerate(natural) if not follows), len(path)]
-    found = []
+    pieces = []
     for first, stop in pairwise(cuts):
         last = stop - 1
         times: list[float] = []
@@ -105,8 +105,8 @@ def segments(
             times.append(grid[4 * last + 4])
             frames.append(leaves[path[last]])
         start = float(grid[0] if first == 0 else grid[4 * first - 1])
-        found.append(Segment(first, last, start, end, float(grid[4 * first]), np.array([times, frames], dtype=float)))
-    return found
+        pieces.append(Segment(first, last, start, end, float(grid[4 * first]), np.array([times, frames], dtype=float)))
+    return pieces
 
 
 def source_frames(segment: Segment, times: Array) -> Array:

@@ -149,27 +149,27 @@ def neighbours(space: Stored, choice: ExpressionCandidateChoice) -> Answer:
     frame = _find_frame(space, number, choice.key)
     place = _place_of(space, number, frame)
     links, graph = space.ground.links[number], space.ground.graph
-    found: list[tuple[float, int, bool]]
+    nearest: list[tuple[float, int, bool]]
     if links is None:
         matrix = graph.matrix
         row = slice(matrix.indptr[place], matrix.indptr[place + 1])
-        found = [
+        nearest = [
             (mm, other, (min(place, other), max(place, other)) in graph.bridges)
             for other, mm in zip(matrix.indices[row].tolist(), matrix.data[row].tolist(), strict=True)
         ]
     else:
-        found = []
+        nearest = []
         for own, others in ((links.first, links.second), (links.second, links.first)):
             at = np.flatnonzero(own == place)
-            found += zip(links.length[at].tolist(), others[at].tolist(), links.bridge[at].tolist(), strict=True)
-    found.sort()
+            nearest += zip(links.length[at].tolist(), others[at].tolist(), links.bridge[at].tolist(), strict=True)
+    nearest.sort()
     return Answer(
         ExpressionNeighbours(
             candidate=_candidates(space, number, [place])[0],
             neighbours=[
                 ExpressionNeighbour(**dict(candidate), length_mm=mm, bridge=bool(over))
                 for candidate, (mm, _, over) in zip(
-                    _candidates(space, number, [other for _, other, _ in found]), found, strict=True
+                    _candidates(space, number, [other for _, other, _ in nearest]), nearest, strict=True
                 )
             ],
         )
@@ -291,15 +291,15 @@ def _find_frame(space: Stored, level: int, key: Key) -> int:
 
 
 def _place_of(space: Stored, level: int, frame: int) -> int:
-    found = np.flatnonzero(space.ground.candidates[level] == frame)
-    if not len(found):
+    places = np.flatnonzero(space.ground.candidates[level] == frame)
+    if not len(places):
         where = _frame(space, frame)
         raise AnalysisError(
             "not-a-candidate",
             f"Frame {where.frame} of {where.document} is no candidate of level {level}.",
             remedy="Choose among the candidates that the operation `level` lists.",
         )
-    return int(found[0])
+    return int(places[0])
 
 
 def _path(space: Stored) -> Path:

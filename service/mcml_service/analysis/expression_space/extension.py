@@ -70,17 +70,17 @@ def place_frames(
     near, apart: (q, k). chain: (q - 1,) mm from each new frame to the next, infinite where a take ends. geodesics:
     (l, n) of what the map was made of.
     """
-    found = np.empty((len(near), len(geodesics)))
+    coordinates = np.empty((len(near), len(geodesics)))
     for start in range(0, len(near), BLOCK):
         part = slice(start, start + BLOCK)
         over = geodesics[:, near[part]].astype(float) + apart[part]
-        found[part] = over.min(axis=2).T
+        coordinates[part] = over.min(axis=2).T
     # A frame may be nearer by way of those before and after it in its take.
-    for frame in range(1, len(found)):
-        np.minimum(found[frame], found[frame - 1] + chain[frame - 1], out=found[frame])
-    for frame in range(len(found) - 2, -1, -1):
-        np.minimum(found[frame], found[frame + 1] + chain[frame], out=found[frame])
-    return Placed(near, apart, found, float((apart[:, 0] > tau).mean()) if len(apart) else 0.0)
+    for frame in range(1, len(coordinates)):
+        np.minimum(coordinates[frame], coordinates[frame - 1] + chain[frame - 1], out=coordinates[frame])
+    for frame in range(len(coordinates) - 2, -1, -1):
+        np.minimum(coordinates[frame], coordinates[frame + 1] + chain[frame], out=coordinates[frame])
+    return Placed(near, apart, coordinates, float((apart[:, 0] > tau).mean()) if len(apart) else 0.0)
 
 
 def extend(parts: Parts, motions: Sequence[Motion], progress: Progress = silent) -> Parts:
@@ -175,8 +175,8 @@ def extend(parts: Parts, motions: Sequence[Motion], progress: Progress = silent)
 def _steps(positions: Array, reduced: Array) -> Array:
     """(q - 1,) mm from each new frame to the next."""
     if len(reduced):
-        found: Array = np.linalg.norm(np.diff(reduced, axis=0), axis=1)
-        return found
+        lengths: Array = np.linalg.norm(np.diff(reduced, axis=0), axis=1)
+        return lengths
     return step_lengths(positions)
 
 
@@ -212,8 +212,8 @@ def _more_values(data: Mapping[str, Any], motions: Sequence[Motion], count: int,
     }
     warnings = [warning for warning in summary["warnings"] if warning["code"] != "stale"]
     if share > STALE or far > STALE:
-        what = f"{100 * share:.0f} % of the frames were added, {100 * far:.0f} % of these are far from all others: "
-        warnings.append({"code": "stale", "what": what + "build the space again."})
+        text = f"{100 * share:.0f} % of the frames were added, {100 * far:.0f} % of these are far from all others: "
+        warnings.append({"code": "stale", "what": text + "build the space again."})
     summary |= {
         "frames": summary["frames"] + count,
         "takes": summary["takes"] + len(motions),

@@ -36,10 +36,10 @@ class FrameGraph:
         length = np.where(self.length < SAME, TINY, self.length)
         rows, columns = np.concatenate([self.first, self.second]), np.concatenate([self.second, self.first])
         square = (self.frames, self.frames)
-        found = scipy.sparse.coo_array((np.concatenate([length, length]), (rows, columns)), shape=square).tocsr()
+        edges = scipy.sparse.coo_array((np.concatenate([length, length]), (rows, columns)), shape=square).tocsr()
         # Dijkstra of SciPy copies a graph with 64-bit indices each time it is asked.
-        found.indices, found.indptr = found.indices.astype(np.int32), found.indptr.astype(np.int32)
-        return found
+        edges.indices, edges.indptr = edges.indices.astype(np.int32), edges.indptr.astype(np.int32)
+        return edges
 
     @cached_property
     def bridges(self) -> frozenset[tuple[int, int]]:
@@ -116,8 +116,8 @@ def hub_graph(
     frames of a take. states: (n, d) reduced. hubs: (h,) frames. take, frame: (n,)."""
     between = scipy.spatial.distance.cdist(states[hubs], states[hubs])
     one, other = np.nonzero(np.triu(between <= tau, 1))
-    found, near = nearest(states[hubs], states, HUBS_OF_A_FRAME)
-    row, column = np.nonzero(found <= tau)
+    distances, near = nearest(states[hubs], states, HUBS_OF_A_FRAME)
+    row, column = np.nonzero(distances <= tau)
     chain = np.flatnonzero((np.diff(take) == 0) & (np.diff(frame) == 1))
     pairs = np.concatenate(
         [
@@ -127,7 +127,7 @@ def hub_graph(
         ]
     )
     after = np.linalg.norm(states[chain + 1] - states[chain], axis=1)
-    length = np.concatenate([between[one, other], found[row, column], after])
+    length = np.concatenate([between[one, other], distances[row, column], after])
     pairs = np.sort(pairs.astype(np.int64), axis=1)
     different = pairs[:, 0] != pairs[:, 1]
     n = len(states)
@@ -152,9 +152,9 @@ def closest_bridges(states: Array, labels: NDArray[np.int32]) -> tuple[NDArray[n
         # The closest pair that leaves any part belongs to the tree; the smallest part is the cheapest to ask.
         smallest = np.unique(labels)[counts.argmin()]
         inside, outside = np.flatnonzero(labels == smallest), np.flatnonzero(labels != smallest)
-        found, near = (column[:, 0] for column in nearest(states[outside], states[inside]))
-        place = int(found.argmin())
+        distances, near = (column[:, 0] for column in nearest(states[outside], states[inside]))
+        place = int(distances.argmin())
         pairs.append((int(inside[place]), int(outside[near[place]])))
-        lengths.append(float(found[place]))
+        lengths.append(float(distances[place]))
         labels[inside] = labels[pairs[-1][1]]
     return np.array(pairs, dtype=np.intp).reshape(-1, 2), np.array(lengths)

@@ -97,9 +97,9 @@ def top_memberships(
     norms = np.einsum("np,np->n", points, points)
     for start in range(0, len(points), rows):
         part = slice(start, start + rows)
-        found = _memberships(points[part], norms[part], centres, fuzziness)
-        best = np.argpartition(-found, count - 1, axis=1)[:, :count]
-        values = np.take_along_axis(found, best, axis=1)
+        memberships = _memberships(points[part], norms[part], centres, fuzziness)
+        best = np.argpartition(-memberships, count - 1, axis=1)[:, :count]
+        values = np.take_along_axis(memberships, best, axis=1)
         order = np.lexsort((best, -values), axis=1)
         which[part] = np.take_along_axis(best, order, axis=1)
         share[part] = np.take_along_axis(values, order, axis=1)

@@ -67,8 +67,8 @@ def _finite_most(paths: Array) -> float:
 
 def from_sources(matrix: scipy.sparse.csr_array, sources: Any) -> Array:
     """Shortest distances from some frames, (s, n), or (n,) from one. Dijkstra (1959)."""
-    found: Array = scipy.sparse.csgraph.dijkstra(matrix, directed=True, indices=sources)
-    return found
+    lengths: Array = scipy.sparse.csgraph.dijkstra(matrix, directed=True, indices=sources)
+    return lengths
 
 
 def search(matrix: scipy.sparse.csr_array, source: int) -> tuple[Array, NDArray[np.int32]]:

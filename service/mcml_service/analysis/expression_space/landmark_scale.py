@@ -67,7 +67,7 @@ def basis_of(positions: Array, seed: int) -> Basis:
 
 def landmark_geodesics(graph: FrameGraph, landmarks: NDArray[np.int32]) -> NDArray[np.float32]:
     """Shortest distances (l, n) from landmarks to all frames, in single precision, some landmarks at a time."""
-    found = np.empty((len(landmarks), graph.frames), dtype=np.float32)
+    lengths = np.empty((len(landmarks), graph.frames), dtype=np.float32)
     for start in range(0, len(landmarks), 25):
-        found[start : start + 25] = from_sources(graph.matrix, landmarks[start : start + 25])
-    return found
+        lengths[start : start + 25] = from_sources(graph.matrix, landmarks[start : start + 25])
+    return lengths

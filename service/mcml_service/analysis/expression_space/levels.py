@@ -91,7 +91,7 @@ def _centres(points: Array, size: int, coarser: Array | None, options: Options) 
     if options.method == "paper":
         memberships = np.random.default_rng(options.seed).random((size, len(points)))
         memberships /= memberships.sum(axis=0)
-        found = fuzzy_means(
+        means = fuzzy_means(
             points,
             memberships=memberships,
             fuzziness=options.fuzziness,
@@ -107,21 +107,21 @@ def _centres(points: Array, size: int, coarser: Array | None, options: Options) 
             added = together[farthest_order(together, more, np.arange(len(known)))]
         else:
             added = points[farthest_order(points, more)]
-        found = fuzzy_means(
+        means = fuzzy_means(
             points, np.concatenate([known, added]), fuzziness=options.fuzziness, iterations=options.iterations
         )
-    return found.centres, found.objective
+    return means.centres, means.objective
 
 
 def _nearest_frames(points: Array, centres: Array) -> Places:
     """The frame nearest to each centre, of equally near ones the lowest."""
-    found = nearest(points, centres)[0][:, 0]
+    frames = nearest(points, centres)[0][:, 0]
     near = np.empty(len(centres), dtype=np.int32)
     for start in range(0, len(centres), 100):
         part = slice(start, start + 100)
         gap = centres[part, None] - points[None]
         apart = np.sqrt(np.einsum("cnp,cnp->cn", gap, gap))
-        near[part] = (apart <= found[part, None] * (1 + 1e-12)).argmax(axis=1)
+        near[part] = (apart <= frames[part, None] * (1 + 1e-12)).argmax(axis=1)
     return near
 
 

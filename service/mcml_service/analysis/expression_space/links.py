@@ -112,8 +112,10 @@ def paper_links(graph: FrameGraph, candidates: Places, plane: Array, rho: float)
     firsts, seconds, lengths, bridges = [], [], [], []
     for start in range(0, count, 64):
         rows = np.arange(start, min(start + 64, count))
-        found, trees = scipy.sparse.csgraph.dijkstra(graph.matrix, indices=candidates[rows], return_predecessors=True)
-        for own, distance, before in zip(rows.tolist(), found, trees, strict=True):
+        path_lengths, trees = scipy.sparse.csgraph.dijkstra(
+            graph.matrix, indices=candidates[rows], return_predecessors=True
+        )
+        for own, distance, before in zip(rows.tolist(), path_lengths, trees, strict=True):
             near_own = np.linalg.norm(plane - plane[candidates[own]], axis=1) <= rho
             foreign = met - near_own
             state = np.where(foreign == 0, NOTHING, np.where(foreign == 1, which - own * near_own, SEVERAL))

@@ -223,7 +223,7 @@ def offers_near(ground: Ground, walk: Walk, level: int, radius: float | None = N
     apart = np.linalg.norm(places[:, None] - path[None], axis=2)
     nearest = apart.argmin(axis=1)
     distance = apart[np.arange(len(candidates)), nearest]
-    found = [
+    offers = [
         Offer(
             int(candidates[number]),
             int(np.searchsorted(walk.at, nearest[number], side="right").clip(1, len(walk.keys) - 1)) - 1,
@@ -232,13 +232,13 @@ def offers_near(ground: Ground, walk: Walk, level: int, radius: float | None = N
         )
         for number in np.flatnonzero(distance <= radius).tolist()
     ]
-    return sorted(found, key=lambda offer: (offer.position, offer.frame))
+    return sorted(offers, key=lambda offer: (offer.position, offer.frame))
 
 
 def offers_on_the_way(ground: Ground, walk: Walk, level: int, delta: float = 0.1) -> list[Offer]:
     """Candidates that lengthen the way between two keys by at most a share, in the walk's order (7.3, robust)."""
     candidates = ground.candidates[level]
-    found = []
+    offers = []
     for segment, (a, b) in enumerate(pairwise(walk.keys.tolist())):
         forth, back = ground.row(a)[candidates], ground.row(b)[candidates]
         whole = ground.between(a, b)
@@ -248,11 +248,11 @@ def offers_on_the_way(ground: Ground, walk: Walk, level: int, delta: float = 0.1
         if ground.geodesics is None:
             chosen = chosen[np.lexsort((candidates[chosen], detour[chosen]))][:TRIED_PER_SEGMENT]
         start = float(walk.position[walk.at[segment]])
-        found += [
+        offers += [
             Offer(int(candidates[k]), segment, start + float(forth[k]), max(float(detour[k]), 0.0))
             for k in chosen.tolist()
         ]
-    return sorted(found, key=lambda offer: (offer.segment, offer.position, offer.frame))
+    return sorted(offers, key=lambda offer: (offer.segment, offer.position, offer.frame))
 
 
 def accept_keys(ground: Ground, walk: Walk, offers: Sequence[Offer], delta: float = 0.1) -> list[int]:

@@ -28,7 +28,7 @@ def parts_of(space: Space) -> Parts:
         "tau": _tau(space),
         "fit": _table(
             [("dimensions", ""), ("r", ""), ("stress", "")],
-            [[found.dimensions, plain(found.r), plain(found.stress)] for found in space.agreements],
+            [[agreement.dimensions, plain(agreement.r), plain(agreement.stress)] for agreement in space.agreements],
         ),
         "objective": _objective(space),
         "takes": _table(
@@ -88,7 +88,7 @@ def _values(space: Space) -> dict[str, Any]:
             "added": 0,
             "stale_share": 0.0,
             "uncovered": 0.0,
-            "warnings": [{"code": code, "what": what} for code, what in space.warnings],
+            "warnings": [{"code": code, "what": text} for code, text in space.warnings],
         },
         "values": {
             "documents": [take.document for take in frames.takes],
@@ -235,9 +235,9 @@ def _tau(space: Space) -> Part:
         "y": {"name": "r", "unit": ""},
         "chosen": space.tau,
         "connecting": plain(space.connecting),
-        "rows": [{name: plain(getattr(found, name)) for name in names} for found in space.tried],
+        "rows": [{name: plain(getattr(trial, name)) for name in names} for trial in space.tried],
     }
-    columns = {name: np.array([getattr(found, name) for found in space.tried], dtype=float) for name in names}
+    columns = {name: np.array([getattr(trial, name) for trial in space.tried], dtype=float) for name in names}
     return Part("curve", data, {name: np.nan_to_num(column, nan=0.0) for name, column in columns.items()})
 
 

@@ -140,11 +140,11 @@ def neighbourhoods(apart: Array, coordinates: Array) -> tuple[float, float]:
     count = max(1, min(NEIGHBOURS, n // 4))
     ranks = [_ranks(apart), _ranks(scipy.spatial.distance.cdist(coordinates, coordinates))]
     most = n * count * (2 * n - 3 * count - 1) / 2
-    found = [
+    shares = [
         1.0 - float((of_all - count)[(of_near <= count) & (of_all > count)].sum()) / most
         for of_all, of_near in (ranks, ranks[::-1])
     ]
-    return found[0], found[1]
+    return shares[0], shares[1]
 
 
 def _ranks(apart: Array) -> NDArray[np.intp]:

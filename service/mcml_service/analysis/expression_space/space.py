@@ -223,18 +223,18 @@ def _with_levels(
         else:
             links.append(voronoi_links(graph, level.candidates))
         if links[-1].components > 1:
-            what = f"The links of level {len(links) - 1} fall into {links[-1].components} parts."
-            warnings.append(("links-disconnected", what))
+            text = f"The links of level {len(links) - 1} fall into {links[-1].components} parts."
+            warnings.append(("links-disconnected", text))
     if scaling.negative > 0.2:
-        what = f"{100 * scaling.negative:.0f} % of the map's spectrum are negative: it cannot keep the distances."
-        warnings.append(("poor-embedding", what))
+        text = f"{100 * scaling.negative:.0f} % of the map's spectrum are negative: it cannot keep the distances."
+        warnings.append(("poor-embedding", text))
     if min(neighbourhoods) < POOR:
         trustworthiness, continuity = neighbourhoods
-        what = (
+        text = (
             f"The plane keeps what is near badly (trustworthiness {trustworthiness:.2f}, continuity {continuity:.2f}): "
             "levels, links and paths use more dimensions."
         )
-        warnings.append(("poor-map", what))
+        warnings.append(("poor-map", text))
     missing = int((scaling.eigenvalues <= 0).sum())
     if missing:
         warnings.append(("fewer-dimensions", f"{missing} of the map's dimensions are empty."))
@@ -318,8 +318,8 @@ def _connect(
         whole = labels == sizes.argmax()
         lost = sorted(set(frames.take.tolist()) - set(frames.take[whole].tolist()))
         names = ", ".join(frames.takes[take].name for take in lost[:10])
-        what = f"{int((~whole).sum())} frames outside the largest part of the graph were left out"
-        warnings.append(("frames-left-out", what + (f", with them all of: {names}." if lost else ".")))
+        text = f"{int((~whole).sum())} frames outside the largest part of the graph were left out"
+        warnings.append(("frames-left-out", text + (f", with them all of: {names}." if lost else ".")))
     if int(whole.sum()) < 3:
         raise AnalysisError(
             "disconnected", "No two frames are near enough to be joined.", remedy="Use a larger threshold.",

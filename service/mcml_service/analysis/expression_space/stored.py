@@ -46,8 +46,8 @@ class Stored:
 
     @property
     def documents(self) -> Sequence[str]:
-        found: Sequence[str] = self.values["documents"]
-        return found
+        uuids: Sequence[str] = self.values["documents"]
+        return uuids
 
     @cached_property
     def places(self) -> Mapping[tuple[str, int], int]:
@@ -60,14 +60,14 @@ class Stored:
 
     def number(self, document: str, position: int) -> int:
         """The number of a frame, from its document and its position from 1. Raises AnalysisError `unknown-frame`."""
-        found = self.places.get((document, position - 1))
-        if found is None:
+        place = self.places.get((document, position - 1))
+        if place is None:
             raise AnalysisError(
                 "unknown-frame",
                 f"The space has no frame {position} of document {document!r}.",
                 remedy="Frames count from 1; the parts takes and excluded say which are used.",
             )
-        return found
+        return place
 
     def check_level(self, level: int) -> int:
         """Raises AnalysisError `unknown-level`."""
@@ -101,7 +101,7 @@ def from_stored(parts: Parts) -> Stored:
         graph,
         np.asarray(points.arrays["coordinates"])[:, :2],
         candidates,
-        [_links(links, one) if one["listed"] else None for one in about],
+        [_links(links, entry) if entry["listed"] else None for entry in about],
         None if "landmarks" in arrays else np.asarray(arrays["geodesics"]),
     )
     positions = np.asarray(arrays["positions"])
@@ -111,7 +111,7 @@ def from_stored(parts: Parts) -> Stored:
     sizes = [np.bincount(owner, minlength=len(own)) for owner, own in zip(owners, candidates, strict=False)]
     sizes += [np.ones(len(own), dtype=np.int64) for own in candidates[len(sizes) :]]
     names = [column["name"] for column in levels.data["columns"]]
-    found = Stored(
+    stored = Stored(
         ground=ground,
         positions=positions,
         take=np.asarray(arrays["take"]),
@@ -120,20 +120,20 @@ def from_stored(parts: Parts) -> Stored:
         summary=space.data["summary"],
         levels=[dict(zip(names, row, strict=True)) for row in levels.data["rows"]],
         sizes=sizes,
-        components=[one["components"] for one in about],
+        components=[entry["components"] for entry in about],
     )
     # Made once, here, so that operations answer in milliseconds.
     _ = graph.matrix
     if "path" in parts:
-        found.path = _path(found, parts["path"].data["path"])
-    return found
+        stored.path = _path(stored, parts["path"].data["path"])
+    return stored
 
 
 def on_path(space: Stored, parts: Parts) -> Stored:
     """The same space with the path that an operation kept."""
-    found = copy(space)
-    found.path = _path(space, parts["path"].data["path"])
-    return found
+    child = copy(space)
+    child.path = _path(space, parts["path"].data["path"])
+    return child
 
 
 def _links(part: Part, about: Mapping[str, Any]) -> Links:

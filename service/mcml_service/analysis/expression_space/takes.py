@@ -148,7 +148,7 @@ def part_of(frames: Frames, kept: NDArray[np.bool_]) -> Frames:
         take=take,
         frame=frames.frame[kept],
         neutral=neutral,
-        takes=tuple(replace(one, kept=int(count)) for one, count in zip(frames.takes, counts, strict=True)),
+        takes=tuple(replace(kept_take, kept=int(count)) for kept_take, count in zip(frames.takes, counts, strict=True)),
     )
 
 

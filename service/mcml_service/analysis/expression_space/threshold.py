@@ -37,13 +37,13 @@ def choose(trials: Trials, tried: Sequence[Tried], rule: TauRule, markers: int) 
     if rule == "published":
         return Chosen(published)
     if rule == "unbroken":
-        return _unbroken(trials, [found for found in tried if found.tau >= trials.low])
-    usable = [found for found in tried if np.isfinite(found.r)]
+        return _unbroken(trials, [trial for trial in tried if trial.tau >= trials.low])
+    usable = [trial for trial in tried if np.isfinite(trial.r)]
     if not usable:
-        what = "No threshold tried has a correlation that is defined: 2.3 mm for each marker is taken."
-        return Chosen(published, (("tau-undefined", what),))
-    best = max(found.r for found in usable)
-    return Chosen(next(found.tau for found in usable if found.r == best))
+        text = "No threshold tried has a correlation that is defined: 2.3 mm for each marker is taken."
+        return Chosen(published, (("tau-undefined", text),))
+    best = max(trial.r for trial in usable)
+    return Chosen(next(trial.tau for trial in usable if trial.r == best))
 
 
 def _unbroken(trials: Trials, tried: Sequence[Tried]) -> Chosen:
@@ -51,21 +51,21 @@ def _unbroken(trials: Trials, tried: Sequence[Tried]) -> Chosen:
 
     tried: by rising tau, up to the longest distance, at which nothing is broken.
     """
-    first = next((found.tau for found in tried if found.broken <= BROKEN), trials.longest)
+    first = next((trial.tau for trial in tried if trial.broken <= BROKEN), trials.longest)
     wide = max(first, min(MARGIN * first, trials.longest))
     cut = trials.jump(first, wide) > JUMP
     tau = first if cut else wide
     warnings = []
     if first > SPARSE * trials.far:
-        what = (
+        text = (
             f"Near faces are near on the graph only from {first:.3g} mm on, {100 * first / trials.far:.0f} % of the "
             "distance of far ones: the space is sparse, and its map nearly that of straight distances."
         )
-        warnings.append(("sparse-space", what))
+        warnings.append(("sparse-space", text))
     if cut or trials.jump(tau, FARTHER * tau) > JUMP:
-        what = (
+        text = (
             f"A threshold a little above {tau:.3g} mm opens short cuts: {100 * JUMP:.0f} % of the ways or more become "
             "shorter by a third. Look at the map at several thresholds (tau_mm)."
         )
-        warnings.append(("near-gap", what))
+        warnings.append(("near-gap", text))
     return Chosen(tau, tuple(warnings))

@@ -84,8 +84,8 @@ class Trials:
         """Thresholds to try: from `low` to the longest distance, in equal ratios, and others."""
         low = self.low * (1 + 1e-9)
         spread = np.geomspace(low, max(self.longest, low), count) if count else np.empty(0)
-        found: list[float] = np.unique(np.concatenate([spread, np.asarray(also, dtype=float)])).tolist()
-        return found
+        thresholds: list[float] = np.unique(np.concatenate([spread, np.asarray(also, dtype=float)])).tolist()
+        return thresholds
 
     def parts(self, tau: float) -> Places:
         """(n,) number of the connected part of each frame."""
@@ -98,13 +98,13 @@ class Trials:
     def geodesics(self, tau: float, sample: Places) -> Array:
         """Geodesics (s, s) among frames, which are sorted; infinite between parts."""
         labels = self.parts(tau)
-        found = np.full((len(sample), len(sample)), np.inf)
-        np.fill_diagonal(found, 0.0)
+        lengths = np.full((len(sample), len(sample)), np.inf)
+        np.fill_diagonal(lengths, 0.0)
         for part in np.flatnonzero(np.bincount(labels[sample]) > 1).tolist():
             inside = np.flatnonzero(labels[sample] == part)
             ways = sample_geodesics(self.apart, tau, np.flatnonzero(labels == part), sample[inside])
-            found[np.ix_(inside, inside)] = ways
-        return found
+            lengths[np.ix_(inside, inside)] = ways
+        return lengths
 
     def try_threshold(self, tau: float) -> Tried:
         """What a threshold does."""
@@ -115,8 +115,8 @@ class Trials:
         r = stress = stretch = float("nan")
         if np.count_nonzero(giant) >= 3:
             paths = ways[np.ix_(giant, giant)]
-            found = agreement(paths, classical_scaling(paths, 2, spectrum=False).coordinates)
-            r, stress = found.r, found.stress
+            fit = agreement(paths, classical_scaling(paths, 2, spectrum=False).coordinates)
+            r, stress = fit.r, fit.stress
             straight = float(self.apart[np.ix_(self.spread[giant], self.spread[giant])].mean())
             stretch = float(paths.mean()) / straight if straight > 0 else stretch
         share = float(sizes.max() / len(labels))

@@ -122,7 +122,7 @@ def make(ready: Ready, wish: ReachWish) -> Answer:
         in_gaps=list(made.in_gaps),
         weights=[ReachWeight(clip=_clip(model.sources[place]), weight=weight) for place, weight in made.weights],
         skeleton_source=_clip(model.sources[made.template]),
-        warnings=[ReachWarning(code=code, what=what) for code, what in made.warnings],
+        warnings=[ReachWarning(code=code, what=text) for code, text in made.warnings],
     )
     return Answer(answer, clip=made.clip)
 

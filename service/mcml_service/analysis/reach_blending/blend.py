@@ -201,8 +201,8 @@ def choose(
             inverse = invert(x, s, lam, degree)
             for table, y, error in zip(tried, values, errors, strict=True):
                 usable = inverse.condition <= SINGULAR
-                found = error(leave_out(inverse, y, groups)) if usable else np.inf
-                table.append((s, lam, inverse.condition, found))
+                residual = error(leave_out(inverse, y, groups)) if usable else np.inf
+                table.append((s, lam, inverse.condition, residual))
     chosen: list[Choice | None] = []
     for table in tried:
         best = min(table, key=lambda row: row[3])

@@ -117,11 +117,11 @@ def read_clip(motion: Motion, places: NDArray[np.intp], body: Body, options: Opt
     if count:
         warnings.append(("gap-filled", f"{motion.name}: samples of {count} frames were missing and are filled in"))
     rotations = continuous(unit(rotations))
-    found = jumps(rotations)
-    if found:
-        frame, joint = found[0]
+    leaps = jumps(rotations)
+    if leaps:
+        frame, joint = leaps[0]
         name = body.skeleton.joints[joint].name
-        more = f", and {len(found) - 1} more" if len(found) > 1 else ""
+        more = f", and {len(leaps) - 1} more" if len(leaps) > 1 else ""
         warnings.append(("jump", f"{motion.name}: {name} turns by over 120° at frame {frame + 1}{more}"))
     attributes = np.array([attribute_of(motion, name) for name in options.attributes])
     joint_rotations = rotations[:, body.phase_joint]
@@ -160,8 +160,8 @@ def _fill(motion: Motion, places: NDArray[np.intp]) -> tuple[Array, Array, int]:
 def _arm(rotations: Array, body: Body) -> Array:
     place = body.chain.index(body.phase_joint) if body.phase_joint in body.chain else 0
     joints = list(body.chain[max(place - 1, 0) :])
-    found = principal_components(rotations[:, joints].reshape(len(rotations), -1), 3).coefficients
-    return np.concatenate([found, np.zeros((len(found), 3 - found.shape[1]))], axis=1)
+    components = principal_components(rotations[:, joints].reshape(len(rotations), -1), 3).coefficients
+    return np.concatenate([components, np.zeros((len(components), 3 - components.shape[1]))], axis=1)
 
 
 def attribute_of(motion: Motion, name: str) -> float:

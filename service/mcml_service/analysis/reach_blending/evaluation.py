@@ -47,7 +47,7 @@ def predictions(fitted: Fitted) -> list[Prediction]:
     x, degree = selected.centres, fitted.model.coefficients.degree
     inverse = invert(x, selected.s, selected.lam, degree)
     time_inverse = invert(x, selected.time_s, selected.time_lam, degree)
-    found = []
+    made = []
     for left, groups in ways:
         if not groups:
             continue
@@ -62,8 +62,8 @@ def predictions(fitted: Fitted) -> list[Prediction]:
             values = of_times[fitted.model.example_of]
             times = from_time_values(values, fitted.model.log_times)
             missed = np.abs(times - fitted.times)
-            found.append(Prediction(left, name, _errors(fitted, coefficients), np.nanmean(missed, axis=0)))
-    return found
+            made.append(Prediction(left, name, _errors(fitted, coefficients), np.nanmean(missed, axis=0)))
+    return made
 
 
 def _errors(fitted: Fitted, coefficients: Array) -> Errors:

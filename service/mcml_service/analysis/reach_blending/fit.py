@@ -216,12 +216,12 @@ def scarcity(names: Sequence[str], attributes: Array, subjects: Sequence[str] | 
 
     attributes: (N, A). subjects: who moves, (N,), None where nobody is told apart.
     """
-    found = []
+    reasons = []
     for name, column in zip(names, attributes.T, strict=True):
         values = np.unique(column)
         if len(values) == 2:
             low, high = (f"{value:g}" for value in values)
-            found.append(
+            reasons.append(
                 (
                     "two-values",
                     f"{name} has two values in the clips, {low} and {high}: what lies between them, and how it goes "
@@ -229,7 +229,7 @@ def scarcity(names: Sequence[str], attributes: Array, subjects: Sequence[str] | 
                 )
             )
     if subjects is not None and len(people := sorted(set(subjects))) == 2:
-        found.append(
+        reasons.append(
             (
                 "two-people",
                 f"The clips are of two people, {people[0]} and {people[1]}: what differs between people cannot be told "
@@ -237,7 +237,7 @@ def scarcity(names: Sequence[str], attributes: Array, subjects: Sequence[str] | 
                 'leave out what is the same in all clips of a person; subject="" leaves single clips out instead.',
             )
         )
-    return found
+    return reasons
 
 
 @contextmanager
@@ -269,17 +269,17 @@ def _about_attributes(space: AttributeSpace, options: Options) -> list[tuple[str
 
 def _examples(x: Array, options: Options, clips: Sequence[Clip]) -> list[list[int]]:
     """Groups of clips with equal attributes, first clips in order; single ones are groups of one."""
-    found = duplicates(x)
-    if found and options.duplicates == "error":
-        pairs = [[clips[row].motion.name for row in group] for group in found]
+    groups = duplicates(x)
+    if groups and options.duplicates == "error":
+        pairs = [[clips[row].motion.name for row in group] for group in groups]
         raise AnalysisError(
             "duplicate-attributes",
-            f"{len(found)} sets of clips have the same attributes, among them {' and '.join(pairs[0][:2])}.",
+            f"{len(groups)} sets of clips have the same attributes, among them {' and '.join(pairs[0][:2])}.",
             remedy='Set duplicates to "mean" to average them, or use the robust method.',
             groups=pairs,
-            leave_out=[clips[row].motion.document for group in found for row in group[1:]],
+            leave_out=[clips[row].motion.document for group in groups for row in group[1:]],
         )
-    return same_place(found, len(x))
+    return same_place(groups, len(x))
 
 
 def _labels(clips: Sequence[Clip], options: Options) -> list[str] | None:

@@ -66,5 +66,5 @@ _PAPER: Mapping[str, Any] = {
 
 def options_of(method: Method = "robust", **stated: Any) -> Options:
     """The options of a method, with those that are stated (None: not stated)."""
-    given = {name: value for name, value in stated.items() if value is not None}
-    return Options(method=method, **{**(_PAPER if method == "paper" else {}), **given})
+    values = {name: value for name, value in stated.items() if value is not None}
+    return Options(method=method, **{**(_PAPER if method == "paper" else {}), **values})

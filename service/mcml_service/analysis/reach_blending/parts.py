@@ -100,13 +100,13 @@ def _summary(fitted: Fitted, options: Options, own: Errors, errors: Sequence[Pre
         "reconstruction": _name_values(_measures(fitted, own)),
         "left_out": [
             {
-                "left_out": found.left_out,
-                "predictor": found.predictor,
-                **_name_values(_measures(fitted, found.errors)),
-                "times": dict(zip(("t1", "t2", "end"), map(plain, found.times.tolist()), strict=True)),
-                "clips": found.errors.clips,
+                "left_out": prediction.left_out,
+                "predictor": prediction.predictor,
+                **_name_values(_measures(fitted, prediction.errors)),
+                "times": dict(zip(("t1", "t2", "end"), map(plain, prediction.times.tolist()), strict=True)),
+                "clips": prediction.errors.clips,
             }
-            for found in errors
+            for prediction in errors
         ],
         "attributes": [
             {
@@ -121,7 +121,7 @@ def _summary(fitted: Fitted, options: Options, own: Errors, errors: Sequence[Pre
             for place, (name, unit) in enumerate(zip(model.names, model.units, strict=True))
         ],
         "equal_attributes": [[names[row] for row in group] for group in alike],
-        "warnings": [{"code": code, "what": what} for code, what in fitted.warnings],
+        "warnings": [{"code": code, "what": text} for code, text in fitted.warnings],
     }
 
 
@@ -184,9 +184,17 @@ def _errors(fitted: Fitted, own: Errors, errors: Sequence[Prediction]) -> Part:
         ("clips", ""),
     ]
     rows: list[list[Any]] = [["nothing", "components", *_measures(fitted, own), None, None, None, own.clips]]
-    for found in errors:
-        times = [plain(value) for value in found.times.tolist()]
-        rows.append([found.left_out, found.predictor, *_measures(fitted, found.errors), *times, found.errors.clips])
+    for prediction in errors:
+        times = [plain(value) for value in prediction.times.tolist()]
+        rows.append(
+            [
+                prediction.left_out,
+                prediction.predictor,
+                *_measures(fitted, prediction.errors),
+                *times,
+                prediction.errors.clips,
+            ]
+        )
     return _table(columns, rows)
 
 

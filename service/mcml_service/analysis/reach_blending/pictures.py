@@ -79,39 +79,39 @@ def _attributes(axes: Axes, parts: Parts) -> None:
     values = np.asarray(parts["attributes"].arrays["attributes"])
     about = parts["model"].data["summary"]["attributes"]
     spread = np.random.default_rng(0)
-    for row, one in enumerate(about):
-        width = (one["greatest"] - one["least"]) or 1.0
-        where = (values[:, row] - one["least"]) / width
+    for row, attribute in enumerate(about):
+        width = (attribute["greatest"] - attribute["least"]) or 1.0
+        where = (values[:, row] - attribute["least"]) / width
         axes.hlines(row, 0, 1, color=LINE, linewidth=1)
         axes.scatter(where, row + spread.uniform(0.05, 0.3, len(where)), s=5, color=ACCENT, alpha=0.6, linewidths=0)
-        for low, high in one["gaps"]:
-            a, b = (low - one["least"]) / width, (high - one["least"]) / width
+        for low, high in attribute["gaps"]:
+            a, b = (low - attribute["least"]) / width, (high - attribute["least"]) / width
             axes.fill_between(
                 [a, b], row - 0.08, row + 0.35, facecolor="none", edgecolor=WARM, hatch="////", linewidth=0
             )
-        unit = f" {one['unit']}" if one["unit"] else ""
-        for at, value, side in ((0, one["least"], "left"), (1, one["greatest"], "right")):
+        unit = f" {attribute['unit']}" if attribute["unit"] else ""
+        for at, value, side in ((0, attribute["least"], "left"), (1, attribute["greatest"], "right")):
             axes.annotate(f"{value:g}{unit}", (at, row - 0.12), ha=side, va="top", fontsize=7, color=QUIET)
-    axes.set_yticks(range(len(about)), [one["name"] for one in about])
+    axes.set_yticks(range(len(about)), [attribute["name"] for attribute in about])
     axes.set_ylim(-0.5, len(about) - 0.4)
     axes.set_xticks([])
     axes.spines["bottom"].set_visible(False)
-    if any(one["gaps"] for one in about):
+    if any(attribute["gaps"] for attribute in about):
         say_more(axes, "hatched: nobody recorded")
 
 
 def _errors(axes: Axes, parts: Parts) -> None:
     """Mean error of joints for clips left out of the fit, beside the two simple predictors."""
     axes.set_title("Error for clips left out")
-    found = [row for row in columns_of(parts["errors"]) if row["joint"] is not None and row["left_out"] != "nothing"]
-    groups = list(dict.fromkeys(row["left_out"] for row in found))
-    if not found:
+    rows = [row for row in columns_of(parts["errors"]) if row["joint"] is not None and row["left_out"] != "nothing"]
+    groups = list(dict.fromkeys(row["left_out"] for row in rows))
+    if not rows:
         empty(axes, "Too few clips to leave any out.")
         return
-    predictors = list(dict.fromkeys(row["predictor"] for row in found))
+    predictors = list(dict.fromkeys(row["predictor"] for row in rows))
     height = 0.8 / len(predictors)
     for place, predictor in enumerate(predictors):
-        own = {row["left_out"]: row["joint"] for row in found if row["predictor"] == predictor}
+        own = {row["left_out"]: row["joint"] for row in rows if row["predictor"] == predictor}
         at = [number + 0.4 - height * (place + 0.5) for number, group in enumerate(groups) if group in own]
         ink = ACCENT if place == 0 else (QUIET, LINE)[min(1, place - 1)]
         words = _PREDICTORS.get(predictor, predictor)

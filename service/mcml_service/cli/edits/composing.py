@@ -80,8 +80,8 @@ def _segment(text: str) -> dict[str, Any]:
         if re.match(r"[0-9a-fA-F-]{36}[@:]", text):
             raise typer.BadParameter(f"{text!r} is not ID:FIRST-LAST or ID@REVISION:FIRST-LAST, frames counted from 1")
         return {"xpath": text}
-    found = {key: int(value) for key, value in match.groupdict().items() if value is not None and key != "document"}
-    return {"document": match["document"], **found}
+    fields = {key: int(value) for key, value in match.groupdict().items() if value is not None and key != "document"}
+    return {"document": match["document"], **fields}
 
 
 def retarget(
@@ -149,8 +149,8 @@ def _retarget_many(client: Client, request: RetargetMany, as_json: bool) -> None
             print(line.decode(), flush=True)
         elif item.made is not None:
             worst = max((bone.mean for bone in item.made.bones if bone.leads), default=0.0)
-            what = "would make" if request.preview else f"made {item.made.document}"
-            console.print(f"{what}  {item.name}  {item.made.frames:,} frames, {worst:.1f} degrees off")
+            done = "would make" if request.preview else f"made {item.made.document}"
+            console.print(f"{done}  {item.name}  {item.made.frames:,} frames, {worst:.1f} degrees off")
         elif item.problem is not None:
             console.print(f"failed  {item.name}  {item.source}: {item.problem.detail}")
     if not as_json:

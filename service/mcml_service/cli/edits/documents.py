@@ -45,15 +45,15 @@ def delete(
     """Hide documents. Nothing is lost: `mcml restore ID` brings one back."""
     write_to_the_end()
     client = open_client(database, server)
-    found = resolve_documents(client, ids, project, motion_name, xpath)
-    if not confirm(found, yes, "deleted"):
+    documents = resolve_documents(client, ids, project, motion_name, xpath)
+    if not confirm(documents, yes, "deleted"):
         return
 
     def delete_one(item: Any) -> None:
         client.call("delete_document", id=item.id, if_match=match_of(revision))
         console.print(f"deleted  {item.name}  {item.id}")
 
-    for_each(found, delete_one)
+    for_each(documents, delete_one)
 
 
 def rename(
@@ -89,8 +89,8 @@ def move(
     """Move documents to a project."""
     write_to_the_end()
     client = open_client(database, server)
-    found = resolve_documents(client, ids, project, motion_name, xpath)
-    if not confirm(found, yes, "moved"):
+    documents = resolve_documents(client, ids, project, motion_name, xpath)
+    if not confirm(documents, yes, "moved"):
         return
     change = {"project": to, "message": message}
 
@@ -98,7 +98,7 @@ def move(
         client.call("change_document", id=item.id, change=change, if_match="*")
         console.print(f"moved    {item.name}  {item.id}  to {to}")
 
-    for_each(found, move_one)
+    for_each(documents, move_one)
 
 
 def set_(
@@ -118,12 +118,12 @@ def set_(
 ) -> None:
     """State what the files of documents do not say. Nothing is converted; each change is a revision."""
     stated = {"frame_time": frame_time, "unit": unit, "up": up, "description": description}
-    given = {key: value for key, value in stated.items() if value is not None}
-    if not given:
+    facts = {key: value for key, value in stated.items() if value is not None}
+    if not facts:
         raise typer.BadParameter("say what: --frame-time, --unit, --up or --description")
     write_to_the_end()
     client = open_client(database, server)
-    change = dict(**given, message=message)
+    change = dict(**facts, message=message)
 
     def set_one(item: Any) -> None:
         _print_changes(client.call("change_document", id=item.id, change=change, if_match=match_of(revision)), as_json)

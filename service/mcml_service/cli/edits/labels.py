@@ -34,8 +34,8 @@ def label(
     """Name frames of a document."""
     write_to_the_end()
     client = open_client(database, server)
-    found = client.call("get_document", id=id_of(client, id))
-    id, frames = found.id, found.frames
+    document = client.call("get_document", id=id_of(client, id))
+    id, frames = document.id, document.frames
     asked = [_range(parse_label(text), frames) for text in labels]
     added = client.call("add_labels", id=id, labels=asked, strict=strict, if_match="*")
     if as_json:
@@ -60,13 +60,13 @@ def suggest(
     write_to_the_end()
     client = open_client(database, server)
     id = id_of(client, id)
-    found = client.call("suggest_labels", id=id, confidence=confidence, facing=facing and facing.upper())
-    if accept and found.items:
-        asked = [{"name": item.name, "first": item.first, "last": item.last} for item in found.items]
+    suggestions = client.call("suggest_labels", id=id, confidence=confidence, facing=facing and facing.upper())
+    if accept and suggestions.items:
+        asked = [{"name": item.name, "first": item.first, "last": item.last} for item in suggestions.items]
         client.call("add_labels", id=id, labels=asked, strict=True, if_match="*")
-    present(OPERATIONS["suggest_labels"], found, as_json)
+    present(OPERATIONS["suggest_labels"], suggestions, as_json)
     if not as_json:
-        console.print(f"{len(found.items)} {'accepted' if accept else 'suggested'}")
+        console.print(f"{len(suggestions.items)} {'accepted' if accept else 'suggested'}")
 
 
 def _range(label: Label, frames: int) -> dict[str, str | int]:

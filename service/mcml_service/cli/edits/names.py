@@ -52,7 +52,7 @@ def apply(
     options = {"project": project, "motion_name": motion_name, "xpath": xpath}
     if ids and any(option is not None for option in options.values()):
         raise typer.BadParameter("name documents, or choose them by --project, --motion-name, --xpath")
-    found = choose_documents(client, ids, **options)
+    documents = choose_documents(client, ids, **options)
     made: list[AppliedNames] = []
 
     def apply_one(item: DocumentSummary) -> None:
@@ -61,13 +61,13 @@ def apply(
             console.print(f"{item.id}  {name.source}: {name.before} -> {name.after}")
 
     try:
-        for_each(found, apply_one)
+        for_each(documents, apply_one)
     finally:
         if as_json:
             print_json({"items": [item.model_dump() for item in made]})
         else:
             done = sum(bool(item.items) for item in made)
-            console.print(f"{done} of {len(found)} documents {'would be' if dry_run else 'were'} changed")
+            console.print(f"{done} of {len(documents)} documents {'would be' if dry_run else 'were'} changed")
 
 
 def alias(
@@ -81,15 +81,15 @@ def alias(
     """Say what a project calls joints, for imports to come. `mcml names apply` renames documents that exist."""
     from mcml.language.joint_names import alias_key
 
-    given = [text.rpartition("=")[::2] for text in pairs or ()]
-    if not all(one and other for one, other in given) or not (given or remove):
+    pairs_of_texts = [text.rpartition("=")[::2] for text in pairs or ()]
+    if not all(joint and other for joint, other in pairs_of_texts) or not (pairs_of_texts or remove):
         raise typer.BadParameter("NAME=JOINT, such as Hüfte=Root, or --remove NAME")
     write_to_the_end()
     client = open_client(database, server)
     present_table = client.call("get_aliases", project=project)
-    gone = {alias_key(name) for name in (*(one for one, _ in given), *(remove or ()))}
+    gone = {alias_key(name) for name in (*(joint for joint, _ in pairs_of_texts), *(remove or ()))}
     items = [item for item in present_table.items if alias_key(item.source) not in gone]
-    items += [Alias(source=one, name=other) for one, other in given]
+    items += [Alias(source=joint, name=other) for joint, other in pairs_of_texts]
     match = f'"{present_table.version}"'
     if not items:
         client.call("delete_aliases", project=project, if_match=match)
@@ -119,9 +119,9 @@ def vocabulary(
         return
     items = {word.name: word for word in kept.items}
     for text in words or ():
-        name, said, description = text.partition("=")
+        name, equals, description = text.partition("=")
         before = items.get(canonical(name), VocabularyWord(name=canonical(name)))
-        items[before.name] = before.model_copy(update={"description": description} if said else {})
+        items[before.name] = before.model_copy(update={"description": description} if equals else {})
     for text in colour or ():
         name, _, number = text.rpartition("=")
         if name == "" or canonical(name) not in items or not (number.isdigit() and int(number) <= MOST_COLOURS):
@@ -154,9 +154,9 @@ def save(
     client = open_client(database, server)
     pairs: dict[str, str] = {}
     if suggest is not None:
-        one, other = (id_of(client, text) for text in suggest)
+        joint, other = (id_of(client, text) for text in suggest)
         asked = {"skeleton": other, "preview": True}
-        pairs = {match.target: match.source for match in client.call("retarget", id=one, request=asked).matches}
+        pairs = {match.target: match.source for match in client.call("retarget", id=joint, request=asked).matches}
     pairs |= {pair.target: pair.source for pair in joint_pairs(joints)}
     if not pairs:
         raise typer.BadParameter("give --joint SOURCE=TARGET, or --suggest ID SKELETON")
@@ -174,6 +174,6 @@ def save(
 def joint_pairs(joints: list[str] | None) -> list[JointPair]:
     """SOURCE=TARGET texts."""
     pairs = [text.partition("=")[::2] for text in joints or ()]
-    if not all(one and other for one, other in pairs):
+    if not all(source and other for source, other in pairs):
         raise typer.BadParameter("SOURCE=TARGET, such as left_hand=left_wrist", param_hint="--joint")
-    return [JointPair(source=one, target=other) for one, other in pairs]
+    return [JointPair(source=source, target=other) for source, other in pairs]

@@ -52,31 +52,36 @@ def purge(
         with Local(store, settings) as client:
             chosen = choose_documents(client, project=project, motion_name=motion_name, xpath=xpath)
             wanted += [item.id for item in chosen]
-    found = purgeable(store, wanted, deleted_before)
+    documents = purgeable(store, wanted, deleted_before)
     done = 0
     if yes:
-        done = purge_documents(store, [one.uuid for one in found], cache_dir=settings.cache_dir)
+        done = purge_documents(store, [document.uuid for document in documents], cache_dir=settings.cache_dir)
     if as_json:
-        print_json({"purged": done, "documents": [asdict(one) for one in found]})
+        print_json({"purged": done, "documents": [asdict(document) for document in documents]})
         return
-    _show(found)
+    _show(documents)
     if yes:
         console.print(f"purged {done} documents. Backups made before still hold them.")
-    elif found:
+    elif documents:
         console.print("Nothing was purged: --yes does it, and nothing brings them back. Older backups still hold them.")
 
 
 def _show(found: list[Purgeable]) -> None:
     rows = table("id", "name", "project", "deleted", "revisions#", "MB#")
-    for one in found:
+    for document in found:
         rows.add_row(
-            one.uuid, one.name, one.project, one.deleted or "no", str(one.revisions), f"{one.bytes / 1e6:,.1f}"
+            document.uuid,
+            document.name,
+            document.project,
+            document.deleted or "no",
+            str(document.revisions),
+            f"{document.bytes / 1e6:,.1f}",
         )
     if found:
         console.print(rows)
     else:
         console.print("no such documents")
-    for one in found:
-        for kind, made in (("clip", one.clips), ("model or result", one.results)):
+    for document in found:
+        for kind, made in (("clip", document.clips), ("model or result", document.results)):
             for uuid, name in made:
-                console.print(f"stays    the {kind} {name} ({uuid}) was made from {one.name}, among others")
+                console.print(f"stays    the {kind} {name} ({uuid}) was made from {document.name}, among others")

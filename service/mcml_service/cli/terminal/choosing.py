@@ -30,10 +30,10 @@ def resolve_documents(
     options = [option for option in (project, motion_name, xpath) if option is not None]
     if bool(ids) == bool(options):
         raise typer.BadParameter("name documents, or choose them by --project, --motion-name, --xpath")
-    found = choose_documents(client, ids, project=project, motion_name=motion_name, xpath=xpath)
-    if not found:
+    documents = choose_documents(client, ids, project=project, motion_name=motion_name, xpath=xpath)
+    if not documents:
         raise McmlError("No document fits.", remedy="Try the same options with `mcml ls`.")
-    return found
+    return documents
 
 
 def confirm(found: list[DocumentSummary], yes: bool, what: str) -> bool:

@@ -41,8 +41,8 @@ def lazy_group(module: str) -> type[TyperGroup]:
             if not hasattr(self, "_found"):
                 group = typer.Typer()
                 importlib.import_module(module).add_to(group)
-                found: Any = typer.main.get_group(group)
-                self._found = found.commands
+                group_command: Any = typer.main.get_group(group)
+                self._found = group_command.commands
             return self._found
 
         @commands.setter

@@ -39,9 +39,9 @@ console = Console(highlight=False, markup=False, soft_wrap=True, width=None if s
 
 def choose_settings(database: str | None = None, **changes: Any) -> Settings:
     """Settings from the environment, with what the command line says. McmlError for a variable that makes no sense."""
-    given = {key: value for key, value in {"database": database, **changes}.items() if value is not None}
+    overrides = {key: value for key, value in {"database": database, **changes}.items() if value is not None}
     try:
-        return Settings().model_copy(update=given)
+        return Settings().model_copy(update=overrides)
     except ValidationError as error:
         fault = error.errors()[0]
         name = f"MCML_{'_'.join(map(str, fault['loc'])).upper()}"

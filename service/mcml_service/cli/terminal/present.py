@@ -215,9 +215,17 @@ def _vocabulary(found: Vocabulary) -> None:
 def _calibration(found: Calibration) -> None:
     rows = table("what", "value", "metres#", "origin", "reason")
     for name in ("unit", "up", "floor", "leg", "reference", "leaps"):
-        one: CalibrationValue = getattr(found, name)
-        value = f"{one.value:g}" if isinstance(one.value, float) else "" if one.value is None else str(one.value)
-        rows.add_row(name, value, "" if one.metres is None else f"{one.metres:.4g}", one.origin, one.reason)
+        measured: CalibrationValue = getattr(found, name)
+        value = (
+            f"{measured.value:g}"
+            if isinstance(measured.value, float)
+            else ""
+            if measured.value is None
+            else str(measured.value)
+        )
+        rows.add_row(
+            name, value, "" if measured.metres is None else f"{measured.metres:.4g}", measured.origin, measured.reason
+        )
     console.print(rows)
     console.print(f"positions in steps of {found.step:g}" + ("" if found.kept else ", not kept yet: mcml db derive"))
 

@@ -109,8 +109,8 @@ def _read(call: Call, uuid: str, changes: ChangeSet, base: int | None, *, tell: 
     wanted = _Wanted()
     for number, item in enumerate(changes.elements):
         with _fault(wanted.faults if tell else None, "elements", number):
-            found = make_edits(call, uuid, item, base, many=changes.many, renumber=changes.renumber)
-            wanted.elements.append((number, found))
+            edits = make_edits(call, uuid, item, base, many=changes.many, renumber=changes.renumber)
+            wanted.elements.append((number, edits))
     for number, block in enumerate(changes.frames):
         with _fault(wanted.faults if tell else None, "frames", number):
             wanted.frames.append(_values(block))
@@ -130,7 +130,7 @@ def _values(block: FrameBlock) -> Values:
         numbers = np.frombuffer(block.data, "<f8") if len(block.data) % 8 == 0 else np.empty(0)
         rows = [numbers] if numbers.size == 0 or numbers.size % len(columns) else numbers.reshape(-1, len(columns))
     else:
-        rows = [np.array([math.nan if one is None else one for one in row]) for row in block.values or ()]
+        rows = [np.array([math.nan if value is None else value for value in row]) for row in block.values or ()]
     if not len(rows) or {len(row) for row in rows} != {len(columns)}:
         raise DocumentError(
             f"{len(columns)} columns are named, and some rows have another number of values.",
@@ -144,7 +144,7 @@ def _try(
 ) -> ChangesMade:
     answer = ChangesMade(revision=stored.revision, frames=stored.frames, merged=merging is not None)
     if merging is not None:
-        answer.conflicts = [wire.Conflict(**vars(one)) for one in merging.conflicts]
+        answer.conflicts = [wire.Conflict(**vars(conflict)) for conflict in merging.conflicts]
         answer.mergeable = merging.mergeable
     with _fault(answer.faults, "all", None):
         answer.frames = make().frames
@@ -200,7 +200,7 @@ def _refuse(merging: Merge, stored: StoredDocument) -> ConflictError:
         remedy="Decide about each conflict, and send the changes again for the present revision.",
         code="changed-meanwhile",
         revision=stored.revision,
-        conflicts=[_conflict(one) for one in merging.conflicts],
+        conflicts=[_conflict(conflict) for conflict in merging.conflicts],
         mergeable=merging.mergeable,
     )
 

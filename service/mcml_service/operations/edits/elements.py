@@ -74,8 +74,8 @@ class Edit:
     @property
     def base(self) -> int | None:
         """The revision that edits are made for where they are to be merged, None for the current one."""
-        said = re.fullmatch(r'"(\d{1,9})(?:-[a-z-]+)?"', (self.if_match or "").strip())
-        return int(said[1]) if self.merge and said is not None else None
+        match = re.fullmatch(r'"(\d{1,9})(?:-[a-z-]+)?"', (self.if_match or "").strip())
+        return int(match[1]) if self.merge and match is not None else None
 
     def check(self, tx: Transaction, uuid: str) -> tuple[StoredDocument, int | None]:
         """The document, locked; and the older revision that the edits were made for, if they are to be merged."""
@@ -116,10 +116,12 @@ def list_children(
         asked = zlib.crc32(address.encode())
         call.set_tag(tag(stored, f"children-{asked}-{first}-{limit}"), lasting=revision is not None)
         most = min(limit, call.settings.page_limit)
-        total, found = listing.list_children(then, stored, address, first, most)
+        total, children = listing.list_children(then, stored, address, first, most)
     items = [
-        Child(address=one.address, name=one.tag, attributes=one.attributes, text=one.text, children=one.children)
-        for one in found
+        Child(
+            address=child.address, name=child.tag, attributes=child.attributes, text=child.text, children=child.children
+        )
+        for child in children
     ]
     return ChildPage(address=address, total=total, first=first, items=items)
 
@@ -129,22 +131,22 @@ def change_element(
 ) -> ElementEdited:
     """Only what is touched is written; the rest of the document stays."""
     new = Change(change.attributes, change.text)
-    found = _addresses(call, id, xpath, many, edit.base)
-    return _edit(call, id, edit, [ElementEdit(address, new) for address in found], change.message)
+    targets = _addresses(call, id, xpath, many, edit.base)
+    return _edit(call, id, edit, [ElementEdit(address, new) for address in targets], change.message)
 
 
 def delete_element(
     call: Call, id: DocumentId, xpath: One, edit: Edit, many: Many = False, renumber: Renumber = False
 ) -> ElementEdited:
-    found = _addresses(call, id, xpath, many, edit.base)
-    return _edit(call, id, edit, [ElementEdit(address, Deletion(renumber)) for address in found])
+    targets = _addresses(call, id, xpath, many, edit.base)
+    return _edit(call, id, edit, [ElementEdit(address, Deletion(renumber)) for address in targets])
 
 
 def replace_element(call: Call, id: DocumentId, xpath: One, fragment: Fragment, edit: Edit) -> ElementEdited:
     """The body is MCML without a document around it."""
     new = Replacement(tuple(read_fragment(fragment)))
-    found = _addresses(call, id, xpath, False, edit.base)
-    return _edit(call, id, edit, [ElementEdit(address, new) for address in found])
+    targets = _addresses(call, id, xpath, False, edit.base)
+    return _edit(call, id, edit, [ElementEdit(address, new) for address in targets])
 
 
 def insert_elements(
@@ -160,8 +162,8 @@ def insert_elements(
 ) -> ElementEdited:
     """The body is MCML without a document around it, such as some frames."""
     new = Insertion(where, tuple(read_fragment(fragment)), renumber)
-    found = _addresses(call, id, xpath, False, edit.base)
-    return _edit(call, id, edit, [ElementEdit(address, new) for address in found])
+    targets = _addresses(call, id, xpath, False, edit.base)
+    return _edit(call, id, edit, [ElementEdit(address, new) for address in targets])
 
 
 def edit_elements(call: Call, id: DocumentId, request: ElementEdits, edit: Edit) -> ElementEdited:
@@ -180,8 +182,8 @@ def _edit(call: Call, uuid: str, edit: Edit, edits: Sequence[ElementEdit], messa
         stored, base = edit.check(tx, uuid)
         if base is not None:
             then, was = at_revision(tx, uuid, base)
-            moved = editing.carry_over(then, was, tx, stored, [one.address for one in edits])
-            edits = [replace(one, address=address) for one, address in zip(edits, moved, strict=True)]
+            moved = editing.carry_over(then, was, tx, stored, [each.address for each in edits])
+            edits = [replace(each, address=address) for each, address in zip(edits, moved, strict=True)]
         changed = editing.edit_elements(tx, stored, edits, message, gapless=edit.gaps == "refuse")
     call.tag = tag(changed)
     return ElementEdited(address=edits[0].address, elements=len(edits), revision=changed.revision)
@@ -192,21 +194,21 @@ def make_edits(
 ) -> list[ElementEdit]:
     """An edit by an expression, as edits by canonical addresses. base: the revision that it is said of; default the
     current one."""
-    found = _addresses(call, uuid, item.xpath, many and item.do != "move", base)
+    targets = _addresses(call, uuid, item.xpath, many and item.do != "move", base)
     if isinstance(item, ChangeEdit):
-        return [ElementEdit(address, Change(item.attributes, item.text)) for address in found]
+        return [ElementEdit(address, Change(item.attributes, item.text)) for address in targets]
     if isinstance(item, DeleteEdit):
-        return [ElementEdit(address, Deletion(item.renumber)) for address in found]
+        return [ElementEdit(address, Deletion(item.renumber)) for address in targets]
     if isinstance(item, MoveEdit):
         with call.database.read() as tx:
             then, stored = at_revision(tx, uuid, base)
-            moved = tuple(read_fragment(read_element(then, stored, found[0])))
+            moved = tuple(read_fragment(read_element(then, stored, targets[0])))
         (to,) = _addresses(call, uuid, item.to, False, base)
-        return [ElementEdit(to, Insertion(item.where, moved, renumber)), ElementEdit(found[0], Deletion())]
+        return [ElementEdit(to, Insertion(item.where, moved, renumber)), ElementEdit(targets[0], Deletion())]
     elements = tuple(read_fragment(item.fragment.encode()))
     if isinstance(item, ReplaceEdit):
-        return [ElementEdit(address, Replacement(elements)) for address in found]
-    return [ElementEdit(address, Insertion(item.where, elements, renumber)) for address in found]
+        return [ElementEdit(address, Replacement(elements)) for address in targets]
+    return [ElementEdit(address, Insertion(item.where, elements, renumber)) for address in targets]
 
 
 def _addresses(call: Call, uuid: str, xpath: str, many: bool, revision: int | None = None) -> list[str]:
@@ -218,13 +220,13 @@ def _addresses(call: Call, uuid: str, xpath: str, many: bool, revision: int | No
 
     limit = MOST_ELEMENTS + 1 if many else 2
     request = QueryRequest(q=xpath, document=[uuid], revision=revision, limit=limit)
-    found = [address.removesuffix("/text()") for address in addresses(call.queries, request)]
-    if len(found) > MOST_ELEMENTS:
+    targets = [address.removesuffix("/text()") for address in addresses(call.queries, request)]
+    if len(targets) > MOST_ELEMENTS:
         raise LimitError(f"The expression selects more than {MOST_ELEMENTS} nodes.", remedy="Edit them in parts.")
-    if not found:
+    if not targets:
         raise NotFoundError("The expression selects nothing.", remedy="Try it with GET /xpath first.")
-    if len(found) > 1 and not many:
+    if len(targets) > 1 and not many:
         raise DocumentError(
             "The expression selects more than one node.", remedy="Narrow it to one, such as [1], or say many=true."
         )
-    return found
+    return targets

@@ -146,7 +146,7 @@ def get_frames(
             )
         return _reduce(call, id, revision, (first, last, pixels), bone, dtype, format)
     if format != "json":
-        asked_for = [asked_quantity(one) for one in dict.fromkeys(quantity or ())]
+        asked_for = [asked_quantity(name) for name in dict.fromkeys(quantity or ())]
         then, stored = at_revision(call.read(), id, revision)
         asked = f"{space}-{dtype}-{zlib.crc32(repr((bone, quantity)).encode())}-{origin}-{missing}-{tips}-{raw}"
         call.set_tag(tag(stored, f"{format}-{first}-{last}-{step}-{asked}"), lasting=revision is not None)
@@ -158,10 +158,10 @@ def get_frames(
             (body,) = call.queries.caches.bodies.read(then, [cast("Listed", stored)])
             made = quantity_columns(then, stored, body, asked_for, source.first, source.last)[::step]
             numbers = with_quantities(numbers, asked_for, made, alone=not bone)
-        found = _file(source, numbers, first, step, dtype, format, raw=raw)
+        content = _file(source, numbers, first, step, dtype, format, raw=raw)
         if point is not None:
-            found.facts["origin"] = ",".join(map(repr, point.tolist()))
-        return found
+            content.facts["origin"] = ",".join(map(repr, point.tolist()))
+        return content
     after = page.after(int)
     start = first if after is None else int(after[0])
     with call.database.read() as tx:
@@ -199,11 +199,11 @@ def _reduce(
         call.set_tag(
             tag(stored, f"minmax-{form}-{'-'.join(map(str, which))}-{dtype}-{asked}"), lasting=revision is not None
         )
-        found = reduce_frames(then, stored, *which, bone)
-    shape = found.values.shape
-    blocks = iter([found.values])
+        reduced = reduce_frames(then, stored, *which, bone)
+    shape = reduced.values.shape
+    blocks = iter([reduced.values])
     content = npy_blocks(blocks, shape, dtype) if form == "npy" else plain_blocks(blocks, dtype)
-    facts = _short(found.columns) | {"shape": ",".join(map(str, shape)), "step": str(found.step)}
+    facts = _short(reduced.columns) | {"shape": ",".join(map(str, shape)), "step": str(reduced.step)}
     return Content(content, TYPES[form], facts=facts)
 
 
@@ -261,8 +261,8 @@ def _file(source: StoredClip, numbers: Numbers, first: int, step: int, dtype: st
 
 def _describe_columns(numbers: Numbers) -> dict[str, str]:
     """The names of columns, and their units where some are quantities."""
-    found = _short(numbers.columns)
-    return found if numbers.units is None or not found else found | {"units": ",".join(numbers.units)}
+    names = _short(numbers.columns)
+    return names if numbers.units is None or not names else names | {"units": ",".join(numbers.units)}
 
 
 def _short(columns: list[str]) -> dict[str, str]:
@@ -308,7 +308,7 @@ def put_frames(
     Columns are named by `column`, or by `bone` and `channel`, which may be repeated: all channels of the first bone,
     then those of the next. JSON is `{columns, values}`, or a list of numbers or rows where the query names the columns.
     """
-    stated = [*(column or []), *(f"{one}.{other}" for one in bone or [] for other in channel or [])]
+    stated = [*(column or []), *(f"{joint}.{other}" for joint in bone or [] for other in channel or [])]
     plain = call.media_type in ("", "application/json") and not content.startswith(b"\x93NUMPY")
     columns, values = _from_json(content, stated) if plain else (stated, _from_npy(content))
     if last is not None and last < first:
@@ -350,15 +350,15 @@ def _from_json(content: bytes, stated: list[str]) -> tuple[list[str], Array]:
         if isinstance(sent, list):
             rows = sent if sent and isinstance(sent[0], list) else [[number] for number in sent]
             sent = {"columns": stated, "values": rows}
-        found = FrameValues.model_validate(sent)
+        values = FrameValues.model_validate(sent)
     except ValidationError as error:
         fault = error.errors()[0]
         raise _unread(f"{'.'.join(str(part) for part in fault['loc'])}: {fault['msg']}") from error
     except ValueError as error:
         raise _unread("the body is no JSON") from error
-    if len({len(row) for row in found.values}) > 1:
+    if len({len(row) for row in values.values}) > 1:
         raise _unread("the rows have different lengths")
-    return found.columns, np.array(found.values, dtype=np.float64)
+    return values.columns, np.array(values.values, dtype=np.float64)
 
 
 def _unread(what: str) -> DocumentError:

@@ -50,8 +50,8 @@ def list_labels(
     start = 0 if after is None else after[0]
     with call.database.read() as tx:
         then, stored = at_revision(tx, id, revision)
-        found = [span for span in then.spans.of(stored.key) if name is None or span.name == name]
-    shown, more = page.cut(call, found[start:], lambda _: (start + page.most(call),))
+        spans = [span for span in then.spans.of(stored.key) if name is None or span.name == name]
+    shown, more = page.cut(call, spans[start:], lambda _: (start + page.most(call),))
     return LabelPage(items=[_label(span) for span in shown], next_cursor=more)
 
 
@@ -124,10 +124,10 @@ def export_labels(
 ) -> Content:
     with call.database.read() as tx:
         if document:
-            found = [tx.documents.get(uuid) for uuid in tx.saved.expand(document)]
+            documents = [tx.documents.get(uuid) for uuid in tx.saved.expand(document)]
         else:
-            found = tx.documents.page(DocumentFilter(project=project), after=None, limit=MOST)
-        rows = list(edit_labels.label_rows(tx, found))
+            documents = tx.documents.page(DocumentFilter(project=project), after=None, limit=MOST)
+        rows = list(edit_labels.label_rows(tx, documents))
     if format == "csv":
         return Content(iter([edit_labels.label_table(rows, raw=raw).encode()]), "text/csv; charset=utf-8", "labels.csv")
     kinds = dict(zip(edit_labels.HEADINGS, ("string", "string", "int64", "int64"), strict=True))

@@ -66,8 +66,8 @@ def apply_names(
 def list_mappings(call: Call, page: Page, project: InProject = None) -> MappingPage:
     after = page.after(str, str)
     with call.database.read() as tx:
-        found = tx.mappings.page(project, None if after is None else (after[0], after[1]), page.most(call) + 1)
-    shown, more = page.cut(call, found, lambda stored: (stored.project, stored.name))
+        mappings = tx.mappings.page(project, None if after is None else (after[0], after[1]), page.most(call) + 1)
+    shown, more = page.cut(call, mappings, lambda stored: (stored.project, stored.name))
     return MappingPage(items=[mapping_answer(item) for item in shown], next_cursor=more)
 
 

@@ -87,5 +87,5 @@ def _choose(call: Call, selection: Selection) -> list[str]:
     # Imported here: it takes all that analyses need.
     from mcml_service.actions.composing.select_documents import select_documents
 
-    found, _ = select_documents(call.database, call.queries, selection)
-    return [str(item["document"]) for item in found]
+    uuids, _ = select_documents(call.database, call.queries, selection)
+    return [str(item["document"]) for item in uuids]

@@ -59,7 +59,7 @@ def get_account(call: Call) -> Me:
 def list_accounts(call: Call) -> AccountList:
     """By name; closed ones too."""
     with call.database.read() as tx:
-        return AccountList(items=[_view(one) for one in tx.accounts.all()])
+        return AccountList(items=[_view(person) for person in tx.accounts.all()])
 
 
 def add_owner(call: Call, request: OwnerRequest) -> AccountView:
@@ -125,8 +125,8 @@ def invite(call: Call, request: InvitationRequest) -> InvitationMade:
 def list_invitations(call: Call) -> InvitationList:
     """Those that can be accepted still; of who owns projects alone, those into them."""
     with call.database.read() as tx:
-        found: list[Any] = tx.accounts.invitations()
-    return InvitationList(items=[InvitationView(**vars(one)) for one in found])
+        invitations: list[Any] = tx.accounts.invitations()
+    return InvitationList(items=[InvitationView(**vars(invitation)) for invitation in invitations])
 
 
 def revoke_invitation(call: Call, number: Number) -> None:
@@ -138,8 +138,8 @@ def revoke_invitation(call: Call, number: Number) -> None:
 def list_tokens(call: Call) -> TokenList:
     """One's own; of who keeps the server running all. The tokens themselves are kept nowhere."""
     with call.database.read() as tx:
-        found: list[Any] = [one for one in tx.tokens.all() if _sees(call, one.account)]
-    return TokenList(items=[TokenView(**vars(one)) for one in found])
+        tokens: list[Any] = [token for token in tx.tokens.all() if _sees(call, token.account)]
+    return TokenList(items=[TokenView(**vars(token)) for token in tokens])
 
 
 def add_token(call: Call, request: TokenRequest) -> TokenMade:
@@ -168,7 +168,7 @@ def add_token(call: Call, request: TokenRequest) -> TokenMade:
 def revoke_token(call: Call, name: TokenName) -> None:
     """Its sessions end with it."""
     with call.database.write(call.author) as tx:
-        if not any(one.name == name and _sees(call, one.account) for one in tx.tokens.all()):
+        if not any(token.name == name and _sees(call, token.account) for token in tx.tokens.all()):
             raise NotFoundError(f"There is no token {name!r} of yours.", remedy="See `mcml token list`.")
         tx.tokens.remove(name)
 
@@ -176,8 +176,8 @@ def revoke_token(call: Call, name: TokenName) -> None:
 def list_members(call: Call, project: OfProject) -> MemberList:
     """Those with a role in the whole repository too."""
     with call.database.read() as tx:
-        found: list[Any] = tx.members.of_project(tx.projects.get(project))
-    return MemberList(items=[MemberView(**vars(one)) for one in found])
+        members: list[Any] = tx.members.of_project(tx.projects.get(project))
+    return MemberList(items=[MemberView(**vars(member)) for member in members])
 
 
 def set_member(call: Call, name: AccountName, change: MemberChange, project: OfProject) -> MemberList:

@@ -38,6 +38,6 @@ def list_activity(
     before = page.after(int)
     wanted = EventFilter(project, document, author, kind, since)
     with call.database.read() as tx:
-        found = tx.activity.page(wanted, None if before is None else before[0], page.most(call) + 1)
-    shown, more = page.cut(call, found, lambda event: (event.number,))
+        events = tx.activity.page(wanted, None if before is None else before[0], page.most(call) + 1)
+    shown, more = page.cut(call, events, lambda event: (event.number,))
     return ActivityPage(items=[tell_event(event) for event in shown], next_cursor=more)

@@ -22,9 +22,9 @@ def list_comments(call: Call, id: DocumentId, page: Page) -> CommentPage:
     after = page.after(int)
     with call.database.read() as tx:
         stored = tx.documents.get(id)
-        found = tx.comments.of(stored, 0 if after is None else after[0], page.most(call) + 1)
-        shown, more = page.cut(call, found, lambda one: (one.number,))
-        return CommentPage(items=[_view(tx, stored, one) for one in shown], next_cursor=more)
+        comments = tx.comments.of(stored, 0 if after is None else after[0], page.most(call) + 1)
+        shown, more = page.cut(call, comments, lambda comment: (comment.number,))
+        return CommentPage(items=[_view(tx, stored, comment) for comment in shown], next_cursor=more)
 
 
 def add_comment(call: Call, id: DocumentId, comment: CommentRequest) -> CommentView:

@@ -40,5 +40,5 @@ def end_presence(call: Call, id: DocumentId, tab: Tab = "") -> None:
 
 
 def _list_present(tx: Transaction, stored: StoredDocument, but: str | None = None) -> PresentList:
-    found: list[Any] = tx.presence.of(stored, but)
-    return PresentList(items=[Present(**vars(one)) for one in found])
+    present: list[Any] = tx.presence.of(stored, but)
+    return PresentList(items=[Present(**vars(person)) for person in present])

@@ -19,8 +19,8 @@ Number = Annotated[int, Field(ge=1, le=MOST, description="Number of the link", e
 def list_shares(call: Call, project: InProject = None) -> ShareList:
     """Those that open something still, into projects that one may change."""
     with call.database.read() as tx:
-        found = tx.shares.all(None if project is None else tx.projects.get(project))
-    return ShareList(items=[ShareView(**_describe(one)) for one in found])
+        shares = tx.shares.all(None if project is None else tx.projects.get(project))
+    return ShareList(items=[ShareView(**_describe(link)) for link in shares])
 
 
 def add_share(call: Call, request: ShareRequest) -> ShareMade:
@@ -45,6 +45,7 @@ def revoke_share(call: Call, number: Number) -> None:
 
 def _describe(share: Share) -> dict[str, Any]:
     documents = [
-        SharedRevision(id=uuid, revision=one.revision, latest=one.latest) for uuid, one in share.documents.items()
+        SharedRevision(id=uuid, revision=shared.revision, latest=shared.latest)
+        for uuid, shared in share.documents.items()
     ]
     return {**vars(share), "documents": documents, "formats": sorted(share.formats)}

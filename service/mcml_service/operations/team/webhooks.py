@@ -20,8 +20,8 @@ Message = Annotated[int, Field(ge=1, le=MOST, description="Number of the message
 def list_webhooks(call: Call, project: InProject = None) -> WebhookList:
     """Of projects that one owns; those of the whole repository for its owners."""
     with call.database.read() as tx:
-        found = tx.webhooks.all(None if project is None else tx.projects.get(project))
-    return WebhookList(items=[WebhookView(**_describe(one)) for one in found])
+        webhooks = tx.webhooks.all(None if project is None else tx.projects.get(project))
+    return WebhookList(items=[WebhookView(**_describe(webhook)) for webhook in webhooks])
 
 
 def add_webhook(call: Call, request: WebhookRequest) -> WebhookMade:
@@ -44,9 +44,9 @@ def list_deliveries(call: Call, number: Number, page: Page) -> DeliveryPage:
     before = page.after(int)
     with call.database.read() as tx:
         tx.webhooks.get(number)
-        found = tx.webhooks.deliveries(number, None if before is None else before[0], page.most(call) + 1)
-    shown, more = page.cut(call, found, lambda one: (one.number,))
-    return DeliveryPage(items=[_describe_delivery(one) for one in shown], next_cursor=more)
+        deliveries = tx.webhooks.deliveries(number, None if before is None else before[0], page.most(call) + 1)
+    shown, more = page.cut(call, deliveries, lambda delivery: (delivery.number,))
+    return DeliveryPage(items=[_describe_delivery(delivery) for delivery in shown], next_cursor=more)
 
 
 def redeliver(call: Call, number: Number, message: Message) -> DeliveryView:

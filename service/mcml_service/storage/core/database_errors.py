@@ -48,9 +48,9 @@ def translate(dialect: Dialect) -> Iterator[None]:
             raise ClashError from error
         if dialect.is_away(cause):
             raise UnavailableError("The store cannot be reached now.", remedy="Try again soon.") from error
-        said = str(cause).strip().split("\n")[0]
+        message = str(cause).strip().split("\n")[0]
         if dialect.is_damaged(cause):
-            raise DamageError(f"The store is damaged: {said}.", remedy=REMEDY) from error
+            raise DamageError(f"The store is damaged: {message}.", remedy=REMEDY) from error
         raise StoreError(
-            f"The store does not answer: {said}", remedy="Check its address, the disk and your rights."
+            f"The store does not answer: {message}", remedy="Check its address, the disk and your rights."
         ) from error

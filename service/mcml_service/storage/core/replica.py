@@ -109,10 +109,10 @@ class Replica:
             with translate(self._primary), self._primary.engine.connect() as primary:
                 written = Statements(primary).fetch_value(_WRITTEN)
             with translate(self._dialect), self._dialect.reading() as replica:
-                found = Statements(replica).fetch_value(_BEHIND, {"written": written})
+                lag = Statements(replica).fetch_value(_BEHIND, {"written": written})
         except StoreError:
             return None
-        return None if found is None else max(0, int(found))
+        return None if lag is None else max(0, int(lag))
 
     def close(self) -> None:
         self._dialect.engine.dispose()
@@ -156,8 +156,8 @@ class Replica:
         with self._lock:
             first, self._away_until = not self._away_until, time.monotonic() + AWAY_SECONDS
         if first:
-            said = str(why).strip().split("\n")[0]
-            log.warning("the replica cannot be read, so the primary is: %s", said)
+            reason = str(why).strip().split("\n")[0]
+            log.warning("the replica cannot be read, so the primary is: %s", reason)
 
     def _come(self) -> None:
         with self._lock:

@@ -66,10 +66,10 @@ class Prepared:
         text = self._texts.get(known)
         if text is None:
             text = self._texts[known] = self._compile(dialect, with_checksums=with_checksums)
-        given = {**text.values, **values}
+        arguments = {**text.values, **values}
         for name, kind in text.lists.items():
-            given[name] = kind.process_bind_param(given[name], dialect)
-        return text.text, given if text.places is None else tuple([given[name] for name in text.places])
+            arguments[name] = kind.process_bind_param(arguments[name], dialect)
+        return text.text, arguments if text.places is None else tuple([arguments[name] for name in text.places])
 
     def _compile(self, dialect: Dialect, *, with_checksums: bool) -> _Text:
         statement = self.checks.statement if self.checks is not None and with_checksums else self.statement
@@ -158,8 +158,8 @@ class Statements:
 
     def _on_driver(self, statement: Prepared, values: Values | None, *, with_checksums: bool) -> Any:
         """Return the cursor of the driver itself."""
-        text, given = statement.write(self.connection.dialect, values or {}, with_checksums=with_checksums)
-        return execute_on_driver(self.connection.connection.driver_connection, text, given)
+        text, arguments = statement.write(self.connection.dialect, values or {}, with_checksums=with_checksums)
+        return execute_on_driver(self.connection.connection.driver_connection, text, arguments)
 
     def _compare(self, statement: Checked, rows: Sequence[Row]) -> list[Row]:
         wanted, damaged = statement.check(rows)

@@ -71,15 +71,15 @@ class Bodies:
         """Keep bodies of revisions, in the place of what was kept of them."""
         # Another process may derive the same: who waits for it finds what it made.
         self._tx.order()
-        there = _DERIVED.of(self._tx, {one.key: one.revision for one, _ in made})
-        for one, _ in made:
-            if one.key in there:
-                mine = and_(body.c.document == one.key, body.c.revision == one.revision)
+        there = _DERIVED.of(self._tx, {revision_of.key: revision_of.revision for revision_of, _ in made})
+        for revision_of, _ in made:
+            if revision_of.key in there:
+                mine = and_(body.c.document == revision_of.key, body.c.revision == revision_of.revision)
                 self._tx.run(delete(body).where(mine))
         rows = [
-            (one.key, one.revision, place, "" if place else orjson.dumps(found.facts).decode(), data)
-            for one, found in made
-            for place, data in enumerate(found.blocks)
+            (revision_of.key, revision_of.revision, place, "" if place else orjson.dumps(derived.facts).decode(), data)
+            for revision_of, derived in made
+            for place, data in enumerate(derived.blocks)
         ]
         self._tx.insert_tuples(body, ("document", "revision", "block", "facts", "data"), rows)
 
@@ -110,7 +110,9 @@ class Bodies:
     def missing(self, documents: Sequence[AtRevision], made: int) -> list[int]:
         """The keys of those that have none that is sound and was made in this way."""
         there = self.of(documents)
-        return [one.key for one in documents if one.key not in there or there[one.key].facts["made"] != made]
+        return [
+            stored.key for stored in documents if stored.key not in there or there[stored.key].facts["made"] != made
+        ]
 
     def without(self, made: int) -> list[int]:
         """The keys of all documents that have none that was made in this way, sound or not."""

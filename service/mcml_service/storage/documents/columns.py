@@ -175,12 +175,12 @@ class Columns:
     def documents(self, keys: Sequence[int] | None = None) -> list[Listed]:
         """The documents (all, if no keys are given) by name, then key."""
         past = self._tx.at < CURRENT - 1
-        found: Iterable[Any]
+        rows: Iterable[Any]
         if keys is None:
-            found = self._tx.fetch_all(_DOCUMENTS[past], {"at": self._tx.at})
+            rows = self._tx.fetch_all(_DOCUMENTS[past], {"at": self._tx.at})
         else:
-            found = self._rows(_DOCUMENTS_OF_KEYS[past], keys)
-        listed = list(map(Listed._make, found))
+            rows = self._rows(_DOCUMENTS_OF_KEYS[past], keys)
+        listed = list(map(Listed._make, rows))
         return sorted(listed, key=lambda one: (one.name, one.key))
 
     def changed_since(self, number: int) -> list[int]:
@@ -244,7 +244,7 @@ class Columns:
         rows: dict[int, list[Any]] = {}
         for document_key, *row in self._rows(_HEADERS, keys):
             rows.setdefault(document_key, []).append(row)
-        return {key: to_elements(found)[0] for key, found in rows.items()}
+        return {key: to_elements(elements)[0] for key, elements in rows.items()}
 
     def skeletons(self, keys: Sequence[int]) -> dict[int, list[Element]]:
         """The `root` element, where there is one, and the `skeleton` element of each skeleton."""
@@ -253,14 +253,14 @@ class Columns:
         for skeleton_key, *row, hashed in self._rows(_SKELETONS, keys):
             rows.setdefault(skeleton_key, []).append(row)
             hashes[skeleton_key] = hashed
-        return {key: to_skeleton(found, hashes[key]) for key, found in rows.items()}
+        return {key: to_skeleton(elements, hashes[key]) for key, elements in rows.items()}
 
     def tracks(self, keys: Sequence[int], chunks: tuple[int, int], bones: Sequence[int] | None = None) -> Iterator[Any]:
         """Rows (document, chunk, bone, from_commit, channels) of the tracks of some bones or all, of chunks first to
         last."""
         query = _TRACKS if bones is None else _TRACKS_OF_BONES
-        given = {} if bones is None else {"bones": list(bones)}
-        return self._rows(query, keys, low=chunks[0], high=chunks[1], **given)
+        values = {} if bones is None else {"bones": list(bones)}
+        return self._rows(query, keys, low=chunks[0], high=chunks[1], **values)
 
     def zones(self, keys: Sequence[int], bones: Sequence[int] | None = None) -> NDArray[np.float64]:
         """Of the tracks of some bones or all: (n, 7 + 2 * channels), each (document, chunk, bone, from_commit,
@@ -268,20 +268,20 @@ class Columns:
         narrowed = {} if bones is None else {"bones": list(bones)}
         rows = list(self._rows(_ZONES if bones is None else _ZONES_OF_BONES, keys, **narrowed))
         try:
-            found, wrong = _zones(rows)
+            values, wrong = _zones(rows)
         except (TypeError, ValueError, OverflowError):
             # A bit that flipped changed the type of a value.
             raise damage("A document", "the zone map of a track") from None
         for index in np.flatnonzero(wrong)[:1].tolist():
             raise describe_track_damage(self._tx, *rows[index][:3])
-        return found
+        return values
 
     def track_data(self, keys: Sequence[tuple[int, int, int, int]]) -> Iterator[Any]:
         """Rows (document, chunk, bone, from_commit, codec, data, checksum of the data) of the tracks that are named by
         their first four."""
         for start in range(0, len(keys), TRACKS_AT_A_TIME):
-            given = {"keys": orjson.dumps(keys[start : start + TRACKS_AT_A_TIME]).decode()}
-            rows = self._tx.fetch_all(self._tx.dialect.tracks_by_key, given)
+            values = {"keys": orjson.dumps(keys[start : start + TRACKS_AT_A_TIME]).decode()}
+            rows = self._tx.fetch_all(self._tx.dialect.tracks_by_key, values)
             if (wrong := unsound(rows, codec=4)) is not None:
                 raise describe_track_damage(self._tx, *wrong[:3])
             yield from rows
@@ -305,11 +305,11 @@ class Columns:
 
 def _zones(rows: Sequence[Any]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Zone maps as an array, and which of them have not their checksum."""
-    found = np.array(rows, np.float64).reshape(-1, _ZONE_WIDTH + 4)
+    values = np.array(rows, np.float64).reshape(-1, _ZONE_WIDTH + 4)
     # Doubles hold all of these, but for the last commit, which is none.
-    found[:, -2][found[:, -2] >= CURRENT] = CURRENT % PRIME
-    document_key, chunk, number, begin, bits, gaps, count = found[:, :7].T.astype(np.int64)
-    codec, data, end, checksum = found[:, _ZONE_WIDTH:].T.astype(np.int64)
+    values[:, -2][values[:, -2] >= CURRENT] = CURRENT % PRIME
+    document_key, chunk, number, begin, bits, gaps, count = values[:, :7].T.astype(np.int64)
+    codec, data, end, checksum = values[:, _ZONE_WIDTH:].T.astype(np.int64)
     facts = np.stack([document_key, chunk, number, count, bits, gaps, codec, data])
-    zones = found[:, :_ZONE_WIDTH]
+    zones = values[:, :_ZONE_WIDTH]
     return zones, track_checksums(facts, zones[:, 7:].T) + 2 * (begin % PRIME) + end % PRIME != checksum

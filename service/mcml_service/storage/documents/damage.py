@@ -31,16 +31,16 @@ _WHAT = {
 def describe_damage(tx: BaseTransaction, table: Table, row: tuple[Any, ...]) -> DamageError:
     """The error for a row that has not its checksum. row: what its seal reads."""
     values = dict(zip((column.name for column in SEALS[table].read), row, strict=True))
-    what = _WHAT.get(table.name, f"a row of {table.name!r}")
+    part = _WHAT.get(table.name, f"a row of {table.name!r}")
     if table is tables.span:
-        what += f", of frames {values['first']} to {values['last']}"
+        part += f", of frames {values['first']} to {values['last']}"
     if table is tables.document:
-        return damage(f"The document {values['name']!r} ({values['uuid']})", what)
+        return damage(f"The document {values['name']!r} ({values['uuid']})", part)
     if table is tables.upload_block:
         return damage(f"The kept file {files_of(tx, values['upload'])}", f"block {values['number']}")
     if "document" in values and table.name in _WHAT:
-        return damage(name_document(tx, values["document"]), what)
-    return DamageError(f"The store is damaged: {what}.", remedy=REMEDY)
+        return damage(name_document(tx, values["document"]), part)
+    return DamageError(f"The store is damaged: {part}.", remedy=REMEDY)
 
 
 def describe_track_damage(tx: BaseTransaction, document: int, chunk: int, bone: int) -> DamageError:

@@ -205,18 +205,18 @@ class Documents:
         """The document as it is at the transaction's commit; `deleted` lets a deleted one be found."""
         statement = one_document(past=self._past, deleted=deleted)
         row = self._tx.fetch_one(statement, {"uuid": uuid, "at": self._tx.at})
-        found = None if row is None else _to_document(row)
-        if found is None or self._tx.view.is_whole:
-            return found
+        stored = None if row is None else _to_document(row)
+        if stored is None or self._tx.view.is_whole:
+            return stored
         # Of the past too it is the project of now that decides.
-        return found if self._tx.view.shows(uuid, self._project(found.key)) else None
+        return stored if self._tx.view.shows(uuid, self._project(stored.key)) else None
 
     def get(self, uuid: str, *, deleted: bool = False) -> StoredDocument:
         """As `find`; NotFoundError where there is none."""
-        found = self.find(uuid, deleted=deleted)
-        if found is None:
+        stored = self.find(uuid, deleted=deleted)
+        if stored is None:
             raise NotFoundError(f"There is no document {uuid}.", remedy="List the documents to see their ids.")
-        return found
+        return stored
 
     @property
     def _past(self) -> bool:
@@ -245,9 +245,9 @@ class Documents:
 
     def get_many(self, keys: list[int]) -> list[StoredDocument]:
         """What is told of documents, in this order; deleted ones too."""
-        found = self._tx.fetch_all(_prepare_summaries(past=self._past), {"at": self._tx.at, "keys": keys})
+        rows = self._tx.fetch_all(_prepare_summaries(past=self._past), {"at": self._tx.at, "keys": keys})
         place = {key: number for number, key in enumerate(keys)}
-        return sorted(map(_to_document, found), key=lambda stored: place[stored.key])
+        return sorted(map(_to_document, rows), key=lambda stored: place[stored.key])
 
     def count(self, wanted: DocumentFilter) -> int:
         if wanted == DocumentFilter() and self._tx.view.is_whole:
@@ -317,15 +317,15 @@ class Documents:
     def commit_of(self, key: int, number: int) -> int:
         """The commit that made a revision; NotFoundError."""
         query = select(revision.c.commit).where(revision.c.document == key, revision.c.number == number)
-        found = self._tx.fetch_all(verify(query, revision))
-        if not found:
+        rows = self._tx.fetch_all(verify(query, revision))
+        if not rows:
             oldest = self._tx.fetch_value(select(func.min(revision.c.number)).where(revision.c.document == key))
             pruned = oldest is not None and 1 <= number < oldest
-            what = f"Revision {number} was pruned: those from {oldest} on are kept."
+            pruned_text = f"Revision {number} was pruned: those from {oldest} on are kept."
             raise NotFoundError(
-                what if pruned else f"The document has no revision {number}.", remedy="List its revisions."
+                pruned_text if pruned else f"The document has no revision {number}.", remedy="List its revisions."
             )
-        return int(found[0][0])
+        return int(rows[0][0])
 
     def remove_broken_imports(self, lease_before: float) -> int:
         """Delete all rows of imports that never became visible and whose lease has ended."""

@@ -344,8 +344,8 @@ def _bones(columns: tuple[tuple[int, int], ...]) -> list[_Bone]:
     for index, (bone, _channel) in enumerate(columns):
         by_bone.setdefault(bone, []).append(index)
     result = []
-    for bone, found in by_bone.items():
-        indices = sorted(found, key=lambda index: columns[index][1])
+    for bone, own in by_bone.items():
+        indices = sorted(own, key=lambda index: columns[index][1])
         channels = [columns[index][1] for index in indices]
         neighbours = indices == list(range(indices[0], indices[0] + len(indices)))
         place = slice(indices[0], indices[0] + len(indices)) if neighbours else indices

@@ -78,10 +78,10 @@ class Heads:
         query = select(header.c.document, header.c.tag, header.c.text).where(
             header.c.document.in_(documents), header.c.tag.in_(tags), self._tx.valid(header)
         )
-        found: dict[int, dict[str, str]] = {}
+        texts: dict[int, dict[str, str]] = {}
         for key, tag, text in self._tx.fetch_all(verify(query, header)):
-            found.setdefault(key, {})[tag] = text
-        return found
+            texts.setdefault(key, {})[tag] = text
+        return texts
 
     def joints(self, skeletons: list[int]) -> dict[int, int]:
         """How many joints skeletons have."""
@@ -134,13 +134,13 @@ class Heads:
     def add_skeleton(self, project_key: int, made: SkeletonRows, joints: int) -> int:
         """The key of this skeleton in the project: the stored one where an equal one is stored."""
         wanted = {"project": project_key, "hash": made.hash}
-        found = self._tx.fetch_all(_EQUAL_SKELETON, wanted)
-        if not found:
+        rows = self._tx.fetch_all(_EQUAL_SKELETON, wanted)
+        if not rows:
             # Another import may be storing an equal one: who waited for it finds it.
             self._tx.order()
-            found = self._tx.fetch_all(_EQUAL_SKELETON, wanted)
-        if found:
-            return int(found[0][0])
+            rows = self._tx.fetch_all(_EQUAL_SKELETON, wanted)
+        if rows:
+            return int(rows[0][0])
         key = self._tx.insert_row(skeleton, project=project_key, hash=made.hash, joints=joints)
         self._tx.insert_tuples(skeleton_element, ("skeleton", *ELEMENT_COLUMNS), [(key, *row) for row in made.rows])
         return key

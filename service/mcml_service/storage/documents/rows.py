@@ -21,17 +21,17 @@ ElementRow: TypeAlias = tuple[int, int, int, str, str, str]
 
 def to_rows(forest: Sequence[Element], level: int) -> list[ElementRow]:
     """Pre-order rows of the trees; `size` counts descendants, `pre` starts at 0, roots have the given level."""
-    found: list[tuple[Element, int]] = []
+    elements: list[tuple[Element, int]] = []
     stack = [(tree, level) for tree in reversed(forest)]
     while stack:
         element, depth = stack.pop()
-        found.append((element, depth))
+        elements.append((element, depth))
         if element.children:
             stack += [(child, depth + 1) for child in reversed(element.children)]
     # From the last one back: how many were seen below each level that no parent has claimed yet.
     sizes: list[int] = []
     seen: Counter[int] = Counter()
-    for _, depth in reversed(found):
+    for _, depth in reversed(elements):
         size = seen.pop(depth + 1, 0)
         seen[depth] += size + 1
         sizes.append(size)
@@ -44,7 +44,7 @@ def to_rows(forest: Sequence[Element], level: int) -> list[ElementRow]:
             orjson.dumps(element.attributes).decode() if element.attributes else "{}",
             element.text,
         )
-        for pre, (element, depth) in enumerate(found)
+        for pre, (element, depth) in enumerate(elements)
     ]
 
 

@@ -57,17 +57,22 @@ class Spans:
 
     def of(self, document_key: int, first: int = 1, last: int | None = None) -> list[StoredSpan]:
         """Spans of a document that touch the frames first to last, in order of their first frame and rank."""
-        given = {"document": document_key, "at": self._tx.at, "first": first, "last": CURRENT if last is None else last}
-        return [StoredSpan(*row) for row in self._tx.fetch_all(_TOUCHING, given)]
+        values = {
+            "document": document_key,
+            "at": self._tx.at,
+            "first": first,
+            "last": CURRENT if last is None else last,
+        }
+        return [StoredSpan(*row) for row in self._tx.fetch_all(_TOUCHING, values)]
 
     def of_many(self, documents: list[int]) -> dict[int, list[tuple[int, int, str]]]:
         """(first, last, name) of the spans of each document that has some, in order of first frame and rank."""
         columns = (span.c.document, span.c.first, span.c.last, span.c.name)
         query = select(*columns).where(span.c.document.in_(documents), self._tx.valid(span))
-        found: dict[int, list[tuple[int, int, str]]] = {}
+        spans: dict[int, list[tuple[int, int, str]]] = {}
         for key, *row in self._tx.fetch_all(verify(query.order_by(span.c.first, span.c.rank, span.c.id), span)):
-            found.setdefault(key, []).append((row[0], row[1], row[2]))
-        return found
+            spans.setdefault(key, []).append((row[0], row[1], row[2]))
+        return spans
 
     def named(self, names: list[str], documents: list[int] | None = None) -> dict[int, list[tuple[int, int]]]:
         """Ranges (first, last) of frames that carry one of the names, by document key.
@@ -76,11 +81,11 @@ class Spans:
         """
         ranges: dict[int, list[tuple[int, int]]] = {}
         for key, first, last in self._find_named(names, documents):
-            found = ranges.setdefault(key, [])
-            if found and first <= found[-1][1] + 1:
-                found[-1] = (found[-1][0], max(found[-1][1], last))
+            own = ranges.setdefault(key, [])
+            if own and first <= own[-1][1] + 1:
+                own[-1] = (own[-1][0], max(own[-1][1], last))
             else:
-                found.append((first, last))
+                own.append((first, last))
         return ranges
 
     def _find_named(self, names: list[str], documents: list[int] | None) -> Iterable[Any]:
@@ -88,8 +93,8 @@ class Spans:
         if len(names) == 1 and documents is None:
             return self._tx.fetch_all(_OF_ONE_NAME, {"name": names[0], "at": self._tx.at})
         if len(names) == 1 and documents is not None and len(documents) == 1:
-            given = {"name": names[0], "document": documents[0], "at": self._tx.at}
-            return self._tx.fetch_all(_OF_ONE_NAME_IN_ONE, given)
+            values = {"name": names[0], "document": documents[0], "at": self._tx.at}
+            return self._tx.fetch_all(_OF_ONE_NAME_IN_ONE, values)
         query = _NAMED if documents is None else _NAMED_IN
         narrowed = {} if documents is None else {"documents": documents}
         return self._tx.fetch_all(query, {"names": names, "at": self._tx.at, **narrowed})

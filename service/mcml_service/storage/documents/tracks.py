@@ -127,9 +127,9 @@ class Tracks:
         """The number of a shape in the document, a new one where it has none like it."""
         packed = pack_shape(wanted)
         query = select(shape.c.shape).where(shape.c.document == document_key, shape.c.bones == packed)
-        found = self._tx.fetch_value(query)
-        if found is not None:
-            return int(found)
+        number_of_equal = self._tx.fetch_value(query)
+        if number_of_equal is not None:
+            return int(number_of_equal)
         newest = select(func.coalesce(func.max(shape.c.shape), -1)).where(shape.c.document == document_key)
         number = int(self._tx.fetch_value(newest)) + 1
         self._tx.insert_rows(shape, [{"document": document_key, "shape": number, "bones": packed}])
@@ -185,8 +185,8 @@ class Tracks:
     def frame_bones(self, document_key: int, first: int, last: int) -> Iterator[tuple[int, int]]:
         """(frames, frame_bones of each) of frames first to last, in runs."""
         for piece in self.pieces(document_key, first, last):
-            for _, count, found in self._shape_runs(document_key, piece.slot, piece.slot + piece.count):
-                yield count, len(found)
+            for _, count, bones in self._shape_runs(document_key, piece.slot, piece.slot + piece.count):
+                yield count, len(bones)
 
     def shape_at(self, document_key: int, slot: int) -> Shape:
         """The shape of the frame in a slot."""

@@ -80,8 +80,8 @@ class Uploads:
 
     def find(self, sha256: str, size: int) -> int | None:
         """The key of the complete upload with these bytes, if it is kept already."""
-        found = self._tx.fetch_all(_COMPLETE, {"sha256": sha256, "size": size})
-        return found[0][0] if found else None
+        rows = self._tx.fetch_all(_COMPLETE, {"sha256": sha256, "size": size})
+        return rows[0][0] if rows else None
 
     def add(self, sha256: str, size: int, blocks: list[bytes]) -> int:
         """Store a whole file at once, in compressed blocks, and answer its key."""
@@ -132,8 +132,8 @@ class Uploads:
         candidates: set[str] | None = None
         for part, sha256 in digests.items():
             wanted = shared | {"part": part, "sha256": sha256}
-            found = {uuid for (uuid,) in self._tx.fetch_all(_MADE_OF, wanted)}
-            candidates = found if candidates is None else candidates & found
+            uuids = {uuid for (uuid,) in self._tx.fetch_all(_MADE_OF, wanted)}
+            candidates = uuids if candidates is None else candidates & uuids
         return sorted(candidates or ())
 
     def read(self, document_key: int, part: str) -> Iterator[bytes] | None:

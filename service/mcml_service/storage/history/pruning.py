@@ -89,13 +89,13 @@ class Pruning:
             .join(document, and_(document.c.id == last.c.document, document.c.state == "ready"))
             .order_by(last.c.document)
         )
-        found = []
+        old = []
         for key, keep, at in self._tx.fetch_all(query):
             gone = select(func.count()).where(revision.c.document == key, revision.c.number < keep)
             count = int(self._tx.fetch_value(gone))
             if count:
-                found.append(Old(key, keep, at, count, self._bytes(key, at)))
-        return found
+                old.append(Old(key, keep, at, count, self._bytes(key, at)))
+        return old
 
     def _bytes(self, key: int, at: int) -> int:
         closed = and_(track.c.document == key, track.c.to_commit <= at, track.c.to_commit < CURRENT)

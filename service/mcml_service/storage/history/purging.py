@@ -100,9 +100,11 @@ class Purging:
     def find_made_from(self, uuid: str) -> tuple[list[tuple[str, str]], list[tuple[str, str]], list[int]]:
         """(uuid, name) of documents, then of results, that were made from a document and others; keys of results that
         were made from it alone."""
-        said = property_.c.text.contains(uuid)
+        mentions = property_.c.text.contains(uuid)
         clips = select(document.c.uuid, document.c.name).join(property_, property_.c.document == document.c.id)
-        clips = clips.where(property_.c.name == PROVENANCE, said, document.c.uuid != uuid, document.c.state == "ready")
+        clips = clips.where(
+            property_.c.name == PROVENANCE, mentions, document.c.uuid != uuid, document.c.state == "ready"
+        )
         own: list[int] = []
         shared: list[tuple[str, str]] = []
         query = select(result.c.id, result.c.uuid, result.c.name, result.c.inputs).where(result.c.inputs.contains(uuid))

@@ -112,7 +112,7 @@ def _properties(tx: BaseTransaction, wanted: DocumentFilter, most: int, bins: in
             numbers.setdefault(name, []).append(number)
         else:
             texts.setdefault(name, Counter())[text] += 1
-    found = [
+    property_facets = [
         PropertyFacet(
             name,
             len(numbers.get(name, ())) + sum(texts.get(name, Counter()).values()),
@@ -121,7 +121,7 @@ def _properties(tx: BaseTransaction, wanted: DocumentFilter, most: int, bins: in
         )
         for name in numbers.keys() | texts.keys()
     ]
-    return sorted(found, key=lambda facet: (-facet.documents, facet.name))[:most]
+    return sorted(property_facets, key=lambda facet: (-facet.documents, facet.name))[:most]
 
 
 def make_bins(given: Sequence[float] | Numbers, bins: int, times: NDArray[np.int64] | None = None) -> Bins | None:

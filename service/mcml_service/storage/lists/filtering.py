@@ -129,7 +129,7 @@ def _has_word(word: str, tx: BaseTransaction) -> ColumnElement[bool]:
     described = select(header.c.document).where(IS_SAID, _holds(SAID, word), tx.valid(header))
     having = select(property_.c.document).where(func.length(property_.c.text) <= SHORT, _holds(property_.c.text, word))
     named = select(span.c.document).where(_holds(span.c.name, word), tx.valid(span))
-    elsewhere = [document.c.id.in_(found) for found in (described, having, named)]
+    elsewhere = [document.c.id.in_(query) for query in (described, having, named)]
     return or_(_holds(document.c.name, word), *elsewhere)
 
 
@@ -141,8 +141,8 @@ def _holds(column: Any, word: str) -> ColumnElement[bool]:
 def forms_of(word: str) -> list[str]:
     """How a word may occur in a text whose ASCII letters are small ones."""
     # lower() of SQLite, and of PostgreSQL in collation C, knows ASCII only: other letters are found as written.
-    said = normalise_name(word)
-    return list(dict.fromkeys((fold(said), said.lower())))
+    name = normalise_name(word)
+    return list(dict.fromkeys((fold(name), name.lower())))
 
 
 def fold(text: str) -> str:

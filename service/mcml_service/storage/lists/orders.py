@@ -104,5 +104,5 @@ def _behind(value: ColumnElement[Any], order: Order, after: Place) -> ColumnElem
     if after.value is None:
         return and_(value.is_(None), later)
     beyond = value < after.value if order.descending else value > after.value
-    found = or_(beyond, and_(value == after.value, later))
-    return or_(found, value.is_(None)) if order.column in UNKNOWN else found
+    condition = or_(beyond, and_(value == after.value, later))
+    return or_(condition, value.is_(None)) if order.column in UNKNOWN else condition

@@ -151,13 +151,13 @@ class Activity:
 
     def _read(self, query: Select[Any]) -> list[Event]:
         view = self._tx.view
-        found = []
+        events = []
         for row in self._tx.fetch_all(query):
             decides = may(view.everywhere if row.place is None else view.scope(row.place), "own")
             place = (row.project_name, row.about, row.document_name, row.revision, row.subject)
-            said = (row.id, row.time, row.kind, row.what, row.author)
-            found.append(Event(*said, row.origin if decides else None, *place))
-        return found
+            fields = (row.id, row.time, row.kind, row.what, row.author)
+            events.append(Event(*fields, row.origin if decides else None, *place))
+        return events
 
 
 _NOTED = ("time", "kind", "what", "author", "origin", "project", "about", "revision", "subject")

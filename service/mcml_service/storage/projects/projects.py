@@ -32,8 +32,8 @@ class Projects:
 
     def find(self, name: str) -> int | None:
         """The key of one that is seen."""
-        found = self._key(name)
-        return found if found is not None and self._tx.view.sees(found) else None
+        key = self._key(name)
+        return key if key is not None and self._tx.view.sees(key) else None
 
     def _key(self, name: str) -> int | None:
         key: int | None = self._tx.fetch_value(_BY_NAME, {"name": normalise_name(name)})
@@ -41,12 +41,12 @@ class Projects:
 
     def get(self, name: str) -> int:
         """The project's key; NotFoundError."""
-        found = self.find(name)
-        if found is None:
+        key = self.find(name)
+        if key is None:
             raise NotFoundError(
                 f"There is no project {name!r}.", remedy="Upload into it to make it, or check the name."
             )
-        return found
+        return key
 
     def get_or_add(self, name: str) -> int:
         """The key of a project to write into, of a new one where there is none. Asked again in one transaction, it
@@ -56,25 +56,25 @@ class Projects:
         return self._added[name]
 
     def _find_or_add(self, name: str) -> int:
-        found = self._writable(name)
-        if found is not None:
-            return found
+        key = self._writable(name)
+        if key is not None:
+            return key
         self._tx.order()
-        found = self._writable(name)
-        if found is not None:
-            return found
+        key = self._writable(name)
+        if key is not None:
+            return key
         return self._tx.insert_row(project, name=normalise_name(name), created=now())
 
     def _writable(self, name: str) -> int | None:
         """The key of one that one may write into, None where there is none and one may make it. AccessError."""
-        found = self._key(name)
+        key = self._key(name)
         view = self._tx.view
-        if found is not None and view.sees(found):
-            self._quotas.require(found)
-        elif found is not None or not may(view.everywhere, "edit"):
+        if key is not None and view.sees(key):
+            self._quotas.require(key)
+        elif key is not None or not may(view.everywhere, "edit"):
             # Whether there is one is not told.
             raise AccessError(
                 f"There is no project {name!r} that you may write into.",
                 remedy="Name one that you are an editor of, or ask an owner for more.",
             )
-        return found
+        return key

@@ -64,10 +64,10 @@ class Accounts:
 
     def get(self, name: str) -> Account:
         """NotFoundError."""
-        found = self.find(name)
-        if found is None:
+        person = self.find(name)
+        if person is None:
             raise NotFoundError(f"There is no account {name!r}.", remedy="See `mcml account list`.")
-        return found
+        return person
 
     def find_identified(self, issuer: str, subject: str) -> Account | None:
         """The account of whom a provider knows, None where it has none here."""
@@ -113,13 +113,13 @@ class Accounts:
     def change(self, name: str, **values: str | None) -> Account:
         """Set role, password or closed. ConflictError where no owner would be left."""
         self._tx.order()
-        found = self.get(name)
+        person = self.get(name)
         self._tx.run(update(account).where(account.c.name == normalise_name(name)).values(**values))
         if not self.have_owner():
             raise ConflictError("The repository would have no owner.", remedy="Make somebody else an owner first.")
         for field, value in values.items():
-            what = field if field != "closed" else "close" if value else "reopen"
-            self._activity.note("account", what, subject=found.name + (f" as {value}" if field == "role" else ""))
+            deed = field if field != "closed" else "close" if value else "reopen"
+            self._activity.note("account", deed, subject=person.name + (f" as {value}" if field == "role" else ""))
         return self.get(name)
 
     def invite(self, role: str, author: str, lasts: timedelta, project_key: int | None = None) -> str:
@@ -143,11 +143,11 @@ class Accounts:
 
     def take_back(self, number: int) -> None:
         """NotFoundError."""
-        found = next((one for one in self.invitations() if one.number == number), None)
-        if found is None:
+        invited = next((pending for pending in self.invitations() if pending.number == number), None)
+        if invited is None:
             raise NotFoundError(f"There is no invitation {number}.", remedy="It was used, or taken back.")
-        project_key = None if found.project is None else self._projects.get(found.project)
-        self._activity.note("account", "uninvite", project_key=project_key, subject=f"somebody as {found.role}")
+        project_key = None if invited.project is None else self._projects.get(invited.project)
+        self._activity.note("account", "uninvite", project_key=project_key, subject=f"somebody as {invited.role}")
         self._tx.run(delete(invitation).where(invitation.c.id == number))
 
     def accept(self, secret: str) -> tuple[str, int | None] | None:
@@ -155,11 +155,11 @@ class Accounts:
         where there is none, or it is too old."""
         its = invitation.c.sha256 == digest_of(secret)
         wanted = select(invitation.c.role, invitation.c.project).where(its, invitation.c.expires >= now())
-        found = self._tx.fetch_one(wanted)
+        row = self._tx.fetch_one(wanted)
         # Of two that come at once one finds nothing to delete.
-        if found is None or not self._tx.run(delete(invitation).where(its)):
+        if row is None or not self._tx.run(delete(invitation).where(its)):
             return None
-        return str(found.role), found.project
+        return str(row.role), row.project
 
     def _decides(self, project_key: int | None) -> bool:
         """Whether one may invite into a project, or the whole repository."""

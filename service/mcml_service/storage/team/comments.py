@@ -66,14 +66,14 @@ class Comments:
         self, stored: StoredDocument, revision: int, text: str, first: int | None, last: int | None, bone: str | None
     ) -> Comment:
         place = {"document": stored.key, "revision": revision, "first": first, "last": last, "bone": bone}
-        said = {"author": self._tx.author, "created": now(), "text": text}
-        return self._to_comment(stored, self._tx.insert_row(comment, **place, **said), "add")
+        about = {"author": self._tx.author, "created": now(), "text": text}
+        return self._to_comment(stored, self._tx.insert_row(comment, **place, **about), "add")
 
     def change(self, stored: StoredDocument, number: int, text: str) -> Comment:
         """AccessError for all but its author."""
-        found = self.get(stored, number)
-        if found.author != self._tx.author:
-            raise AccessError(f"Comment {number} is {found.author}'s.", remedy="Answer it with one of your own.")
+        current = self.get(stored, number)
+        if current.author != self._tx.author:
+            raise AccessError(f"Comment {number} is {current.author}'s.", remedy="Answer it with one of your own.")
         self._set(number, text=text, edited=now())
         return self._to_comment(stored, number, "change")
 
@@ -96,8 +96,8 @@ class Comments:
         names = [member.name for member in self._members.of_project(stored.project_key)]
         # Of names that begin alike the longest is meant.
         longest = sorted(map(re.escape, names), key=len, reverse=True)
-        found = re.findall(rf"(?<!\w)@({'|'.join(longest)})(?!\w)", text) if names else []
-        return sorted(set(found))
+        mentions = re.findall(rf"(?<!\w)@({'|'.join(longest)})(?!\w)", text) if names else []
+        return sorted(set(mentions))
 
     def _require(self, stored: StoredDocument, number: int, scope: str) -> None:
         mine = self.get(stored, number).author == self._tx.author

@@ -38,14 +38,14 @@ class Members:
         wanted = select(account.c.name, account.c.role, membership.c.role.label("here")).select_from(
             account.outerjoin(membership, own & (membership.c.project == project_key))
         )
-        found = []
+        members = []
         for row in self._tx.fetch_all(wanted.where(account.c.closed.is_(None)).order_by(account.c.name)):
             here, all_over = PROJECT_ROLES.get(row.here or ""), ROLES.get(row.role)
             scope = greatest(here, all_over)
             if scope is not None:
                 role = "owner" if scope == SCOPES[-1] else _ROLE_OF[scope]
-                found.append(Member(row.name, role, everywhere=scope == all_over))
-        return found
+                members.append(Member(row.name, role, everywhere=scope == all_over))
+        return members
 
     def put(self, project_key: int, name: str, role: str) -> None:
         """Let somebody be something in a project, whatever they were there. AccessError, NotFoundError."""

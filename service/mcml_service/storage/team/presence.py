@@ -40,10 +40,10 @@ class Presence:
         """Who is there, by name; who edits in one window and looks in another edits. but: whom not to tell of."""
         its = (presence.c.document == stored.key, presence.c.expires > _time(at), account.c.closed.is_(None))
         query = select(account.c.name, presence.c.doing, presence.c.since).join(account).where(*its)
-        found: dict[str, Present] = {}
+        present: dict[str, Present] = {}
         for row in self._tx.fetch_all(query.order_by(presence.c.doing, presence.c.since, presence.c.id)):
-            found.setdefault(row.name, Present(*row))
-        return sorted((one for one in found.values() if one.name != but), key=lambda one: one.name)
+            present.setdefault(row.name, Present(*row))
+        return sorted((person for person in present.values() if person.name != but), key=lambda person: person.name)
 
     def keep(self, stored: StoredDocument, name: str, tab: str, doing: str, at: float | None = None) -> None:
         """Say that a window of a person is there, for LASTS seconds from now."""

@@ -94,12 +94,12 @@ class Sessions:
 
     def follow(self, secret: str) -> str | None:
         """The author of a link, which is used up by this; None where there is none."""
-        found = self._find("link", secret)
+        entry = self._find("link", secret)
         used = delete(session).where(session.c.sha256 == digest_of(secret))
         # Of two that come at once one finds nothing to delete.
-        if found is None or not self._tx.run(used):
+        if entry is None or not self._tx.run(used):
             return None
-        return found.author
+        return entry.author
 
     def entry(self, secret: str) -> Entry | None:
         """Whose session this is, None where there is none, or it has ended."""
@@ -136,9 +136,9 @@ class Sessions:
         return secret
 
     def _find(self, kind: str, secret: str) -> Entry | None:
-        given = {"digest": digest_of(secret), "of": kind, "at": now()}
-        rows = [_Visit(*row) for row in self._tx.fetch_all(_VISITING, given)]
-        if not rows or (rows[0].until is not None and rows[0].until < given["at"]):
+        values = {"digest": digest_of(secret), "of": kind, "at": now()}
+        rows = [_Visit(*row) for row in self._tx.fetch_all(_VISITING, values)]
+        if not rows or (rows[0].until is not None and rows[0].until < values["at"]):
             return None
         row = rows[0]
         # A token without its rights, or a person who is not there, opens nothing.

@@ -92,7 +92,7 @@ class Shares:
         """The secret of a new link, and what it is. AccessError, NotFoundError; RequestError for documents of several
         projects."""
         stored = [self._documents.get(uuid) for uuid in dict.fromkeys(documents)]
-        projects = {one.project_key for one in stored}
+        projects = {stored_document.project_key for stored_document in stored}
         if len(projects) != 1:
             raise RequestError("A link shows documents of one project.", remedy="Make a link for each project.")
         (key,) = projects
@@ -100,8 +100,13 @@ class Shares:
         secret = secrets.token_urlsafe(32)
         row = {"sha256": digest_of(secret), "name": normalise_name(name), "project": key, "formats": " ".join(formats)}
         number = self._tx.insert_row(share, **row, author=author, created=now(), expires=now(lasts))
-        for one in stored:
-            about = {"share": number, "document": one.key, "revision": one.revision, "latest": latest}
+        for stored_document in stored:
+            about = {
+                "share": number,
+                "document": stored_document.key,
+                "revision": stored_document.revision,
+                "latest": latest,
+            }
             self._tx.run(insert(shared_document).values(**about))
         self._activity.note("share", "add", project_key=key, subject=normalise_name(name))
         (made,) = self._find(share.c.id == number)
@@ -110,28 +115,28 @@ class Shares:
     def all(self, project_key: int | None = None) -> list[Share]:
         """Links that open something still into projects that one may change, the newest first."""
         wanted = share.c.expires >= now()
-        found = self._find(wanted if project_key is None else wanted & (share.c.project == project_key))
-        return [one for one in found if may(self._tx.view.scope(self._projects.get(one.project)), "edit")]
+        shares = self._find(wanted if project_key is None else wanted & (share.c.project == project_key))
+        return [link for link in shares if may(self._tx.view.scope(self._projects.get(link.project)), "edit")]
 
     def remove(self, number: int) -> None:
         """Who came by it sees nothing from then on. NotFoundError."""
-        found = next((one for one in self.all() if one.number == number), None)
-        if found is None:
+        current = next((link for link in self.all() if link.number == number), None)
+        if current is None:
             raise NotFoundError(f"There is no link {number}.", remedy="It has ended, or was taken back.")
-        self._activity.note("share", "revoke", project_key=self._projects.get(found.project), subject=found.name)
+        self._activity.note("share", "revoke", project_key=self._projects.get(current.project), subject=current.name)
         self._tx.run(delete(session).where(session.c.share == number))
         self._tx.run(delete(shared_document).where(shared_document.c.share == number))
         self._tx.run(delete(share).where(share.c.id == number))
 
     def find(self, secret: str) -> Share | None:
         """By its secret, None where it has ended or there is none."""
-        found = self._find((share.c.sha256 == digest_of(secret)) & (share.c.expires >= now()))
-        return found[0] if found else None
+        shares = self._find((share.c.sha256 == digest_of(secret)) & (share.c.expires >= now()))
+        return shares[0] if shares else None
 
     def find_by_number(self, number: int) -> Share | None:
         """None where it has ended."""
-        found = self._find((share.c.id == number) & (share.c.expires >= now()))
-        return found[0] if found else None
+        shares = self._find((share.c.id == number) & (share.c.expires >= now()))
+        return shares[0] if shares else None
 
     def view(self, shown: Share) -> View:
         """What is seen by it."""
@@ -140,23 +145,25 @@ class Shares:
 
     def motions(self, shown: Share) -> list[SharedMotion]:
         """The documents of a link that are still there, at the revisions that it shows."""
-        found = []
-        for uuid, one in shown.documents.items():
+        ranges = []
+        for uuid, shared in shown.documents.items():
             current = self._documents.find(uuid)
             if current is not None:
-                number = one.choose_revision(None) or current.revision
+                number = shared.choose_revision(None) or current.revision
                 stored = self._documents.at(self._documents.commit_of(current.key, number)).get(uuid)
                 rate = stored.seconds_per_frame
-                found.append(SharedMotion(stored.uuid, stored.name, stored.revision, stored.frames, rate))
-        return found
+                ranges.append(SharedMotion(stored.uuid, stored.name, stored.revision, stored.frames, rate))
+        return ranges
 
     def _find(self, wanted: ColumnElement[bool]) -> list[Share]:
         rows = self._tx.fetch_all(_ROWS.where(wanted).order_by(share.c.id.desc()))
         inside = select(shared_document, document.c.uuid).join(document, document.c.id == shared_document.c.document)
         inside = inside.where(shared_document.c.share.in_([row.id for row in rows]))
         held: dict[int, dict[str, SharedDocument]] = {row.id: {} for row in rows}
-        for one in self._tx.fetch_all(inside):
-            held[one.share][one.uuid] = SharedDocument(one.revision, bool(one.latest))
+        for document_row in self._tx.fetch_all(inside):
+            held[document_row.share][document_row.uuid] = SharedDocument(
+                document_row.revision, bool(document_row.latest)
+            )
         return [
             Share(
                 row.id,

@@ -109,24 +109,24 @@ class Webhooks:
         self._tx.order()
         secret = "whsec_" + base64.b64encode(secrets.token_bytes(32)).decode()
         about = {"project": project_key, "url": url, "kinds": " ".join(kinds), "secret": secret}
-        said = {"author": self._tx.author, "created": now(), "after": self._activity.newest()}
-        number = self._tx.insert_row(webhook, **about, **said)
+        values = {"author": self._tx.author, "created": now(), "after": self._activity.newest()}
+        number = self._tx.insert_row(webhook, **about, **values)
         self._activity.note("webhook", "add", project_key=project_key, subject=str(number))
         return secret, self.get(number)
 
     def get(self, number: int) -> Webhook:
         """NotFoundError."""
-        found = next((one for one in self.all() if one.number == number), None)
-        if found is None:
+        current = next((hook for hook in self.all() if hook.number == number), None)
+        if current is None:
             raise NotFoundError(f"There is no webhook {number}.", remedy="List those that there are.")
-        return found
+        return current
 
     def remove(self, number: int) -> None:
         """Nothing is sent there any more. NotFoundError."""
-        found = self.get(number)
+        current = self.get(number)
         self._tx.run(delete(delivery).where(delivery.c.webhook == number))
         self._tx.run(delete(webhook).where(webhook.c.id == number))
-        key = None if found.project is None else self._projects.get(found.project)
+        key = None if current.project is None else self._projects.get(current.project)
         self._activity.note("webhook", "remove", project_key=key, subject=str(number))
 
     def deliveries(self, number: int, before: int | None, limit: int) -> list[Delivery]:
@@ -162,9 +162,9 @@ class Webhooks:
         newest = self._activity.newest()
         behind = select(webhook).where(webhook.c.ended.is_(None), webhook.c.after < newest)
         for row in self._tx.fetch_all(behind.with_for_update(skip_locked=True)):
-            found = self._activity.after(row.after, AT_A_TIME, project_key=row.project)
-            heard = found[-1].number if len(found) == AT_A_TIME else newest
-            wanted = [event for event in found if not row.kinds or event.kind in row.kinds.split()]
+            events = self._activity.after(row.after, AT_A_TIME, project_key=row.project)
+            heard = events[-1].number if len(events) == AT_A_TIME else newest
+            wanted = [event for event in events if not row.kinds or event.kind in row.kinds.split()]
             if wanted:
                 self._tx.run(insert(delivery), [_message(row.id, event) for event in wanted])
             self._tx.run(update(webhook).where(webhook.c.id == row.id).values(after=heard))
@@ -231,5 +231,5 @@ def _message(number: int, event: Event) -> dict[str, Any]:
     type_ = f"{event.kind}.{event.what}"
     data = {"id": event.number, **{name: getattr(event, name) for name in told}}
     payload = json.dumps({"type": type_, "timestamp": event.time, "data": data}, separators=(",", ":"))
-    said = {"message": f"msg_{new_uuid().replace('-', '')}", "type": type_, "payload": payload}
-    return {"webhook": number, **said, "created": now(), "state": "waiting", "attempts": 0, "due": time.time()}
+    message = {"message": f"msg_{new_uuid().replace('-', '')}", "type": type_, "payload": payload}
+    return {"webhook": number, **message, "created": now(), "state": "waiting", "attempts": 0, "due": time.time()}

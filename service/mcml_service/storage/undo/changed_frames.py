@@ -52,16 +52,16 @@ def _slots(tx: Transaction, document_key: int, commit: int, chunks: set[int]) ->
     came = track.c.from_commit == commit
     query = select(track.c.chunk, track.c.bone).where(track.c.document == document_key)
     went = query.where(CLOSED_TRACK, track.c.to_commit == commit)
-    rows = {(row[0], row[1]) for found in (query.where(came), went) for row in tx.fetch_all(found)}
+    rows = {(row[0], row[1]) for slots in (query.where(came), went) for row in tx.fetch_all(slots)}
     if len(rows) > MOST_COMPARED:
         return np.concatenate([np.arange(chunk * CHUNK, (chunk + 1) * CHUNK) for chunk in sorted(chunks)])
     old, new = tx.at_commit(commit - 1), tx.at_commit(commit)
-    found = [np.empty(0, np.int64)]
+    slots = [np.empty(0, np.int64)]
     for chunk, bone in rows:
-        one, two = (_whole(state.tracks.chunk(document_key, chunk, bone)) for state in (old, new))
-        same = (one == two) | (np.isnan(one) & np.isnan(two))
-        found.append(chunk * CHUNK + np.flatnonzero(~same.all(axis=0)))
-    return np.unique(np.concatenate(found))
+        before, two = (_whole(state.tracks.chunk(document_key, chunk, bone)) for state in (old, new))
+        same = (before == two) | (np.isnan(before) & np.isnan(two))
+        slots.append(chunk * CHUNK + np.flatnonzero(~same.all(axis=0)))
+    return np.unique(np.concatenate(slots))
 
 
 def _whole(held: tuple[list[int], Array] | None) -> Array:

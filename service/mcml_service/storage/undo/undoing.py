@@ -73,8 +73,8 @@ def _make_conflict(what: str) -> ConflictError:
 def _rows(tx: Transaction, table: Table, stored: StoredDocument, *conditions: Any) -> list[Row]:
     # Numbers of tracks are not needed here, only which they are.
     columns = [column for column in table.columns if column.name != "data"]
-    found = tx.fetch_all(select(*columns).where(table.c.document == stored.key, *conditions))
-    return [dict(row._mapping) for row in found]
+    rows = tx.fetch_all(select(*columns).where(table.c.document == stored.key, *conditions))
+    return [dict(row._mapping) for row in rows]
 
 
 def _find_written(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> list[Row]:
@@ -86,8 +86,8 @@ def _find_closed(tx: Transaction, table: Table, stored: StoredDocument, at: int)
 
 
 def _is_closed_at(table: Table, at: int) -> list[ColumnElement[bool]]:
-    found = [table.c.to_commit == at, table.c.from_commit < at]
-    return [CLOSED_TRACK, *found] if table is track else found
+    conditions = [table.c.to_commit == at, table.c.from_commit < at]
+    return [CLOSED_TRACK, *conditions] if table is track else conditions
 
 
 def _touches(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> bool:
@@ -104,14 +104,14 @@ def _take_back(tx: Transaction, table: Table, stored: StoredDocument, at: int) -
     written, closed = _find_written(tx, table, stored, at), _find_closed(tx, table, stored, at)
     if not written and not closed:
         return
-    what = {"track": "values", "span": "motion names", "bone": "bones"}.get(table.name, "frames")
+    subject = {"track": "values", "span": "motion names", "bone": "bones"}.get(table.name, "frames")
     if any(row["to_commit"] not in (CURRENT, at) for row in written):
-        raise _make_conflict(f"{what} it set were changed")
+        raise _make_conflict(f"{subject} it set were changed")
     keys = _keys(table)
     if keys:
         later = _rows(tx, table, stored, table.c.from_commit > at, table.c.to_commit == CURRENT)
         if {_key(row, keys) for row in closed} & {_key(row, keys) for row in later}:
-            raise _make_conflict(f"{what} it took away were set")
+            raise _make_conflict(f"{subject} it took away were set")
     of_document = table.c.document == stored.key
     copy_rows(tx, table, of_document, *_is_closed_at(table, at))
     mine = and_(of_document, table.c.from_commit == at, table.c.to_commit == CURRENT)

@@ -34,11 +34,11 @@ def merge_track(before: Track | None, after: Track | None, now: Track | None) ->
     None for a bone that has none. LookupError where one of these was changed since.
     """
     length = max(track[1].shape[1] for track in (before, after, now) if track is not None)
-    (one, two, three) = (_whole(track, length) for track in (before, after, now))
-    changed = ~_same(one, two)
+    (first, two, three) = (_whole(track, length) for track in (before, after, now))
+    changed = ~_same(first, two)
     if (changed & ~_same(two, three)).any():
         raise LookupError
-    merged = np.where(changed, one, three)
+    merged = np.where(changed, first, three)
     channels = np.flatnonzero(~np.isnan(merged).all(axis=1)).tolist()
     return (channels, merged[channels]) if channels else None
 
@@ -73,12 +73,12 @@ def merge_runs(before: list[Run], after: list[Run], now: list[Run], merge: Calla
     LookupError where they do not go together.
     """
     slots = max((first + count for runs in (before, after, now) for first, count, _ in runs), default=0)
-    one, two, three = (_by_slot(runs, slots) for runs in (before, after, now))
-    changed = one != two
-    merged = np.where(changed, one, three)
+    old, two, three = (_by_slot(runs, slots) for runs in (before, after, now))
+    changed = old != two
+    merged = np.where(changed, old, three)
     touched = changed & (two != three)
-    for shapes in np.unique(np.stack([one, two, three])[:, touched], axis=1).T.tolist():
-        merged[touched & (one == shapes[0]) & (two == shapes[1]) & (three == shapes[2])] = merge(*shapes)
+    for shapes in np.unique(np.stack([old, two, three])[:, touched], axis=1).T.tolist():
+        merged[touched & (old == shapes[0]) & (two == shapes[1]) & (three == shapes[2])] = merge(*shapes)
     runs = [(start, end - start, int(merged[start])) for start, end in find_equal(merged).tolist()]
     return [run for run in runs if run[2] >= 0]
 
@@ -91,8 +91,8 @@ def merge_shape(before: Shape, after: Shape, now: Shape) -> Shape:
     if not [bone for bone, _ in before] == [bone for bone, _ in after] == [bone for bone, _ in now]:
         raise LookupError
     merged = []
-    for (bone, one), (_, two), (_, three) in zip(before, after, now, strict=True):
-        changed = one ^ two
+    for (bone, first), (_, two), (_, three) in zip(before, after, now, strict=True):
+        changed = first ^ two
         if (two ^ three) & changed:
             raise LookupError
         merged.append((bone, three ^ changed))
@@ -115,7 +115,7 @@ def take_back_shapes(tx: Transaction, stored: StoredDocument, runs: tuple[list[R
 
 
 def _by_slot(runs: list[Run], slots: int) -> NDArray[np.int64]:
-    found = np.full(slots, -1, dtype=np.int64)
+    numbers = np.full(slots, -1, dtype=np.int64)
     for first, count, shape in runs:
-        found[first : first + count] = shape
-    return found
+        numbers[first : first + count] = shape
+    return numbers

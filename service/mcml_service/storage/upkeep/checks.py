@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Collection, Iterable, Iterator
+from functools import partial
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
@@ -47,59 +48,59 @@ _NAMED = upload.c.id.in_(select(document_upload.c.upload))
 def faults(tx: Transaction, *, past: bool = False) -> list[str]:
     """One sentence a fault. Reads every row and every kept upload once. past: fits the rows of all past revisions
     together too."""
-    found = _collect("The database", lambda: tx.dialect.faults(tx.connection))
-    found += _collect("The store", lambda: _layout_faults(tx))
+    messages = _collect("The database", lambda: tx.dialect.faults(tx.connection))
+    messages += _collect("The store", lambda: _layout_faults(tx))
     for table in SEALS:
-        found += _collect(f"The table {table.name}", lambda table=table: _find_row_faults(tx, table))  # type: ignore[misc]
-    found += _collect("The table track", lambda: _track_faults(tx))
-    found += _collect("The skeletons", lambda: _skeleton_faults(tx))
-    for one in _rows(tx.documents.everything, found):
-        found += _document_faults(tx, *one, past=past)
+        messages += _collect(f"The table {table.name}", lambda table=table: _find_row_faults(tx, table))  # type: ignore[misc]
+    messages += _collect("The table track", lambda: _track_faults(tx))
+    messages += _collect("The skeletons", lambda: _skeleton_faults(tx))
+    for row in _rows(tx.documents.everything, messages):
+        messages += _document_faults(tx, *row, past=past)
     files = select(upload.c.id, upload.c.sha256, upload.c.size).where(_NAMED)
-    for key, sha256, size in _rows(lambda: tx.fetch_all(files), found):
-        found += _collect("An upload", lambda key=key, sha256=sha256, size=size: _upload_faults(tx, key, sha256, size))  # type: ignore[misc]
-    return list(dict.fromkeys(found))
+    for key, sha256, size in _rows(lambda: tx.fetch_all(files), messages):
+        messages += _collect("An upload", partial(_upload_faults, tx, key, sha256, size))
+    return list(dict.fromkeys(messages))
 
 
 def document_faults(tx: Transaction, keys: Collection[int]) -> list[str]:
     """One sentence for each fault of some documents, in all of their revisions."""
     wanted = set(keys)
-    found = [one for one in tx.documents.everything() if one[0] in wanted]
-    return [fault for one in found for fault in _document_faults(tx, *one, past=True)]
+    documents = [row for row in tx.documents.everything() if row[0] in wanted]
+    return [fault for row in documents for fault in _document_faults(tx, *row, past=True)]
 
 
 def _document_faults(tx: Transaction, key: int, uuid: str, name: str, *, past: bool) -> list[str]:
     whose = f"{name} ({uuid})"
-    found = _collect(whose, lambda: _head_faults(tx, key), whose)
+    messages = _collect(whose, lambda: _head_faults(tx, key), whose)
     for then in _states(tx, key, past=past):
-        found += _collect(whose, lambda then=then: _motion_faults(then, key), whose)  # type: ignore[misc]
-    return found
+        messages += _collect(whose, lambda then=then: _motion_faults(then, key), whose)  # type: ignore[misc]
+    return messages
 
 
 def _collect(where: str, look: Callable[[], Iterator[str]], whose: str = "") -> list[str]:
     """The faults that a look finds; what it meets that cannot be read is one too."""
-    found: list[str] = []
+    messages: list[str] = []
     prefix = f"{whose}: " if whose else ""
     try:
         for fault in look():
-            found.append(prefix + fault)
-            if len(found) == MOST_OF_A_KIND:
-                return [*found, f"{where}: and more"]
+            messages.append(prefix + fault)
+            if len(messages) == MOST_OF_A_KIND:
+                return [*messages, f"{where}: and more"]
     except DamageError as error:
-        found.append(error.what)
+        messages.append(error.what)
     except McmlError as error:
-        found.append(f"{prefix}{error.what}")
+        messages.append(f"{prefix}{error.what}")
     # Rows that are no longer what was written lead to anything; the check goes on.
     except Exception as error:
-        found.append(f"{where} cannot be read: {_describe_error(error)}")
-    return found
+        messages.append(f"{where} cannot be read: {_describe_error(error)}")
+    return messages
 
 
-def _rows(read: Callable[[], Iterable[Any]], found: list[str]) -> list[Any]:
+def _rows(read: Callable[[], Iterable[Any]], messages: list[str]) -> list[Any]:
     try:
         return list(read())
     except Exception as error:
-        found.append(f"The store cannot be read: {_describe_error(error)}")
+        messages.append(f"The store cannot be read: {_describe_error(error)}")
         return []
 
 
@@ -153,7 +154,7 @@ def _sound_tracks(rows: list[tuple[Any, ...]]) -> list[bool]:
         ]
     except (TypeError, ValueError, OverflowError):
         # One of them has a value of another type.
-        return [False] if len(rows) == 1 else [found for row in rows for found in _sound_tracks([row])]
+        return [False] if len(rows) == 1 else [sound for row in rows for sound in _sound_tracks([row])]
 
 
 def _skeleton_faults(tx: Transaction) -> Iterator[str]:

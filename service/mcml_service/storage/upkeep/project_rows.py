@@ -122,12 +122,12 @@ class ProjectRows:
 
     def _equal(self, skeletons: list[int]) -> dict[str, list[int]]:
         """Keys of skeletons by their hash, in the order of the first of each."""
-        found: dict[str, list[int]] = {}
+        keys_by_hash: dict[str, list[int]] = {}
         for part in _parts(skeletons):
             query = select(tables.skeleton.c.hash, tables.skeleton.c.id).where(tables.skeleton.c.id.in_(part))
             for hashed, key in self._tx.fetch_all(query.order_by(tables.skeleton.c.id)):
-                found.setdefault(hashed, []).append(key)
-        return found
+                keys_by_hash.setdefault(hashed, []).append(key)
+        return keys_by_hash
 
     @property
     def uploads(self) -> list[int]:
@@ -199,7 +199,9 @@ class ProjectRows:
                     raise describe_track_damage(
                         self._tx, *(row[names.index(name)] for name in ("document", "chunk", "bone"))
                     )
-                raise describe_damage(self._tx, table, tuple(row[names.index(one.name)] for one in SEALS[table].read))
+                raise describe_damage(
+                    self._tx, table, tuple(row[names.index(column.name)] for column in SEALS[table].read)
+                )
 
 
 def _of(column: Any, table: Table, documents: list[int]) -> Any:
@@ -262,18 +264,18 @@ class ProjectWriter:
             self.tx.insert_rows(table, [{**row, "number": keys[number]}])
             return
         if table is tables.upload:
-            found = self.uploads.get(row["sha256"])
-            if found is None:
+            equal = self.uploads.get(row["sha256"])
+            if equal is None:
                 raise FormatError(f"The file {row['sha256']} is missing.", remedy="Export the project again.")
-            keys[number] = found
+            keys[number] = equal
             return
         own = {name: value for name, value in self._here(table, row).items() if name != "id"}
         if "uuid" in own:
             own["uuid"] = self._uuid(table, own["uuid"])
-        found = self._equal_skeleton(own) if table is tables.skeleton else None
-        if found is not None:
+        equal = self._equal_skeleton(own) if table is tables.skeleton else None
+        if equal is not None:
             self._there.add(number)
-        keys[number] = self.tx.insert_row(table, **own) if found is None else found
+        keys[number] = self.tx.insert_row(table, **own) if equal is None else equal
 
     def _equal_skeleton(self, row: Row) -> int | None:
         """The key of a skeleton that the project has."""

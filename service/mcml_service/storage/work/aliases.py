@@ -51,9 +51,9 @@ class Aliases:
         """Keep a table in the place of what was there."""
         values = {"pairs": json.dumps(pairs, ensure_ascii=False), "author": author, "changed": now()}
         key = self._projects.get_or_add(project_name)
-        found = self.of(project_name)
+        before = self.of(project_name)
         self._tx.run(delete(joint_alias).where(joint_alias.c.project == key))
-        self._tx.insert_rows(joint_alias, [{"project": key, "version": found.version + 1, **values}])
+        self._tx.insert_rows(joint_alias, [{"project": key, "version": before.version + 1, **values}])
         return self.of(project_name)
 
     def remove(self, project_name: str) -> None:

@@ -201,13 +201,13 @@ class Jobs:
 
     def cancel(self, uuid: str) -> StoredJob:
         """Ask that a job end: one that waits ends at once, one that runs when its runner hears of it. AccessError."""
-        found = self.get(uuid)
-        self._quotas.require(found.project_key)
+        current = self.get(uuid)
+        self._quotas.require(current.project_key)
         waiting = update(job).where(job.c.uuid == uuid, job.c.state == "waiting")
         if self._tx.run(waiting.values(state="cancelled", ended=now(), cancel=True)):
-            self._activity.note("job", "cancelled", project_key=found.project_key, subject=found.name)
+            self._activity.note("job", "cancelled", project_key=current.project_key, subject=current.name)
         self._tx.run(update(job).where(job.c.uuid == uuid, job.c.state == "running").values(cancel=True))
-        return found if found.state in ENDED else self.get(uuid)
+        return current if current.state in ENDED else self.get(uuid)
 
     def give_back(self, uuid: str, runner: str) -> None:
         """Let a job wait again that its runner could not have done."""

@@ -60,25 +60,25 @@ class Mappings:
 
     def get(self, project_name: str, name: str) -> StoredMapping:
         """NotFoundError."""
-        found = self.find(project_name, name)
-        if found is None:
+        mapping = self.find(project_name, name)
+        if mapping is None:
             raise NotFoundError(
                 f"The project {project_name!r} has no mapping {name!r}.", remedy="List them, or save one."
             )
-        return found
+        return mapping
 
     def put(self, project_name: str, name: str, pairs: tuple[tuple[str, str], ...], author: str) -> StoredMapping:
         """Keep a mapping under a name, in the place of what was there."""
         values = {"pairs": json.dumps(pairs, ensure_ascii=False), "author": author, "changed": now()}
-        found = self.find(project_name, name)
-        if found is None:
+        before = self.find(project_name, name)
+        if before is None:
             key = self._projects.get_or_add(project_name)
             self._tx.insert_row(joint_mapping, project=key, name=normalise_name(name), version=1, **values)
         else:
             key = self._projects.get_or_add(project_name)
-            row = {"project": key, "name": found.name, "version": found.version + 1, **values}
+            row = {"project": key, "name": before.name, "version": before.version + 1, **values}
             checksum = SEALS[joint_mapping].of(tuple(row[name] for name in SEALS[joint_mapping].columns))
-            chosen = update(joint_mapping).where(joint_mapping.c.id == found.key)
+            chosen = update(joint_mapping).where(joint_mapping.c.id == before.key)
             self._tx.run(chosen.values(**row, checksum=checksum))
         return self.get(project_name, name)
 

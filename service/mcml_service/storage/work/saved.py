@@ -72,23 +72,23 @@ class Saved:
 
     def get(self, kind: Kind, project_name: str, name: str) -> StoredThing:
         """NotFoundError."""
-        found = self.find(kind, project_name, name)
-        if found is None:
+        thing = self.find(kind, project_name, name)
+        if thing is None:
             raise NotFoundError(
                 f"The project {project_name!r} has no {kind} {name!r}.", remedy="List them, or save one."
             )
-        return found
+        return thing
 
     def put(self, kind: Kind, project_name: str, name: str, content: dict[str, Any], author: str) -> StoredThing:
         """Keep something under a name, in the place of what was there."""
-        found = self.find(kind, project_name, name)
-        if found is not None:
-            self.remove(kind, found)
+        before = self.find(kind, project_name, name)
+        if before is not None:
+            self.remove(kind, before)
         row = {
             "project": self._projects.get_or_add(project_name),
             "kind": kind,
             "name": normalise_name(name),
-            "version": 1 if found is None else found.version + 1,
+            "version": 1 if before is None else before.version + 1,
             "author": author,
             "changed": now(),
             "content": json.dumps(content, ensure_ascii=False),
@@ -108,13 +108,13 @@ class Saved:
 
     def expand(self, documents: Sequence[str]) -> list[str]:
         """Ids of documents, in the place of collections those that are in them. NotFoundError."""
-        found: list[str] = []
+        uuids: list[str] = []
         for text in documents:
             if text.startswith(PREFIX):
-                found += self.members(self.collection(text.removeprefix(PREFIX)))
+                uuids += self.members(self.collection(text.removeprefix(PREFIX)))
             else:
-                found.append(text)
-        return found
+                uuids.append(text)
+        return uuids
 
     def collection(self, text: str) -> StoredThing:
         """The collection of that name in the project `default`, or, where it is PROJECT/NAME, in that one."""

@@ -13,8 +13,8 @@ DIALECTS = {"sqlite": "sqlite:SQLite", "postgresql": "postgresql:PostgreSQL"}
 def find_dialect(name: str) -> type[Dialect]:
     """The dialect of that name. KeyError where there is none."""
     module, _, kind = DIALECTS[name].partition(":")
-    found: type[Dialect] = getattr(import_module(f"mcml_service.storage.core.dialects.{module}"), kind)
-    return found
+    dialect: type[Dialect] = getattr(import_module(f"mcml_service.storage.core.dialects.{module}"), kind)
+    return dialect
 
 
 __all__ = ["DIALECTS", "Dialect", "find_dialect"]

@@ -159,9 +159,9 @@ class PostgreSQL(Dialect):
 
     def last_keys(self, connection: Connection) -> dict[str, int]:
         store = Statements(connection)
-        given = "SELECT COALESCE(pg_sequence_last_value(CAST(CAST(:sequence AS text) AS regclass)), 0)"
+        query = "SELECT COALESCE(pg_sequence_last_value(CAST(CAST(:sequence AS text) AS regclass)), 0)"
         return {
-            table.name: int(store.fetch_value(text(given), {"sequence": sequence}))
+            table.name: int(store.fetch_value(text(query), {"sequence": sequence}))
             for table, _, sequence in _find_sequences(store)
         }
 
