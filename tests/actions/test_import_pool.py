@@ -100,7 +100,7 @@ def test_short_clips_are_sent_some_at_a_time(
 
 def test_a_worker_that_dies_costs_no_clip(sqlite: Database, pool: ImportPool) -> None:
     imported(sqlite, CLIPS, pool)
-    executor = pool._started(2)
+    executor = pool._start(2)
     for process in list(executor._processes.values()):
         os.kill(process.pid, signal.SIGKILL)
     again = {name: content + b"\n" for name, content in CLIPS.items()}
@@ -118,7 +118,7 @@ from mcml.files.import_options import ImportOptions
 if __name__ == "__main__":
     pool = ImportPool()
     pool.submit([SentClip("bvh", {}, ImportOptions())], Settings()).result()
-    print(*[process.pid for process in pool._started(2)._processes.values()], flush=True)
+    print(*[process.pid for process in pool._start(2)._processes.values()], flush=True)
     sys.stdin.read()
 """
 

@@ -106,14 +106,14 @@ def test_workers_make_what_the_importer_makes(
 def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """The number of workers of each time that some are started."""
     calls: list[int] = []
-    started = ImportPool._started
+    started = ImportPool._start
 
     def counting(self: ImportPool, processes: int) -> Any:
         if not self.is_running:
             calls.append(processes)
         return started(self, processes)
 
-    monkeypatch.setattr(ImportPool, "_started", counting)
+    monkeypatch.setattr(ImportPool, "_start", counting)
     return calls
 
 

@@ -120,7 +120,7 @@ def test_versions_of_a_path_share_the_space(client: TestClient, database: Databa
         value["length_mm"] for value in warm[::-1]
     ]
     for kept in (results, cold):
-        assert len({id(kept._prepared(uuid)[1].positions) for uuid in [*versions, space]}) == 1
+        assert len({id(kept._prepare(uuid)[1].positions) for uuid in [*versions, space]}) == 1
     grown = {"inputs": {"project": "faces"}, "extends": path}
     refused = client.post(f"{API}/analyses/expression", json=grown)
     assert refused.json()["code"] == "not-extendable"

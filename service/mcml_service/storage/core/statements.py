@@ -1,7 +1,7 @@
 """Execute SQL statements on a connection: the one module that does (`tests/architecture`).
 
 A statement is one of four things: a text in SQL; a statement of SQLAlchemy that is built where it is used; one of
-these whose rows are compared with their checksums (`seals.checked`); or one that the program makes once (`Prepared`).
+these whose rows are compared with their checksums (`seals.verify`); or one that the program makes once (`Prepared`).
 """
 
 from __future__ import annotations
