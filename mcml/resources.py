@@ -22,6 +22,12 @@ def joint_names_path() -> Path:
 
 
 @cache
+def rig_words_path() -> Path:
+    """Words that names of joints are made of, in several languages."""
+    return _PACKAGE / "motion" / "rigs" / "words.csv"
+
+
+@cache
 def motion_names_path() -> Path:
     """Parts of the body and the movements they can perform."""
     return _PACKAGE / "language" / "motion_names.csv"

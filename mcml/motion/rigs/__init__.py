@@ -1,0 +1,1 @@
+"""Rigs recognised: which joint is which of a person's, by words, tree and rest pose; arrays and texts only."""

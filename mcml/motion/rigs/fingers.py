@@ -1,0 +1,62 @@
+"""Fingers: the joint of each one that is nearest to its hand, by words or by numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from mcml.motion.rigs.limbs import Limb
+from mcml.motion.rigs.readings import Reading
+from mcml.motion.rigs.tree import Tree
+
+_NAMES = ("fingers", "finger_one", "finger_two", "finger_three", "finger_four", "finger_five")
+
+
+def find_fingers(
+    tree: Tree, readings: Sequence[Reading], sides: Sequence[str], out: Sequence[bool], arm: Limb
+) -> dict[str, tuple[int, float, str]]:
+    """Fingers of one hand: MCML's name without side → (joint, how sure, "word")."""
+    # A thumb may hang from the wrist beside the hand: what hangs from the forearm counts.
+    top = next((arm.at(slot) for slot in ("low_arm", "wrist", "hand") if slot in arm.joints), -1)
+    taken = {joint for joint, _, _ in arm.joints.values()}
+    some = [
+        joint
+        for joint, reading in enumerate(readings)
+        if reading.finger >= 0
+        and sides[joint] == arm.side
+        and not out[joint]
+        and joint not in taken
+        and (tree.is_flat or tree.is_above(top, joint))
+    ]
+    if top < 0 or not some:
+        return {}
+    some.sort(key=lambda joint: (tree.depth[joint], readings[joint].numbers[:2], joint))
+    named: dict[int, int] = {}
+    for joint in some:
+        if readings[joint].finger > 0:
+            named.setdefault(readings[joint].finger, joint)
+    set_of = set(some)
+    first = [joint for joint in some if set_of.isdisjoint(tree.way_up(joint)[1:])]
+    numbered = _numbered(tree, readings, first, has_thumb=1 in named)
+    for number, joint in numbered.items():
+        named.setdefault(number, joint)
+    result = {_NAMES[number]: (joint, 0.95, "word") for number, joint in sorted(named.items()) if 1 <= number <= 5}
+    plain = [joint for joint in first if readings[joint].finger == 0 and not readings[joint].numbers]
+    if plain and not numbered:
+        result[_NAMES[0]] = (plain[0], 0.9, "word")
+    return result
+
+
+def _numbered(tree: Tree, readings: Sequence[Reading], first: Sequence[int], has_thumb: bool) -> dict[int, int]:
+    """Finger → joint of fingers that have numbers: with a 0 or a thumb among them 1 is the second, else the first."""
+    numbers: dict[int, int] = {}
+    for joint in first:
+        reading = readings[joint]
+        if reading.finger != 0 or not reading.numbers:
+            continue
+        number = reading.numbers[0]
+        if reading.metacarpal:
+            below = [each for each in tree.children[joint] if readings[each].finger == 0 and readings[each].numbers]
+            number = readings[below[0]].numbers[0] if below else number
+        numbers.setdefault(number, joint)
+    shift = 1 if 0 in numbers or (has_thumb and 1 in numbers) else 0
+    return {number + shift: joint for number, joint in sorted(numbers.items()) if 1 <= number + shift <= 5}
