@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from fastapi.testclient import TestClient
 
 
-def bvh(frames: int = 3, seed: int = 0, names: Sequence[str] = ("Hips", "Spine", "Head"), decimals: int = 4) -> bytes:
+def bvh(frames: int = 3, seed: int = 0, names: Sequence[str] = ("Root", "Spine", "Head"), decimals: int = 4) -> bytes:
     """A chain of joints in BVH with random but plausible numbers."""
     rng = np.random.default_rng(seed)
     lines = ["HIERARCHY"]

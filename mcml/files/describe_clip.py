@@ -97,8 +97,12 @@ def receipt(
         "naming": None
         if names is None
         else {
-            "rig": names.convention,
-            "mapped": dict(names.mapped),
+            "rig": names.kind,
+            "mapped": names.mapped,
+            "joints": [
+                {"source": each.source, "name": each.name, "confidence": each.confidence, "how": each.how}
+                for each in names.named
+            ],
             "unmapped": [{"source": source, "name": name, "why": why} for source, name, why in names.unmapped],
         },
         "unit": unit_facts(head, facts.extent),
@@ -112,7 +116,7 @@ def receipt(
         "markers": Convention.MARKER in facts.conventions,
         "notices": [
             {"kind": notice.kind, "what": notice.what, "at": None if notice.at is None else str(notice.at)}
-            for notice in notices
+            for notice in (*notices, *(() if names is None else names.notices()))
         ],
         "twins": [],
     }

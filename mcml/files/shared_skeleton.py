@@ -13,6 +13,8 @@ from mcml.language.elements import Element, mcml_element
 from mcml.language.joint_names import NamingReport
 from mcml.motion.carriers import first_moving
 from mcml.motion.clip import ClipStream, Shape, full_shape
+from mcml.motion.rigs.recognise import Recognition
+from mcml.motion.rigs.skeletons import MOST_JOINTS, recognise_clip
 from mcml.motion.skeleton import Skeleton
 
 
@@ -31,28 +33,26 @@ class SharedSkeleton:
     facts: SkeletonFacts
 
 
-MOST_JOINTS = 300
-"""Of a skeleton that is kept for clips to come: sixty-four such take some ten megabytes, of any size they might not."""
-
-
 def shared_skeleton(clip: ClipStream, aliases: tuple[tuple[str, str], ...] = ()) -> SharedSkeleton:
     """Name the joints of a source and write them as elements. DocumentError where these would not be valid.
 
     aliases: a project's own (name in the source, name to give). Frames are read only where the motion must tell which
-    of several joints is the root.
+    of several joints is the root, or where the rest pose is none.
     """
-    source, root = clip.head.skeleton, moving_root(clip)
-    return (kept_skeleton if len(source) <= MOST_JOINTS else _made)(source, aliases, root)
+    source = clip.head.skeleton
+    rig = recognise_clip(clip)
+    return (kept_skeleton if len(source) <= MOST_JOINTS else _made)(source, aliases, moving_root(clip, rig), rig)
 
 
-def moving_root(clip: ClipStream) -> int | None:
+def moving_root(clip: ClipStream, rig: Recognition) -> int | None:
     """Which of several joints that could be the root moves the figure, None where the skeleton alone tells."""
-    candidates = joint_names.root_candidates(clip.head.skeleton)
+    source = clip.head.skeleton
+    candidates = (_kept_candidates if len(source) <= MOST_JOINTS else joint_names.root_candidates)(source, rig)
     return first_moving(clip, candidates) if len(candidates) > 1 else None
 
 
-def _made(source: Skeleton, aliases: tuple[tuple[str, str], ...], root: int | None) -> SharedSkeleton:
-    skeleton, report = joint_names.named(source, aliases, root)
+def _made(source: Skeleton, aliases: tuple[tuple[str, str], ...], root: int | None, rig: Recognition) -> SharedSkeleton:
+    skeleton, report = joint_names.named(source, aliases, root, rig)
     elements = tuple(write_skeleton(skeleton))
     shape = full_shape(skeleton.columns())
     validate_by_shapes(mcml_element(Element("header"), elements), [(shape, 1)], skeleton.names)
@@ -60,3 +60,4 @@ def _made(source: Skeleton, aliases: tuple[tuple[str, str], ...], root: int | No
 
 
 kept_skeleton = lru_cache(maxsize=64)(_made)
+_kept_candidates = lru_cache(maxsize=64)(joint_names.root_candidates)

@@ -163,6 +163,8 @@ def _shared_attributes(joint: Joint, channels_tag: str) -> dict[str, str]:
         attributes["source_name"] = escape(joint.source_name)
     if joint.mapped is not None:
         attributes["mapped"] = "true" if joint.mapped else "false"
+    if joint.confidence is not None:
+        attributes["confidence"] = escape(joint.confidence)
     attributes["convention"] = joint.convention.value
     if joint.translation:
         attributes["translation"] = joint.translation
@@ -196,6 +198,7 @@ def _read_root(element: Element, address: str, parent: int, convention: Conventi
         _read_shared(element, name, parent, convention, channels, unescape(get("axis", ""))),
         offset=_triple(get("position"), address_attribute(address, "position")),
         axis=_triple(get("orientation"), address_attribute(address, "orientation")),
+        confidence=_decimal(get("confidence"), address_attribute(address, "confidence")),
         end_sites=tuple(sites),
     )
 
@@ -211,7 +214,7 @@ def _read_bone(element: Element, address: str, parent: int, convention: Conventi
         if child.tag == END_SITE:
             sites.append(_read_end_site(child, f"{address}/end_site[{len(sites) + 1}]", bones))
         bones += child.tag == BONE
-    identity = element.attributes.get("id")
+    identity, confidence = element.attributes.get("id"), element.attributes.get("confidence")
     channels = _bone_channels(element, address, convention)
     return replace(
         _read_shared(element, name, parent, convention, channels, axis_order),
@@ -223,6 +226,7 @@ def _read_bone(element: Element, address: str, parent: int, convention: Conventi
         bodymass=_decimal(element.leaf(BODYMASS), f"{address}/bodymass"),
         cofmass=_decimal(element.leaf(COFMASS), f"{address}/cofmass"),
         id=None if identity is None else unescape(identity),
+        confidence=_decimal(confidence, address_attribute(address, "confidence")),
         end_sites=tuple(sites),
     )
 

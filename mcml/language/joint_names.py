@@ -1,22 +1,24 @@
 """Names of joints: Table 1 of the paper as data, and how a rig's own names become MCML's.
 
-The same word means different bones: `LeftShoulder` is the clavicle of one rig and the upper arm of another. So the
-convention of the rig is recognised as a whole first, by words that only it uses, and only its column of
-`joint_names.csv` is read. An MCML name is given to at most one joint; every other joint keeps its own name.
-Rows 20 to 49 of the table are reconstructed: the printed table leaves them out.
+The same word means different bones: `LeftShoulder` is the clavicle of one rig and the upper arm of another. So a rig is
+recognised as a whole (`mcml.motion.rigs`). An MCML name is given to at most one joint; every other joint keeps its own
+name. Rows 20 to 49 of the table are reconstructed: the printed table leaves them out.
 """
 
 from __future__ import annotations
 
 import csv
 import re
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 
 from mcml.errors import Notice, VocabularyError
-from mcml.language.animals import NOT_A_PERSON, not_a_person
-from mcml.motion.skeleton import TRANSLATIONS, Convention, Joint, Skeleton, once_a_skeleton, unique_names
+from mcml.motion.rigs.recognise import DOUBTFUL, Recognition
+from mcml.motion.rigs.skeletons import recognise_skeleton
+from mcml.motion.rigs.vocabulary import vocabulary
+from mcml.motion.skeleton import TRANSLATIONS, Convention, Joint, Skeleton, unique_names
 from mcml.resources import joint_names_path
 
 TABLE_1 = ("asf", "bvh1", "bvh2", "htr")
@@ -30,8 +32,7 @@ class JointName:
     """One row of Table 1.
 
     number: its row, from 1. name: MCML's. reconstructed: whether the printed table leaves the row out.
-    columns: the row's other columns, by the heads of `joint_names.csv`; aliases separated by `|`, an empty one
-    keeps the place of a weaker claim.
+    columns: the names that formats of the paper use, by the heads of `joint_names.csv`; "" for none.
     """
 
     number: int
@@ -40,106 +41,60 @@ class JointName:
     columns: Mapping[str, str]
 
 
-@dataclass(frozen=True, slots=True)
-class Rig:
-    """A way to name the joints of a body.
-
-    column: of `joint_names.csv`. words: names (normalised) that only this rig uses; each counts one vote.
-    prefix: a pattern that begins the rig's names; each name counts one vote. trunk: names of the trunk from the
-    pelvis up, where a rig has as many as it likes: the first becomes waist, the last torso7. needs: names without which
-    others mean something else. below: a name that means something else without another.
-    """
-
-    column: str
-    words: frozenset[str]
-    prefix: str = ""
-    trunk: tuple[str, ...] = ()
-    needs: frozenset[str] = frozenset()
-    below: tuple[str, str] | None = None
-
-
-_NECK = re.compile(r"h?(?:upper|lower)?neck(?:joint|upper|lower)?[0-9]{0,2}")
-"""Necks (normalised) of rigs with several, whatever else their convention calls them."""
-
-
-def _both_sides(*words: str) -> frozenset[str]:
-    """Words of the left side and their mirror images."""
-    right = [re.sub("^l(?!eft)", "r", re.sub("left", "right", re.sub("(?<=arm|leg)l$", "r", word))) for word in words]
-    return frozenset(words) | frozenset(right)
-
-
-_SPINES = tuple(f"spine{number or ''}" for number in range(10))
-
-RIGS: tuple[Rig, ...] = (
-    # Its feet are toes, below ankles.
-    Rig(
-        "smpl",
-        _both_sides("leftcollar", "leftelbow", "leftknee", "lefthip"),
-        trunk=_SPINES,
-        needs=frozenset({"leftankle", "leftfoot"}),
-    ),
-    Rig(
-        "motionbuilder",
-        _both_sides("leftarm", "leftforearm", "leftupleg", "lefttoebase"),
-        trunk=("lowerback", *_SPINES, "chest", "upperchest"),
-    ),
-    Rig(
-        "biovision",
-        _both_sides("leftcollar", "leftelbow", "leftknee", "lefthip", "leftuparm", "leftlowarm", "leftlowleg"),
-        trunk=("lowerback", "ab", *_SPINES, "chest", "chest2", "chest3", "chest4"),
-    ),
-    Rig("acclaim", _both_sides("lclavicle", "lhumerus", "lfemur", "ltibia", "hleftuparm", "hleftupleg")),
-    Rig("vicon", _both_sides("lshoulderjoint", "lhumerus", "lfemur", "ltibia") | {"neckjoint"}),
-    Rig("biped", frozenset(), prefix=r"bip0?01", trunk=_SPINES),
-    Rig("xsens", _both_sides("leftupperarm", "leftupperleg", "leftlowerleg") | {"l5", "l3", "t12", "t8"}),
-    Rig(
-        "max",
-        _both_sides("lupperarm", "lforearm", "llowerarm", "lcalf", "lupperleg", "llowerleg", "lfinger0", "ltoe0"),
-        trunk=("lowerback", "abdomen", *_SPINES, "chest", "upperchest"),
-    ),
-    Rig("motive", _both_sides("luarm", "lfarm", "lshin"), trunk=("ab", "chest")),
-    Rig("motionanalysis", _both_sides("lupperarm", "luparm", "llowarm", "llowleg") | {"lowertorso", "uppertorso"}),
-    Rig("hanim", frozenset({"humanoidroot", "lacromioclavicular", "racromioclavicular", "vl5", "vt1", "skullbase"})),
-    Rig("poser", _both_sides("lshldr", "lforearm", "lshin", "lbuttock") | {"abdomen"}, trunk=("abdomen", "chest")),
-    Rig("smpl", frozenset({"lcollar", "rcollar"}), trunk=_SPINES, below=("lfoot", "lankle")),
-    Rig("bandai", _both_sides("upperarml", "lowerarml", "upperlegl", "lowerlegl"), trunk=(*_SPINES, "chest")),
-)
-"""Every convention that is recognised. On equal votes the earlier one wins."""
-
+MCML, MARKERS = "mcml", "markers"
+"""What joints are, beside the verdicts of a recognition: named in MCML already, or points."""
+_ROOTS = frozenset({"root", "pelvis", "hip"})
+"""Parts that a joint is called which may move the figure."""
 _NEARLY_ALL = 0.8
 """Of the joints: others are props, or faces."""
 _SHARED = ("hip", "shoulder", "foot", "wrist", "hand", "toes")
 """Parts that other rigs call by the same names, and may mean others by."""
-_FOREIGN = _both_sides("leftknee", "leftankle", "leftelbow", "leftcollar", "lknee", "lankle", "lelbow", "lcollar")
+_FOREIGN = frozenset(
+    side + part for side in ("left", "right", "l", "r") for part in ("knee", "ankle", "elbow", "collar")
+)
 
-UNKNOWN = Rig("any", frozenset())
-"""No convention recognised: only names that mean the same everywhere are mapped."""
+
+@dataclass(frozen=True, slots=True)
+class SureName:
+    """A joint that got a name. source: its own name. name: MCML's. confidence: 0 to 1. how: by what it was recognised:
+    "word", "tree", "rest pose", or "alias" for a project's own."""
+
+    source: str
+    name: str
+    confidence: float
+    how: str
 
 
 @dataclass(frozen=True, slots=True)
 class NamingReport:
     """What naming did, for the receipt.
 
-    convention: the rig recognised ("any": none; "mcml": the names already were MCML's; "markers"; NOT_A_PERSON).
-    mapped: (source name, MCML name). unmapped: (source name, name kept, why). refused: why nothing is mapped.
+    kind: what the joints are: PERSON, PART, NOBODY or UNKNOWN (`mcml.motion.rigs.recognise`), MCML or MARKERS.
+    named: joints with a name of MCML's. unmapped: (source name, name kept, why). refused: why it is no person.
+    told: sentences about what is missing, doubtful or contradicts itself.
     """
 
-    convention: str
-    mapped: tuple[tuple[str, str], ...]
+    kind: str
+    named: tuple[SureName, ...]
     unmapped: tuple[tuple[str, str, str], ...]
     refused: str = ""
+    told: tuple[str, ...] = ()
+
+    @property
+    def mapped(self) -> dict[str, str]:
+        """Source name → MCML's."""
+        return {each.source: each.name for each in self.named}
 
     def notices(self) -> list[Notice]:
         """The report as lines of a receipt."""
-        if self.convention == "markers":
+        if self.kind in (MARKERS, MCML):
             return []
         if self.refused:
             return [Notice("guess", f"joint names: not a person ({self.refused}), so joints keep their own names")]
-        total = len(self.mapped) + len(self.unmapped)
-        lines = [Notice("note", f"joint names: {self.convention} rig, {len(self.mapped)} of {total} joints mapped")]
-        if self.unmapped:
-            kept = ", ".join(f"{source} ({why})" for source, _, why in self.unmapped)
-            lines.append(Notice("note", f"joints that keep their own name: {kept}"))
+        lines = [Notice("guess" if "disagree" in told else "note", f"joint names: {told}") for told in self.told]
+        doubtful = [f"{each.source} as {each.name}" for each in self.named if each.confidence < DOUBTFUL]
+        if doubtful:
+            lines.append(Notice("guess", f"joint names: guessed: {', '.join(doubtful)}"))
         return lines
 
 
@@ -153,24 +108,12 @@ def table() -> tuple[JointName, ...]:
         )
 
 
-def detect(skeleton: Skeleton) -> Rig:
-    """The convention most of the joints' words vote for; UNKNOWN where none gets a vote."""
-    raw = [_bare(joint.source_name) for joint in skeleton.joints]
-    keys = set(_keys(skeleton))
-    if _is_mcml([joint.source_name for joint in skeleton.joints], keys):
-        return Rig("mcml", frozenset())
-    votes = [
-        len(keys & rig.words) + (sum(1 for name in raw if re.match(rig.prefix, name)) if rig.prefix else 0)
-        if _is_possible(rig, keys)
-        else 0
-        for rig in RIGS
-    ]
-    best = max(range(len(RIGS)), key=lambda index: votes[index])
-    return RIGS[best] if votes[best] else UNKNOWN
+def _is_markers(skeleton: Skeleton) -> bool:
+    return bool(skeleton.joints) and all(joint.convention is Convention.MARKER for joint in skeleton.joints)
 
 
-def _is_possible(rig: Rig, keys: Set[str]) -> bool:
-    return rig.needs <= keys and (rig.below is None or rig.below[0] not in keys or rig.below[1] in keys)
+def _is_literal(skeleton: Skeleton) -> bool:
+    return _is_mcml([joint.source_name for joint in skeleton.joints], set(_keys(skeleton)))
 
 
 def _is_mcml(names: Sequence[str], keys: Set[str]) -> bool:
@@ -182,22 +125,25 @@ def _is_mcml(names: Sequence[str], keys: Set[str]) -> bool:
     return own >= _NEARLY_ALL * len(names) and not _mcml_only().isdisjoint(names) and keys.isdisjoint(_FOREIGN)
 
 
-@once_a_skeleton
-def root_candidates(skeleton: Skeleton) -> tuple[int, ...]:
-    """The joints that the rig's convention, or any, calls Root and that can move the figure, parents first.
+def root_candidates(skeleton: Skeleton, recognition: Recognition) -> tuple[int, ...]:
+    """Joints that can be Root and can move the figure, parents first: the one that is recognised, and each above it
+    that has no other child and is called root, hips or the like.
 
     Where there are several, which of them does is to be seen in the motion: see `named`.
     """
-    rig = detect(skeleton)
-    if rig.column == "mcml" or all(joint.convention is Convention.MARKER for joint in skeleton.joints):
+    if _is_literal(skeleton) or _is_markers(skeleton):
         return ()
-    keys, row = _keys(skeleton), table()[0]
-    aliases = {_key(alias) for column in (rig.column, UNKNOWN.column) for alias in row.columns[column].split("|")}
-    return tuple(
-        index
-        for index, joint in enumerate(skeleton.joints)
-        if keys[index] in aliases and not set(joint.channels).isdisjoint(TRANSLATIONS)
-    )
+    root = next((each.joint for each in recognition.joints if each.name == "Root"), -1)
+    if root < 0:
+        return ()
+    children = Counter(joint.parent for joint in skeleton.joints)
+    way = [root]
+    while (parent := skeleton.joints[way[-1]].parent) >= 0 and children[parent] == 1:
+        if _ROOTS.isdisjoint(vocabulary().parts(_key(skeleton.joints[parent].source_name))):
+            break
+        way.append(parent)
+    moving = [joint for joint in way[::-1] if not set(skeleton.joints[joint].channels).isdisjoint(TRANSLATIONS)]
+    return tuple(moving) or (root,)
 
 
 def translate(skeleton: Skeleton, to: str) -> Skeleton:
@@ -223,45 +169,57 @@ def translate(skeleton: Skeleton, to: str) -> Skeleton:
 
 
 def named(
-    skeleton: Skeleton, extra: Sequence[tuple[str, str]] = (), root: int | None = None
+    skeleton: Skeleton,
+    extra: Sequence[tuple[str, str]] = (),
+    root: int | None = None,
+    recognition: Recognition | None = None,
 ) -> tuple[Skeleton, NamingReport]:
-    """The skeleton with `name` and `mapped` of every joint set, and why joints stay unmapped.
+    """The skeleton with `name`, `mapped` and `confidence` of every joint set, and why joints stay unmapped.
 
     Source names stay as they are. extra: a team's own rows, (name in the source, name to give), which come first. Never
-    fails: a joint that no row fits keeps its source name, with `#2` if that is taken.
+    fails: a joint without a name of MCML's keeps its source name, with `#2` if that is taken.
 
-    root: which of several `root_candidates` moves the figure; None: the first.
+    root: which of several `root_candidates` moves the figure; None: the first. recognition: what the rig is, where
+    poses of the motion were needed to say so; None: what its names and its rest pose say.
     """
-    if skeleton.joints and all(joint.convention is Convention.MARKER for joint in skeleton.joints):
-        return _with_names(skeleton, {}, "markers", {})
-    rig = detect(skeleton)
+    if _is_markers(skeleton):
+        return _with_names(skeleton, {}, NamingReport(MARKERS, (), ()), {})
     keys = _keys(skeleton)
-    given: dict[int, str] = {}
+    given: dict[int, tuple[str, float, str]] = {}
     why: dict[int, str] = {}
-    _claim([(_key(source), name) for source, name in extra], keys, given, why)
-    if rig.column == "mcml":
+    _claim([(_key(source), name) for source, name in extra], keys, given, why, "alias")
+    if _is_literal(skeleton):
         names = {row.name for row in table()}
         exact = [joint.source_name if joint.source_name in names else "" for joint in skeleton.joints]
-        _claim([(name, name) for name in exact if name], exact, given, why)
-    else:
-        candidates = root_candidates(skeleton) if root is None else (root,)
-        if candidates and "Root" not in given.values() and candidates[0] not in given:
-            given[candidates[0]] = "Root"
-        _claim_trunk(rig, keys, given)
-        _claim_neck(rig, keys, skeleton, given, why)
-        for claims in _ranks(rig.column):
-            _claim(claims, keys, given, why)
-        asked = {_key(source) for source, _ in extra}
-        reason = not_a_person(skeleton, given)
-        if reason is not None:
-            own = {index: name for index, name in given.items() if keys[index] in asked}
-            why = dict.fromkeys(given.keys() - own.keys(), reason)
-            return _with_names(skeleton, own, NOT_A_PERSON, why, reason)
-    return _with_names(skeleton, given, rig.column, why)
+        _claim([(name, name) for name in exact if name], exact, given, why, "word")
+        return _with_names(skeleton, given, NamingReport(MCML, (), ()), why)
+    rig = recognition or recognise_skeleton(skeleton)
+    taken = {name for name, _, _ in given.values()}
+    claims = {each.joint: (each.name, each.confidence, each.how) for each in rig.joints}
+    if root is None:
+        root = next(iter(root_candidates(skeleton, rig)), None)
+    if root is not None and root not in claims:
+        claims = {joint: claim for joint, claim in claims.items() if claim[0] != "Root"}
+        claims[root] = ("Root", 0.9, "tree")
+    for joint, claim in claims.items():
+        if claim[0] in taken:
+            why.setdefault(joint, f"{claim[0]} is taken")
+        elif joint not in given:
+            given[joint] = claim
+    if rig.reason:
+        why = {index: rig.reason for index in range(len(skeleton)) if index not in given}
+    return _with_names(skeleton, given, NamingReport(rig.verdict, (), (), rig.reason, rig.told), why)
 
 
-def _claim(claims: Sequence[tuple[str, str]], keys: list[str], given: dict[int, str], why: dict[int, str]) -> None:
+def _claim(
+    claims: Sequence[tuple[str, str]],
+    keys: list[str],
+    given: dict[int, tuple[str, float, str]],
+    why: dict[int, str],
+    how: str,
+) -> None:
     """Gives each name to the first joint with its key, if neither the joint nor the name has a match already."""
+    names = {name for name, _, _ in given.values()}
     places: dict[str, list[int]] = {}
     for index, key in enumerate(keys):
         places.setdefault(key, []).append(index)
@@ -269,74 +227,31 @@ def _claim(claims: Sequence[tuple[str, str]], keys: list[str], given: dict[int, 
         for index in places.get(key, ()):
             if index in given:
                 continue
-            if name in given.values():
+            if name in names:
                 why.setdefault(index, f"{name} is taken")
             else:
-                given[index] = name
-
-
-def _claim_trunk(rig: Rig, keys: list[str], given: dict[int, str]) -> None:
-    trunk = [index for index, key in enumerate(keys) if key in rig.trunk and index not in given]
-    # torso7 carries the neck and the arms, waist is the first joint above the pelvis: the ends of the chain are known.
-    middle = len(TRUNK) - 2
-    for place, index in enumerate(trunk[: middle + 1]):
-        given[index] = TRUNK[-1] if place and index == trunk[-1] else TRUNK[place]
-    if len(trunk) > middle + 1:
-        given[trunk[-1]] = TRUNK[-1]
-
-
-def _claim_neck(rig: Rig, keys: list[str], skeleton: Skeleton, given: dict[int, str], why: dict[int, str]) -> None:
-    """The upper neck is neck1 and the lower one neck2 (Table 1), by their places: of more, the ends."""
-    words = {alias for claims in _ranks(rig.column) for alias, name in claims if name in ("neck1", "neck2")}
-    chains: dict[int, tuple[int, int]] = {}  # of each neck: how many there are down to the lowest, and that one
-    nearest: list[int] = []
-    for index, (key, joint) in enumerate(zip(keys, skeleton.joints, strict=True)):
-        below = nearest[joint.parent] if joint.parent >= 0 else -1
-        is_neck = index not in given and (key in words or _NECK.fullmatch(key) is not None)
-        if is_neck:
-            count, lowest = chains.get(below, (0, index))
-            chains[index] = count + 1, lowest
-        nearest.append(index if is_neck else below)
-    upper = max(chains, key=lambda index: chains[index][0], default=-1)
-    for index, name in ((upper, "neck1"), (chains[upper][1] if chains else -1, "neck2")):
-        if index >= 0 and index not in given and name not in given.values():
-            given[index] = name
-    for index in chains.keys() - given.keys():
-        why.setdefault(index, "neck1 is taken")
-
-
-@cache
-def _ranks(column: str) -> tuple[tuple[tuple[str, str], ...], ...]:
-    """The claims (normalised alias, MCML name) of a column, strongest first: first aliases, second aliases, …
-
-    Table 1's own ASF names (`h_left_hand`) belong to the Acclaim column.
-    """
-    ranked: list[list[tuple[str, str]]] = []
-    for row in table():
-        aliases = row.columns[column].split("|")
-        if column == "acclaim":
-            aliases.append(row.columns["asf"])
-        for rank, alias in enumerate(aliases):
-            while len(ranked) <= rank:
-                ranked.append([])
-            if alias:
-                ranked[rank].append((_key(alias), row.name))
-    return tuple(tuple(claims) for claims in ranked)
+                given[index] = (name, 1.0, how)
+                names.add(name)
 
 
 def _with_names(
-    skeleton: Skeleton, given: dict[int, str], convention: str, why: dict[int, str], refused: str = ""
+    skeleton: Skeleton, given: Mapping[int, tuple[str, float, str]], report: NamingReport, why: Mapping[int, str]
 ) -> tuple[Skeleton, NamingReport]:
-    names = _fill_in(given, [joint.source_name for joint in skeleton.joints])
-    named = _renamed(skeleton, lambda index, joint: replace(joint, name=names[index], mapped=index in given))
     joints = skeleton.joints
-    mapped = tuple((joints[index].source_name, names[index]) for index in sorted(given))
+    names = _fill_in({index: claim[0] for index, claim in given.items()}, [joint.source_name for joint in joints])
+
+    def rename(index: int, joint: Joint) -> Joint:
+        sure = given[index][1] if index in given else 1.0
+        doubt = f"{sure:g}" if sure < DOUBTFUL else None
+        return replace(joint, name=names[index], mapped=index in given, confidence=doubt)
+
+    mapped = tuple(SureName(joints[index].source_name, *given[index]) for index in sorted(given))
     unmapped = tuple(
-        (joint.source_name, names[index], why.get(index, "not in Table 1"))
+        (joint.source_name, names[index], why.get(index, "not recognised"))
         for index, joint in enumerate(joints)
         if index not in given
     )
-    return named, NamingReport(convention, mapped, unmapped, refused)
+    return _renamed(skeleton, rename), replace(report, named=mapped, unmapped=unmapped)
 
 
 def _fill_in(given: Mapping[int, str], own: Sequence[str]) -> dict[int, str]:

@@ -79,6 +79,7 @@ class Joint:
     translation: "absolute" (position channels replace the offset) or "relative" (they add to it); "" if none.
     limits: one text a degree of freedom, such as "-160.0 20.0", without brackets.
     mapped: None before naming; then whether `name` is one of MCML's own.
+    confidence: how sure that name is, such as "0.6", where it is a guess; else None.
     """
 
     name: str
@@ -99,6 +100,7 @@ class Joint:
     id: str | None = None
     end_sites: tuple[EndSite, ...] = ()
     mapped: bool | None = None
+    confidence: str | None = None
 
 
 @dataclass(frozen=True)
@@ -118,6 +120,11 @@ class Skeleton:
     @property
     def names(self) -> tuple[str, ...]:
         return tuple(joint.name for joint in self.joints)
+
+    @property
+    def doubtful(self) -> tuple[str, ...]:
+        """Names of MCML's that are guesses."""
+        return tuple(joint.name for joint in self.joints if joint.mapped and joint.confidence is not None)
 
     @property
     def parents(self) -> NDArray[np.intp]:

@@ -99,11 +99,21 @@ class KeptName(BaseModel):
     why: str
 
 
+class RecognisedJoint(BaseModel):
+    """A joint that got a name of MCML's, how sure that is, and by what."""
+
+    source: str
+    name: str
+    confidence: float = Field(description="0 to 1; a name below 0.7 is a guess")
+    how: Literal["word", "tree", "rest pose", "alias"]
+
+
 class Naming(BaseModel):
     """How joints got their MCML names."""
 
-    rig: str = Field(description="The naming convention that was recognised; any: none, so only plain names map")
+    rig: str = Field(description="What the joints are: person, part of a person, not a person, unknown, mcml, markers")
     mapped: dict[str, str] = Field(description="Source name to MCML name")
+    joints: list[RecognisedJoint] = Field([], description="How each mapped joint was recognised")
     unmapped: list[KeptName]
 
 

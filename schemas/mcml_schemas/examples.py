@@ -38,9 +38,10 @@ RECEIPT = {
     "joints": 2,
     "channels": 9,
     "naming": {
-        "rig": "any",
+        "rig": "person",
         "mapped": {"Hips": "Root"},
-        "unmapped": [{"source": "Spine", "name": "Spine", "why": "not in Table 1"}],
+        "joints": [{"source": "Hips", "name": "Root", "confidence": 0.98, "how": "word"}],
+        "unmapped": [{"source": "Ponytail", "name": "Ponytail", "why": "not recognised"}],
     },
     "unit": {"value": None, "stated": False, "why": "the file names no unit; the rest pose is 26.25 tall"},
     "frame_rate": {

@@ -24,9 +24,14 @@ ROOT Root
 \t\t{
 \t\t\tOFFSET 9 0 0
 \t\t\tCHANNELS 3 Zrotation Xrotation Yrotation
-\t\t\tEnd Site
+\t\t\tJOINT LeftLeg
 \t\t\t{
 \t\t\t\tOFFSET 0 -40 0
+\t\t\t\tCHANNELS 3 Zrotation Xrotation Yrotation
+\t\t\t\tEnd Site
+\t\t\t\t{
+\t\t\t\t\tOFFSET 0 -40 0
+\t\t\t\t}
 \t\t\t}
 \t\t}
 \t}
@@ -37,17 +42,17 @@ MOTION
 
 def rig(root: float, hips: float, frames: int = 3) -> bytes:
     """Joints that go so far along X from frame to frame."""
-    rows = [f"{root * frame} 0 0 0 0 0 {hips * frame} 90 0 0 0 0 0 0 0" for frame in range(frames)]
+    rows = [f"{root * frame} 0 0 0 0 0 {hips * frame} 90 0 0 0 0 0 0 0 0 0 0" for frame in range(frames)]
     return (HEAD + f"Frames: {frames}\nFrame Time: 0.01\n" + "\n".join(rows) + "\n").encode()
 
 
 @pytest.mark.parametrize(
     ("root", "hips", "names"),
     [
-        (0.0, 1.5, ["Root#2", "Root", "left_up_leg"]),
-        (1.5, 0.0, ["Root", "Hips", "left_up_leg"]),
-        (1.5, 0.25, ["Root", "Hips", "left_up_leg"]),
-        (0.0, 0.0, ["Root", "Hips", "left_up_leg"]),
+        (0.0, 1.5, ["Root#2", "Root", "left_up_leg", "left_low_leg"]),
+        (1.5, 0.0, ["Root", "Hips", "left_up_leg", "left_low_leg"]),
+        (1.5, 0.25, ["Root", "Hips", "left_up_leg", "left_low_leg"]),
+        (0.0, 0.0, ["Root", "Hips", "left_up_leg", "left_low_leg"]),
     ],
 )
 def test_the_root_is_the_joint_that_moves_the_figure(

@@ -64,6 +64,7 @@ def skeletons(draw: st.DrawFn, convention: Convention) -> Skeleton:
             "channels": channels,
             "translation": draw(st.sampled_from(["", "absolute", "relative"])),
             "mapped": draw(st.sampled_from([None, True, False])),
+            "confidence": draw(st.sampled_from([None, "0.6"])),
             "offset": draw(optional(st.none(), TRIPLES)),
         }
         if convention is Convention.LISTED:

@@ -33,7 +33,7 @@ def test_a_skeleton_has_all_that_a_viewer_needs(client: TestClient) -> None:
     names = ("Hips", "LeftUpLeg", "RightUpLeg")
     uuid = stored(client, {"walk.bvh": bvh(5, names=names)})
     found = client.get(f"{API}/{uuid}/skeleton").json()
-    assert (found["bones"][0]["name"], found["bones"][0]["parent"]) == ("Root", -1)
+    assert (found["bones"][0]["name"], found["bones"][0]["parent"]) == ("Hips", -1)
     assert [bone["side"] for bone in found["bones"]] == ["centre", "centre", "centre"], "one hangs on the other"
     assert found["bones"][1]["offset"] == [0.0, 10.5, 0.0]
     assert found["bones"][0]["channels"] == ["Tx", "Ty", "Tz", "Rz", "Rx", "Ry"]

@@ -263,6 +263,22 @@ def test_guesses(engine: Queries) -> None:
     assert any("guesses=no" in one for one in warnings)
 
 
+def test_guessed_names_of_joints(database: Database) -> None:
+    """A knee without a word is a guess; questions that do not ask for it do not rest on it."""
+    text = person(1, 6).decode().replace("left_low_leg", "Bone12").replace("torso7", "Chest").replace("_up_", "_upper_")
+    store(database, {"guessed.bvh": text.encode()})
+    engine = Queries(database, Settings(cache_dir="none"))
+    try:
+        for joint, told in (("left_low_leg", True), ("Head", False)):
+            answer = engine.answer(QueryRequest(q=f"//frame[mo:distance('{joint}', 'right_foot') > 0]"))
+            assert len(answer.items or []) == 6
+            assert any("rest on guessed names of joints" in each for each in answer.warnings) == told
+        assert nodes(engine, "//frame[mo:angle('left_up_leg', 'left_low_leg', 'left_foot') > 0]", guesses="no") == []
+        assert len(nodes(engine, "//bone[name = 'left_low_leg' and @confidence = 0.6]")) == 1
+    finally:
+        engine.close()
+
+
 def test_plans_say_what_is_looked_at(engine: Queries) -> None:
     def plan(text: str) -> list[str]:
         explained = engine.answer(QueryRequest(q=text, explain=True)).explain

@@ -31,12 +31,13 @@ FRAMES_TOGETHER = 8192
 @dataclass(frozen=True, eq=False)
 class ClipBody:
     """names: of the joints, MCML's where they are known. steps: (frames, joints, 3) positions as whole steps of the
-    calibration. frame_time: seconds, None where unknown."""
+    calibration. frame_time: seconds, None where unknown. doubtful: names of MCML's that are guesses."""
 
     names: tuple[str, ...]
     steps: Steps
     calibration: Calibration
     frame_time: float | None
+    doubtful: tuple[str, ...] = ()
 
     def stretch(self, joints: Collection[str]) -> Stretch:
         """All frames, with the joints of these names that it has."""
@@ -62,7 +63,8 @@ def body_at(head: ClipHead, positions: Array, values: Array | None = None, share
     sample = positions if len(frames) == len(positions) else positions[frames]
     pose_at = None if values is None else partial(pose_of_frame, head, values)
     calibration = calibrate(head, sample, frames=frames, pose_at=pose_at, shared=shared)
-    return ClipBody(head.skeleton.names, rounded(positions, calibration.step), calibration, head.seconds_per_frame())
+    steps, names = rounded(positions, calibration.step), head.skeleton.names
+    return ClipBody(names, steps, calibration, head.seconds_per_frame(), head.skeleton.doubtful)
 
 
 def calibrate_clip(

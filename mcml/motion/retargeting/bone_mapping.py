@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mcml.errors import ConversionError
+from mcml.motion.rigs.skeletons import recognise_skeleton
 from mcml.motion.skeleton import Joint, Skeleton
 
 _STAND_INS = (
@@ -34,8 +35,9 @@ class Match:
 def suggest_matches(source: Skeleton, target: Skeleton) -> tuple[Match, ...]:
     """Matches in the order of the target, each joint in one at most.
 
-    By MCML's names, then by names of the source files, then by joints that may stand for each other. A match whose
-    joints hang below others than their matched parents do is less sure.
+    By MCML's names, those of the documents and those that are recognised, then by names of the source files, then by
+    joints that may stand for each other. A match whose joints hang below others than their matched parents do is less
+    sure.
     """
     found: dict[int, Match] = {}
     taken: set[int] = set()
@@ -45,10 +47,17 @@ def suggest_matches(source: Skeleton, target: Skeleton) -> tuple[Match, ...]:
             taken.add(one)
             found[other] = Match(one, other, confidence, reason)
 
-    names = {joint.name: index for index, joint in enumerate(source.joints) if joint.mapped}
-    for index, joint in enumerate(target.joints):
-        if joint.mapped and joint.name in names:
-            add(names[joint.name], index, 1.0, "both are called so in MCML")
+    known, wanted = _known_names(source), _known_names(target)
+    for name, (index, sure) in sorted(wanted.items(), key=lambda item: item[1][0]):
+        if name in known:
+            confidence = min(sure, known[name][1])
+            add(
+                known[name][0],
+                index,
+                confidence,
+                "both are called so in MCML" if confidence == 1 else f"both are {name}",
+            )
+    names, places = ({name: index for name, (index, _) in each.items()} for each in (known, wanted))
     by_key: dict[str, int] = {}
     for index, joint in enumerate(source.joints):
         by_key.setdefault(_key(joint), index)
@@ -58,7 +67,6 @@ def suggest_matches(source: Skeleton, target: Skeleton) -> tuple[Match, ...]:
             add(index, index, 1.0, "the two skeletons have the same joints")
         elif _key(joint) in by_key:
             add(by_key[_key(joint)], index, 0.9, "their files call them so")
-    places = {joint.name: index for index, joint in enumerate(target.joints) if joint.mapped}
     for pair in _STAND_INS:
         for one, other in (pair, pair[::-1]):
             for side in ("left", "right") if "*" in one else ("",):
@@ -66,6 +74,20 @@ def suggest_matches(source: Skeleton, target: Skeleton) -> tuple[Match, ...]:
                 if here is not None and there is not None and _fits(source, target, here, there, found):
                     add(here, there, 0.6, "the nearest of the same limb")
     return tuple(_weighed(source, target, found[index], found) for index in sorted(found))
+
+
+def _known_names(skeleton: Skeleton) -> dict[str, tuple[int, float]]:
+    """MCML's names of joints, and how sure each is: those that joints have, then those that are recognised."""
+    names = {
+        joint.name: (index, 1.0 if joint.confidence is None else float(joint.confidence))
+        for index, joint in enumerate(skeleton.joints)
+        if joint.mapped
+    }
+    taken = {index for index, _ in names.values()}
+    for each in recognise_skeleton(skeleton).joints:
+        if each.joint not in taken and each.name not in names:
+            names[each.name] = (each.joint, each.confidence)
+    return names
 
 
 def check_matches(source: Skeleton, target: Skeleton, matches: Sequence[Match]) -> None:

@@ -44,7 +44,8 @@ def creature_by_words(names: Sequence[str], words: Sequence[Words], readings: Se
         back = "back" in reading.words and reading.part in ("leg", "thigh", "foot")
         if ("hind" in reading.parts and reading.part != "foot") or "hind" in reading.words:
             return f"it has {name!r}"
-        if (back or "front" in reading.parts) and reading.part != "foot" and "leg" in reading.parts:
+        says_leg = "leg" in reading.parts or any("leg" in word for word in reading.words)
+        if (back or "front" in reading.parts) and reading.part != "foot" and says_leg:
             return f"it has {name!r}"
         front_feet = front_feet or (name if "front" in reading.parts else "")
         back_feet = back_feet or (name if back or "hind" in reading.parts else "")

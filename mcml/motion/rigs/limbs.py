@@ -149,25 +149,28 @@ def _settle_repeats(tree: Tree, readings: Sequence[Reading], candidates: Sequenc
     above = [joint for joint, _, _ in certain.values() if tree.is_above(joint, chain[0])]
     if len(below) + len(above) < len(certain):
         return
-    missing = [slot for slot in CORE[limb.limb] if slot not in certain]
-    if certain.keys() & {"up_arm", "low_arm", "up_leg", "low_leg"} and len(missing) < 2:
+    slots, pieces = LIMBS[limb.limb], pieces_of(tree, chain)
+    if pieces and "foot" in certain:
+        certain["toes"] = certain.pop("foot")
+    places = {joint: slots.index(slot) for slot, (joint, _, _) in certain.items()}
+    lowest = max((places[joint] for joint in above), default=-1)
+    highest = min((places[joint] for joint in below), default=len(slots))
+    between = slots[lowest + 1 : highest]
+    missing = [slot for slot in CORE[limb.limb] if slot in between]
+    if len(missing) < 2:
         return
-    pieces = pieces_of(tree, chain)
     by_length = slots_by_length(tree, _with_next(tree, chain, below), limb.limb)
-    found = {joint: slot for joint, slot in by_length.items() if joint in chain and slot not in certain}
+    found = {joint: slot for joint, slot in by_length.items() if joint in chain and slot in between}
     if pieces:
         found = dict(zip(pieces, CORE[limb.limb], strict=True))
-    if not found.keys() & set(chain) or ("low_arm" not in found.values() and "low_leg" not in found.values()):
+    if "low_arm" not in found.values() and "low_leg" not in found.values():
         found = dict(zip(chain, missing, strict=False)) if len(chain) <= len(missing) else {}
-        if not found:
-            limb.told.append(
-                f"{len(chain)} joints of the {limb.side} {limb.limb} have one word and no lengths to tell them apart: "
-                "not mapped"
-            )
+    if not found:
+        limb.told.append(
+            f"{len(chain)} joints of the {limb.side} {limb.limb} have one word and no lengths to tell them apart: "
+            "not mapped"
+        )
     limb.joints = dict(certain)
-    feet = [slot for slot, (joint, _, _) in certain.items() if slot == "foot" and joint in below]
-    if "foot" in found.values() and feet:
-        limb.joints["toes"] = limb.joints.pop("foot")
     for joint, slot in found.items():
         limb.joints.setdefault(slot, (joint, 0.75, "rest pose" if tree.has_lengths else "tree"))
 

@@ -164,7 +164,8 @@ def _claim_way(tree: Tree, readings: Sequence[Reading], trunk: Trunk, is_free: C
         return
     above_root = set(tree.way_up(root)) if root >= 0 else set()
     way = [joint for joint in tree.way_up(top)[::-1] if joint not in above_root and joint != head]
-    on_way = [joint for joint in way if joint in necks and readings[joint].weight >= _CERTAIN]
+    on_way = [joint for joint in way if joint in necks]
+    on_way = [joint for joint in on_way if readings[joint].weight >= _CERTAIN] or on_way
     taken = {joint for joint, _, _ in trunk.names.values()}
     if on_way and "neck1" not in trunk.names:
         trunk.names["neck1"] = (on_way[-1], 0.95, "word")

@@ -34,13 +34,15 @@ MADE = 2
 @dataclass(frozen=True, eq=False)
 class Body:
     """names: of the joints, MCML's where they are known. frame_time: seconds, None where unknown. blocks: rounded
-    positions in the document's order of frames, as `steps.pack` makes them."""
+    positions in the document's order of frames, as `steps.pack` makes them. doubtful: names of MCML's that are
+    guesses."""
 
     names: tuple[str, ...]
     frames: int
     calibration: Calibration
     frame_time: float | None
     blocks: tuple[bytes, ...]
+    doubtful: tuple[str, ...] = ()
 
     @property
     def nbytes(self) -> int:
@@ -59,12 +61,13 @@ class Body:
         """All but the positions, as plain values for JSON."""
         known = self.calibration.to_json()
         told = {"names": self.names, "frames": self.frames, "calibration": known, "frame_time": self.frame_time}
-        return {**told, "blocks": len(self.blocks), "made": MADE}
+        return {**told, "blocks": len(self.blocks), "doubtful": self.doubtful, "made": MADE}
 
     @classmethod
     def pack(cls, body: ClipBody) -> Body:
         """The body of a clip as it is kept."""
-        return cls(body.names, len(body.steps), body.calibration, body.frame_time, tuple(pack(body.steps)))
+        blocks = tuple(pack(body.steps))
+        return cls(body.names, len(body.steps), body.calibration, body.frame_time, blocks, body.doubtful)
 
     @classmethod
     def restore(cls, stored: StoredBody) -> Body | None:
@@ -73,7 +76,9 @@ class Body:
         if facts["made"] != MADE:
             return None
         calibration = Calibration.from_json(facts["calibration"])
-        return cls(tuple(facts["names"]), facts["frames"], calibration, facts["frame_time"], stored.blocks)
+        # Bodies that were kept before names could be doubtful do not say.
+        doubtful = tuple(facts.get("doubtful", ()))
+        return cls(tuple(facts["names"]), facts["frames"], calibration, facts["frame_time"], stored.blocks, doubtful)
 
 
 def derive_bodies(tx: Transaction, documents: Sequence[Listed], skeletons: Skeletons) -> Iterator[Body]:
@@ -113,7 +118,8 @@ def _derive_in_parts(tx: Transaction, listed: Listed, skeletons: Skeletons) -> B
     clip = read_clip(tx, listed, bare=True, skeletons=skeletons).clip
     calibration = calibrate_clip(clip, listed.frames, shared=partial(References(tx).of, listed))
     blocks = tuple(pack_parts(steps_of(clip, calibration.step)))
-    return Body(clip.head.skeleton.names, listed.frames, calibration, clip.head.seconds_per_frame(), blocks)
+    skeleton, seconds = clip.head.skeleton, clip.head.seconds_per_frame()
+    return Body(skeleton.names, listed.frames, calibration, seconds, blocks, skeleton.doubtful)
 
 
 class References:

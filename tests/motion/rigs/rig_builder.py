@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from mcml.motion.rigs.recognise import Recognition, recognise
 from mcml.motion.rigs.tree import Tree
+from mcml.motion.skeleton import Convention, EndSite, Joint, Skeleton
 
 SIDES = ("left", "right")
 CORE = ["Root", "Head"] + [
@@ -117,3 +119,21 @@ USUAL = mirrored(
     [("Left", "Right")],
 )  # fmt: skip
 """A person with the words that most BVH files have."""
+
+
+def skeleton_of(rig: Tree) -> Skeleton:
+    """A rig as the skeleton of a BVH file."""
+    joints = []
+    for joint, (name, parent) in enumerate(zip(rig.names, rig.parents, strict=True)):
+        offset = rig.places[joint] - (rig.places[parent] if parent >= 0 else 0)
+        channels = ("Rz", "Rx", "Ry") if parent >= 0 else ("Tx", "Ty", "Tz", "Rz", "Rx", "Ry")
+        ends = tuple(EndSite(_lexemes(tip - rig.places[joint])) for tip in rig.tips_of(joint))
+        kind, translation = Convention.LISTED, "absolute" if parent < 0 else ""
+        whole = Joint(name, parent, name, kind, channels, "ZXY", offset=_lexemes(offset), translation=translation)
+        joints.append(replace(whole, end_sites=ends))
+    return Skeleton(tuple(joints))
+
+
+def _lexemes(vector: np.ndarray) -> tuple[str, str, str]:
+    x, y, z = (f"{float(number):g}" for number in vector)
+    return x, y, z

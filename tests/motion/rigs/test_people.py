@@ -214,6 +214,7 @@ def test_four_arms_are_no_person_s() -> None:
         ["base", "LF_HIP", "LF_KNEE", "LH_HIP", "RH_HIP", "RF_HIP"],
         ["Hips", "Spine", "LeftUpLeg", "LeftLeg", "RightUpLeg", "RightLeg", "Head", "LeftWing", "RightWing"],
         ["Bip01", "Bip01 Pelvis", "Bip01 L Thigh", "Bip01 L Calf", "Bip01 Beak"],
+        ["Body", "FrontRightUpperLeg", "FrontRightLowerLeg", "FrontRightFoot"],
         ["Root", "L_FLeg", "L_FLeg1", "L_BLeg", "R_FLeg", "R_BLeg"],
     ],
 )

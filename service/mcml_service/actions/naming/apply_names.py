@@ -7,6 +7,7 @@ from mcml.language import joint_names
 from mcml.language.element import Element, addresses
 from mcml.language.lexical import escape
 from mcml.language.vocabulary import BONE, NAME, ROOT
+from mcml.motion.rigs.skeletons import recognise_clip
 from mcml.motion.skeleton import Joint, Skeleton
 from mcml_schemas.names import Rename
 from mcml_service.actions.editing.single_element import edit_head
@@ -22,11 +23,12 @@ def renames(tx: Transaction, stored: StoredDocument) -> tuple[Skeleton, list[Ren
     if all(joint.mapped is None for joint in before.joints):
         # Written in MCML by hand: its names are its own, as they are on import.
         return before, []
-    after, _ = joint_names.named(before, tx.aliases.of(stored.project).pairs, moving_root(clip))
+    rig = recognise_clip(clip)
+    after, _ = joint_names.named(before, tx.aliases.of(stored.project).pairs, moving_root(clip, rig), rig)
     changed = [
         Rename(source=new.source_name, before=old.name, after=new.name)
         for old, new in zip(before.joints, after.joints, strict=True)
-        if old.name != new.name
+        if (old.name, old.confidence) != (new.name, new.confidence)
     ]
     return after, changed
 
@@ -57,3 +59,6 @@ def _write(element: Element, joint: Joint) -> None:
     if joint.source_name != joint.name:
         element.attributes["source_name"] = escape(joint.source_name)
     element.attributes["mapped"] = "true" if joint.mapped else "false"
+    element.attributes.pop("confidence", None)
+    if joint.confidence is not None:
+        element.attributes["confidence"] = joint.confidence

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,11 +18,13 @@ GUESSES = ("metres", "up", "floor")
 
 @dataclass(frozen=True, eq=False)
 class BodyFacts:
-    """names: the names of joints that occur together. kind: of each document which of these. unit, times, floor:
+    """names: the names of joints that occur together; doubtful: which of them are guesses. kind: of each document which
+    of these. unit, times, floor:
     whether its unit, its frame time and its floor are known. guessed: (3, documents) whether each of GUESSES is a
     guess."""
 
     names: list[list[str]]
+    doubtful: list[list[str]]
     kind: Ints
     unit: Bools
     times: Bools
@@ -39,24 +41,32 @@ class BodyFacts:
     def stored(self) -> dict[str, Any]:
         """As columns."""
         known = np.stack([self.unit, self.times, self.floor, *self.guessed])
-        return {"names": self.names, "kind": self.kind, "known": known}
+        return {"names": self.names, "doubtful": self.doubtful, "kind": self.kind, "known": known}
 
     @classmethod
     def restored(cls, found: Columns) -> BodyFacts:
         """What had these columns."""
         unit, times, floor, *guessed = found["known"]
-        return cls(found["names"], found["kind"], unit, times, floor, np.array(guessed))
+        return cls(found["names"], found["doubtful"], found["kind"], unit, times, floor, np.array(guessed))
 
     def rests_on_guesses(self, of: Collection[str]) -> Bools:
         """Which documents guess one of some values, by their names in GUESSES."""
         asked = [name in of for name in GUESSES]
         return np.asarray(self.guessed[asked].any(axis=0), bool)
 
+    def in_doubt(self, joints: Callable[[Sequence[str]], Collection[str]]) -> Bools:
+        """Which documents have a guessed name among joints. joints: of all names of a document those that are asked."""
+        doubts = [
+            bool(doubtful) and not set(doubtful).isdisjoint(joints(names))
+            for names, doubtful in zip(self.names, self.doubtful, strict=True)
+        ]
+        return np.asarray(np.array(doubts, bool)[self.kind], bool)
+
     @classmethod
     def of(cls, bodies: Sequence[Body]) -> BodyFacts:
         """Of bodies in the order of their documents."""
-        kinds: dict[tuple[str, ...], int] = {}
-        kind = [kinds.setdefault(body.names, len(kinds)) for body in bodies]
+        kinds: dict[tuple[tuple[str, ...], tuple[str, ...]], int] = {}
+        kind = [kinds.setdefault((body.names, body.doubtful), len(kinds)) for body in bodies]
         known = [
             (b.calibration.metres is not None, b.frame_time is not None, b.calibration.floor is not None)
             for b in bodies
@@ -64,19 +74,22 @@ class BodyFacts:
         unit, times, floor = np.array(known, bool).reshape(-1, 3).T
         origins = [body.calibration.origins for body in bodies]
         guessed = np.array([[each[name].kind == "guessed" for each in origins] for name in GUESSES], bool)
-        return cls(list(map(list, kinds)), np.array(kind, np.int64), unit, times, floor, guessed)
+        names, doubtful = [list(each) for each, _ in kinds], [list(each) for _, each in kinds]
+        return cls(names, doubtful, np.array(kind, np.int64), unit, times, floor, guessed)
 
     @classmethod
     def together(cls, parts: Sequence[BodyFacts]) -> BodyFacts:
         """Of documents that follow one another."""
-        kinds: dict[tuple[str, ...], int] = {}
+        kinds: dict[tuple[tuple[str, ...], tuple[str, ...]], int] = {}
         kind = [np.empty(0, np.int64)]
         for part in parts:
-            own = [kinds.setdefault(tuple(names), len(kinds)) for names in part.names]
+            pairs = zip(map(tuple, part.names), map(tuple, part.doubtful), strict=True)
+            own = [kinds.setdefault(pair, len(kinds)) for pair in pairs]
             kind.append(np.array(own, np.int64)[part.kind])
         nothing = np.empty(0, bool)
         unit = np.concatenate([nothing, *(part.unit for part in parts)])
         times = np.concatenate([nothing, *(part.times for part in parts)])
         floor = np.concatenate([nothing, *(part.floor for part in parts)])
         guessed = np.concatenate([np.empty((len(GUESSES), 0), bool), *(part.guessed for part in parts)], axis=1)
-        return cls(list(map(list, kinds)), np.concatenate(kind), unit, times, floor, guessed)
+        names, doubtful = [list(each) for each, _ in kinds], [list(each) for _, each in kinds]
+        return cls(names, doubtful, np.concatenate(kind), unit, times, floor, guessed)

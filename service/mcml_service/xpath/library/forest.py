@@ -217,7 +217,7 @@ class Forest:
 
     def body_facts(self, make: Callable[[], BodyFacts] | None) -> BodyFacts | None:
         """What is known of the bodies, kept in memory and on disk. make: gathers it; None: only where it is kept."""
-        what = f"facts of bodies {MADE}"
+        what = f"facts of bodies {MADE} names"
         known: BodyFacts | None = self.caches.columns.find(self.documents, what)
         if known is None and (make is not None or self._disk is not None):
             found = None if self._disk is None else self._disk.read(self.tx, self._key(what))

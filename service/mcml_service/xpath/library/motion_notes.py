@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from functools import partial
 
 import numpy as np
 
@@ -106,7 +108,9 @@ def without_guesses(
         facts = Bodies(Forest(tx, group, caches, head_part=HeadPart.MOTION), check).facts()
         found += [
             listed
-            for listed, guessed in zip(group, facts.rests_on_guesses(needed).tolist(), strict=True)
+            for listed, guessed in zip(
+                group, (facts.rests_on_guesses(needed) | _in_doubt(facts, calls)).tolist(), strict=True
+            )
             if not guessed
         ]
     return found
@@ -128,6 +132,8 @@ def _notes(looked: Mapping[Group, BodyFacts], calls: Sequence[Call], needed: Seq
     guesses = rested_on(calls)
     if count := sum(int(facts.rests_on_guesses(guesses).sum()) for facts in looked.values()):
         yield f"{count:,} {many} rest on a guessed {_listed(guesses)}; guesses=no leaves them out."
+    if count := sum(int(_in_doubt(facts, calls).sum()) for facts in looked.values()):
+        yield f"{count:,} {many} rest on guessed names of joints; guesses=no leaves them out."
 
 
 def _reasons(facts: BodyFacts, calls: Sequence[Call]) -> Iterator[tuple[str, str, Bools]]:
@@ -173,6 +179,20 @@ def rested_on(calls: Sequence[Call]) -> frozenset[str]:
 def _listed(names: Collection[str]) -> str:
     words = [word for name, word in (("metres", "unit"), ("up", "up axis"), ("floor", "floor")) if name in names]
     return " or ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
+def _in_doubt(facts: BodyFacts, calls: Sequence[Call]) -> Bools:
+    """Which documents have guessed names among the joints that calls ask for."""
+    doubts = np.zeros(len(facts), bool)
+    for call in dict.fromkeys(calls):
+        name = call.function.removeprefix(PREFIX)
+        texts = [each.value for each in call.arguments if isinstance(each, Literal) and isinstance(each.value, str)]
+        with suppress(McmlError):
+            if name in QUANTITIES and len(texts) == len(call.arguments):
+                doubts |= facts.in_doubt(partial(joints_of, name, texts))
+            else:
+                doubts |= facts.in_doubt(lambda names: names)
+    return doubts
 
 
 def _lacking(facts: BodyFacts, call: Call) -> Bools:

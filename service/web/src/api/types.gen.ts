@@ -3278,6 +3278,8 @@ export interface components {
             mapped: {
                 [key: string]: string;
             };
+            /** @default [] */
+            joints: components["schemas"]["RecognisedJoint"][];
             unmapped: components["schemas"]["KeptName"][];
         };
         NeighboursDone: {
@@ -3723,6 +3725,13 @@ export interface components {
             markers: boolean;
             notices: components["schemas"]["NoticeLine"][];
             twins: string[];
+        };
+        RecognisedJoint: {
+            source: string;
+            name: string;
+            confidence: number;
+            /** @enum {string} */
+            how: "word" | "tree" | "rest pose" | "alias";
         };
         RefineDone: {
             value: components["schemas"]["ExpressionPath"];

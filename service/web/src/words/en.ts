@@ -49,7 +49,7 @@ export const en = {
   skippedTwin: "here already", retry: "Retry", uploads: "{done} of {n} done", uploadsPace: "{done} of {of} · {speed} · {left} left", filesASecond: "1 file a second|{n} files a second", filesAMinute: "1 file a minute|{n} files a minute", receipts: "Receipts", hideQueue: "Hide the list",
   undoImport: "Undo import", receiptUnit: "Unit", receiptRate: "Rate", receiptUp: "Up axis", receiptBody: "Body", receiptJoints: "Joints", receiptNumbers: "Numbers",
   receiptNumbersText: "{channels} channels × {frames} frames; the original is kept byte for byte",
-  jointsMapped: "{mapped} of {n} mapped (convention: {rig}), {own} keep their own names", notices: "Notes",
+  jointsMapped: "{mapped} of {n} mapped ({rig}), {own} keep their own names", notices: "Notes",
   cannotRead: "Could not be read", cannotReadHelp: "Check that you may read it, then drop it again.", emptyFolder: "Empty folder", emptyFolderHelp: "Drop a folder that holds motion files.", droppedItem: "Dropped item", noFile: "It is no file.", filesMore: "1 more file|{n} more files", tooManyHelp: "Drop the rest afterwards, or send one zip.", noWord: "The server did not say what became of it.", noWordHelp: "Look for it in the library, or import it again.", rowsMore: "Show 1 more|Show {n} more", storedPartly: "{stored} stored, {refused} refused", filesAnd: "{name} and 1 more|{name} and {n} more",
   noFiles: "No file could be read from what was dropped.", keep: "Keep", notStored: "Not stored yet",
   lookedAt: "Seen without storing", tooMany: "Only the first {n} files are taken.", twin: "Equal to a stored clip; both are kept.",

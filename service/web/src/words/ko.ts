@@ -49,7 +49,7 @@ export const ko: typeof en = {
   skippedTwin: "이미 있음", retry: "다시 시도", uploads: "{n}개 중 {done}개 완료", uploadsPace: "{of}개 중 {done}개 · {speed} · {left} 남음", filesASecond: "초당 {n}개", filesAMinute: "분당 {n}개", receipts: "결과", hideQueue: "목록 숨기기",
   undoImport: "가져오기 취소", receiptUnit: "단위", receiptRate: "속도", receiptUp: "위쪽 축", receiptBody: "몸", receiptJoints: "관절", receiptNumbers: "숫자",
   receiptNumbersText: "채널 {channels}개 × {frames}프레임, 원본을 한 바이트도 다르지 않게 보관합니다",
-  jointsMapped: "{n}개 중 {mapped}개 대응 (규칙: {rig}), {own}개는 원래 이름을 씁니다", notices: "알림",
+  jointsMapped: "{n}개 중 {mapped}개 대응 ({rig}), {own}개는 원래 이름을 씁니다", notices: "알림",
   cannotRead: "읽을 수 없습니다", cannotReadHelp: "읽기 권한을 확인하고 다시 놓으세요.", emptyFolder: "빈 폴더", emptyFolderHelp: "모션 파일이 든 폴더를 놓으세요.", droppedItem: "놓은 항목", noFile: "파일이 아닙니다.", filesMore: "파일 1개 더|파일 {n}개 더", tooManyHelp: "나머지는 나중에 놓거나 zip 하나로 보내세요.", noWord: "서버가 결과를 알려 주지 않았습니다.", noWordHelp: "라이브러리에서 찾아보거나 다시 가져오세요.", rowsMore: "1개 더 보기|{n}개 더 보기", storedPartly: "{stored}개 저장, {refused}개 거부", filesAnd: "{name} 외 1개|{name} 외 {n}개",
   noFiles: "놓은 것 중에 읽을 수 있는 파일이 없습니다.", keep: "저장하기", notStored: "아직 저장하지 않았습니다",
   lookedAt: "저장하지 않고 보기", tooMany: "처음 {n}개 파일만 받습니다.", twin: "저장된 클립과 같습니다. 둘 다 보관합니다.",
