@@ -28,6 +28,18 @@ def rig_words_path() -> Path:
 
 
 @cache
+def landmark_sets_path() -> Path:
+    """Sets of markers and the landmarks that each marker stands on."""
+    return _PACKAGE / "motion" / "landmarks" / "sets.csv"
+
+
+@cache
+def landmark_words_path() -> Path:
+    """Words of markers and their landmarks."""
+    return _PACKAGE / "motion" / "landmarks" / "words.csv"
+
+
+@cache
 def motion_names_path() -> Path:
     """Parts of the body and the movements they can perform."""
     return _PACKAGE / "language" / "motion_names.csv"

@@ -103,6 +103,7 @@ def receipt(
                 {"source": each.source, "name": each.name, "confidence": each.confidence, "how": each.how}
                 for each in names.named
             ],
+            "landmarks": dict(names.landmarks),
             "unmapped": [{"source": source, "name": name, "why": why} for source, name, why in names.unmapped],
         },
         "unit": unit_facts(head, facts.extent),

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 
 from mcml.errors import Notice, VocabularyError
+from mcml.motion.landmarks.centres import bodies_of, centres_of
 from mcml.motion.rigs.recognise import DOUBTFUL, Recognition
 from mcml.motion.rigs.skeletons import recognise_skeleton
 from mcml.motion.rigs.vocabulary import vocabulary
@@ -71,7 +72,7 @@ class NamingReport:
 
     kind: what the joints are: PERSON, PART, NOBODY or UNKNOWN (`mcml.motion.rigs.recognise`), MCML or MARKERS.
     named: joints with a name of MCML's. unmapped: (source name, name kept, why). refused: why it is no person.
-    told: sentences about what is missing, doubtful or contradicts itself.
+    told: sentences about what is missing, doubtful or contradicts itself. landmarks: of markers, by their own names.
     """
 
     kind: str
@@ -79,6 +80,7 @@ class NamingReport:
     unmapped: tuple[tuple[str, str, str], ...]
     refused: str = ""
     told: tuple[str, ...] = ()
+    landmarks: tuple[tuple[str, str], ...] = ()
 
     @property
     def mapped(self) -> dict[str, str]:
@@ -88,7 +90,7 @@ class NamingReport:
     def notices(self) -> list[Notice]:
         """The report as lines of a receipt."""
         if self.kind in (MARKERS, MCML):
-            return []
+            return [Notice("note", f"markers: {told}") for told in self.told]
         if self.refused:
             return [Notice("guess", f"joint names: not a person ({self.refused}), so joints keep their own names")]
         lines = [Notice("guess" if "disagree" in told else "note", f"joint names: {told}") for told in self.told]
@@ -106,6 +108,21 @@ def table() -> tuple[JointName, ...]:
             JointName(int(row.pop("number")), row.pop("name"), row.pop("reconstructed") == "yes", row)
             for row in csv.DictReader(stream)
         )
+
+
+def _told_of_markers(skeleton: Skeleton) -> tuple[tuple[str, ...], tuple[tuple[str, str], ...]]:
+    """Sentences about the landmarks of markers, and each marker with its landmark."""
+    told, landmarks = [], []
+    for body in bodies_of(skeleton):
+        by = f"of the set {body.set_name}" if body.set_name else "by words"
+        if body.set_name and body.by_words:
+            by += f" ({len(body.by_words)} by words)"
+        whose = f"{body.prefix}: " if body.prefix else ""
+        told.append(f"{whose}{len(body.landmarks)} of {body.markers} are landmarks {by}")
+        landmarks += [(skeleton.joints[index].source_name, name) for index, name in sorted(body.landmarks.items())]
+    for centre in centres_of(skeleton):
+        told.append(f"the centre {centre.name} is made from {' and '.join(dict.fromkeys(centre.landmarks))}")
+    return tuple(told), tuple(landmarks)
 
 
 def _is_markers(skeleton: Skeleton) -> bool:
@@ -183,7 +200,8 @@ def named(
     poses of the motion were needed to say so; None: what its names and its rest pose say.
     """
     if _is_markers(skeleton):
-        return _with_names(skeleton, {}, NamingReport(MARKERS, (), ()), {})
+        told, landmarks = _told_of_markers(skeleton)
+        return _with_names(skeleton, {}, NamingReport(MARKERS, (), (), told=told, landmarks=landmarks), {})
     keys = _keys(skeleton)
     given: dict[int, tuple[str, float, str]] = {}
     why: dict[int, str] = {}

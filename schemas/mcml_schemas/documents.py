@@ -114,6 +114,7 @@ class Naming(BaseModel):
     rig: str = Field(description="What the joints are: person, part of a person, not a person, unknown, mcml, markers")
     mapped: dict[str, str] = Field(description="Source name to MCML name")
     joints: list[RecognisedJoint] = Field([], description="How each mapped joint was recognised")
+    landmarks: dict[str, str] = Field({}, description="Marker to the landmark of a body that it stands on")
     unmapped: list[KeptName]
 
 

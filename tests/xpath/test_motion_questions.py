@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -275,6 +276,20 @@ def test_guessed_names_of_joints(database: Database) -> None:
             assert any("rest on guessed names of joints" in each for each in answer.warnings) == told
         assert nodes(engine, "//frame[mo:angle('left_up_leg', 'left_low_leg', 'left_foot') > 0]", guesses="no") == []
         assert len(nodes(engine, "//bone[name = 'left_low_leg' and @confidence = 0.6]")) == 1
+    finally:
+        engine.close()
+
+
+def test_markers_have_a_body(database: Database, shared: Path) -> None:
+    """Centres of joints that markers tell are asked for as joints are."""
+    store(database, {"walk.trc": (shared / "trc" / "walk_free_01.trc").read_bytes()})
+    engine = Queries(database, Settings(cache_dir="none"))
+    try:
+        answer = engine.answer(QueryRequest(q="//frame[mo:height('Root') > 0.8 and mo:height('left_toes') < 0.2]"))
+        assert len(answer.items or []) > 50
+        lacking = engine.answer(QueryRequest(q="//frame[mo:height('left_low_leg') > 0]"))
+        assert lacking.items == []
+        assert any("lack joints" in each for each in lacking.warnings)
     finally:
         engine.close()
 

@@ -6,7 +6,7 @@ each of them. Guesses serve questions, and are never written to a file.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
@@ -23,6 +23,7 @@ from mcml.motion.clip import ClipHead, Reference, ReferencePose
 from mcml.motion.frames import Rows
 from mcml.motion.guesses import changed_up, likely_up, stated_up
 from mcml.motion.kinematics import rest_positions
+from mcml.motion.landmarks.centres import body_names, centres_of, with_centres
 from mcml.motion.pictures.figures import axis_of
 from mcml.motion.skeleton import Array, Skeleton, once_a_skeleton
 from mcml.motion.units import UNITS, Reading, metres_of, reading_of
@@ -154,7 +155,8 @@ def calibrate(
         if name not in overrides:
             values[name], origins[name] = found
 
-    settle("leg", _leg(skeleton, positions if len(positions) else rest))
+    centres, names = centres_of(skeleton), body_names(skeleton)
+    settle("leg", _leg(names, with_centres(centres, positions if len(positions) else rest)))
     skipped, origin = frames_before_motion(skeleton, positions, places, values["leg"], head.seconds_per_frame())
     settle("leaps", (skipped > 0, origin))
     # Who says that there is such a pose where none is seen means the first frame.
@@ -166,7 +168,7 @@ def calibrate(
     settle("metres", _metres(head, values["leg"]))
     settle("up", _up(head, poses))
     up = axis_of(values["up"])
-    settle("floor", _floor(skeleton, poses, up))
+    settle("floor", _floor(names, with_centres(centres, poses), up))
     origins["reference"] = Origin("set")
     if reference is None or isinstance(reference, int):
         if kept is None and reference is not None and pose_at is not None:
@@ -222,9 +224,9 @@ def _checked(overrides: Mapping[str, Any]) -> Mapping[str, Any]:
     return {name: overrides[name] for name in _VALUES if name in overrides}
 
 
-def _leg(skeleton: Skeleton, positions: Array) -> tuple[float | None, Origin]:
+def _leg(names: Sequence[str], positions: Array) -> tuple[float | None, Origin]:
     """The mean of both sides; of rigs whose offsets come with the motion, the median over the frames."""
-    at = {joint.name: index for index, joint in enumerate(skeleton.joints)}
+    at = {name: index for index, name in enumerate(names)}
     found = []
     for side in ("left", "right"):
         parts = [at.get(f"{side}_{part}") for part in ("up_leg", "low_leg", "foot")]
@@ -269,8 +271,8 @@ def _up(head: ClipHead, positions: Array) -> tuple[str, Origin]:
     return found.axis, Origin("guessed", f"{found.axis}: {found.why}{before}")
 
 
-def _floor(skeleton: Skeleton, positions: Array, up: Array) -> tuple[float | None, Origin]:
-    at = {joint.name: index for index, joint in enumerate(skeleton.joints)}
+def _floor(names: Sequence[str], positions: Array, up: Array) -> tuple[float | None, Origin]:
+    at = {name: index for index, name in enumerate(names)}
     for part in ("toes", "foot"):
         joints = [at[name] for side in ("left", "right") if (name := f"{side}_{part}") in at]
         heights = (positions[:, joints] @ up).ravel()

@@ -20,6 +20,7 @@ from mcml.motion.bodies.turned_angles import turned_angle
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, ReferencePose
 from mcml.motion.hub import rest_of
 from mcml.motion.kinematics import Walker, unseen
+from mcml.motion.landmarks.centres import body_names, centres_of, with_centres
 from mcml.motion.layout import Held
 from mcml.motion.skeleton import Array
 from mcml.motion.units import reading_of
@@ -30,8 +31,9 @@ FRAMES_TOGETHER = 8192
 
 @dataclass(frozen=True, eq=False)
 class ClipBody:
-    """names: of the joints, MCML's where they are known. steps: (frames, joints, 3) positions as whole steps of the
-    calibration. frame_time: seconds, None where unknown. doubtful: names of MCML's that are guesses."""
+    """names: of the joints, MCML's where they are known, and of centres that markers tell. steps: (frames, points, 3)
+    positions as whole steps of the calibration. frame_time: seconds, None where unknown. doubtful: names of MCML's that
+    are guesses."""
 
     names: tuple[str, ...]
     steps: Steps
@@ -63,8 +65,8 @@ def body_at(head: ClipHead, positions: Array, values: Array | None = None, share
     sample = positions if len(frames) == len(positions) else positions[frames]
     pose_at = None if values is None else partial(pose_of_frame, head, values)
     calibration = calibrate(head, sample, frames=frames, pose_at=pose_at, shared=shared)
-    steps, names = rounded(positions, calibration.step), head.skeleton.names
-    return ClipBody(names, steps, calibration, head.seconds_per_frame(), head.skeleton.doubtful)
+    steps = rounded(with_centres(centres_of(head.skeleton), positions), calibration.step)
+    return ClipBody(body_names(head.skeleton), steps, calibration, head.seconds_per_frame(), head.skeleton.doubtful)
 
 
 def calibrate_clip(
@@ -91,9 +93,10 @@ def calibrate_clip(
 
 
 def steps_of(clip: ClipStream, step: float) -> Iterator[Steps]:
-    """Rounded positions (n, J, 3) of a clip, some frames at a time."""
+    """Rounded positions of a clip, (n, points, 3) in the order of `body_names`, some frames at a time."""
+    centres = centres_of(clip.head.skeleton)
     for _, _, positions in _walked(clip):
-        yield rounded(positions, step)
+        yield rounded(with_centres(centres, positions), step)
 
 
 def _walked(clip: ClipStream) -> Iterator[tuple[int, Array, Array]]:

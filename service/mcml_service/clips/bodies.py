@@ -12,6 +12,7 @@ from mcml.motion.bodies.clip_body import ClipBody, body_at, calibrate_clip, step
 from mcml.motion.bodies.positions import clip_positions, filled
 from mcml.motion.bodies.stretch import Stretch
 from mcml.motion.clip import Reference
+from mcml.motion.landmarks.centres import body_names
 from mcml.motion.skeleton import Array
 from mcml.motion.units import Reading, reading_of
 from mcml_service.clips.read_clip import Skeletons, read_clip
@@ -27,15 +28,15 @@ LONG = 65_536
 """Frames of a document from which on some of it is in memory at a time."""
 MOST_LOOKED_AT = 8
 """Clips of a skeleton, where a reference pose is looked for."""
-MADE = 2
+MADE = 3
 """Counts on when positions or calibrations come to be made in another way: what was kept before is derived again."""
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """names: of the joints, MCML's where they are known. frame_time: seconds, None where unknown. blocks: rounded
-    positions in the document's order of frames, as `steps.pack` makes them. doubtful: names of MCML's that are
-    guesses."""
+    """names: of the joints, MCML's where they are known, and of centres that markers tell. frame_time: seconds, None
+    where unknown. blocks: rounded positions in the document's order of frames, as `steps.pack` makes them. doubtful:
+    names of MCML's that are guesses."""
 
     names: tuple[str, ...]
     frames: int
@@ -76,8 +77,7 @@ class Body:
         if facts["made"] != MADE:
             return None
         calibration = Calibration.from_json(facts["calibration"])
-        # Bodies that were kept before names could be doubtful do not say.
-        doubtful = tuple(facts.get("doubtful", ()))
+        doubtful = tuple(facts["doubtful"])
         return cls(tuple(facts["names"]), facts["frames"], calibration, facts["frame_time"], stored.blocks, doubtful)
 
 
@@ -119,7 +119,7 @@ def _derive_in_parts(tx: Transaction, listed: Listed, skeletons: Skeletons) -> B
     calibration = calibrate_clip(clip, listed.frames, shared=partial(References(tx).of, listed))
     blocks = tuple(pack_parts(steps_of(clip, calibration.step)))
     skeleton, seconds = clip.head.skeleton, clip.head.seconds_per_frame()
-    return Body(skeleton.names, listed.frames, calibration, seconds, blocks, skeleton.doubtful)
+    return Body(body_names(skeleton), listed.frames, calibration, seconds, blocks, skeleton.doubtful)
 
 
 class References:

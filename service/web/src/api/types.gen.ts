@@ -3280,6 +3280,10 @@ export interface components {
             };
             /** @default [] */
             joints: components["schemas"]["RecognisedJoint"][];
+            /** @default {} */
+            landmarks: {
+                [key: string]: string;
+            };
             unmapped: components["schemas"]["KeptName"][];
         };
         NeighboursDone: {
