@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mcml.motion.retargeting.bone_mapping import suggest_matches
 from mcml.motion.rigs.recognise import NOBODY, PERSON, UNKNOWN, recognise
 from mcml.motion.rigs.tree import Tree
-from tests.motion.rigs.rig_builder import CORE, PLACES, USUAL, mirrored, names_of, person, tree
+from tests.motion.rigs.rig_builder import CORE, PLACES, USUAL, mirrored, names_of, person, skeleton_of, tree
 
 SMPL = mirrored(
     {"Root": "pelvis", "waist": "spine1", "torso2": "spine2", "torso7": "spine3", "neck1": "neck", "Head": "head",
@@ -239,3 +240,14 @@ def test_what_is_no_body_has_no_names(names: list[str]) -> None:
     found = recognise(rig)
     assert (found.verdict, found.joints) == (UNKNOWN, ())
     assert found.told == ("no two arms or legs are recognised: nothing is mapped",)
+
+
+@pytest.mark.parametrize("names", [SMPL, MMD, SPANISH])
+def test_matches_of_any_rigs_are_suggested(names: dict[str, str]) -> None:
+    """Also where documents were stored without names of MCML; joints without a name match nothing."""
+    source, target = skeleton_of(person(USUAL)), skeleton_of(person(names))
+    matches = {target.joints[match.target].name: match for match in suggest_matches(source, target)}
+    expected = {names[name]: USUAL[name] for name in names if name in USUAL}
+    assert {own: source.joints[match.source].name for own, match in matches.items()} == expected
+    assert all(0.7 <= match.confidence <= 1 for match in matches.values())
+    assert matches[names["left_hand"]].reason in ("both are left_hand", "both are called so in MCML")
