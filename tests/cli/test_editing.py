@@ -121,13 +121,18 @@ def test_names_that_a_project_agrees_on(run: Run) -> None:
 
 def test_names_of_joints(run: Run) -> None:
     Path("walk.bvh").write_bytes(bvh(5, names=("Hüfte", "Wirbel", "LeftUpLeg")))
+    Path("run.bvh").write_bytes(bvh(7, names=("Hüfte", "Wirbel", "LeftUpLeg")))
     walk = json.loads(run("import", "walk.bvh", "--json"))["documents"][0]["id"]
+    run("import", "run.bvh")
     assert "version 0" in run("mapping", "aliases")
     assert "version 1" in run("mapping", "alias", "Hüfte=Root", "Wirbel=waist")
     assert "version 2" in run("mapping", "alias", "wirbel=torso7", "Kopf=Head", "--remove", "hüfte")
     items = json.loads(run("mapping", "aliases", "--json"))["items"]
     assert [(item["source"], item["name"]) for item in items] == [("wirbel", "torso7"), ("Kopf", "Head")]
-    assert "1 of 1 documents would be changed" in run("names", "apply", "--project", "default", "--dry-run")
+    told = run("names", "apply", "--project", "default", "--dry-run")
+    assert "2 documents, such as" in told
+    assert told.count("Wirbel: Wirbel -> torso7") == 1
+    assert "2 of 2 documents would be changed" in told
     assert "Wirbel: Wirbel -> torso7" in run("names", "apply", walk)
     assert "0 of 1 documents were changed" in run("names", "apply", walk)
     assert "torso7" in run("show", walk)
@@ -136,7 +141,7 @@ def test_names_of_joints(run: Run) -> None:
     run("mapping", "alias", "--remove", "wirbel", "--remove", "kopf")
     assert "version 0" in run("mapping", "aliases")
     assert "NAME=JOINT" in run("mapping", "alias", code=2)
-    assert "0 of 1 documents would be changed" in run("names", "apply", "--dry-run")
+    assert "0 of 2 documents would be changed" in run("names", "apply", "--dry-run")
     assert "--project" in run("names", "apply", walk, "--project", "default", code=2)
 
 

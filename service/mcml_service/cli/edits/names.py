@@ -45,7 +45,8 @@ def apply(
 ) -> None:
     """Give joints the names that an import would give them now, each document as a revision that undo takes back.
 
-    All documents, unless some are named or chosen.
+    All documents, unless some are named or chosen. With --dry-run documents whose joints would change alike, as those
+    of one rig do, are listed together.
     """
     write_to_the_end()
     client = open_client(database, server)
@@ -57,7 +58,7 @@ def apply(
 
     def apply_one(item: DocumentSummary) -> None:
         made.append(client.call("apply_names", id=item.id, dry_run=dry_run, if_match="*"))
-        for name in made[-1].items if not as_json else ():
+        for name in made[-1].items if not (as_json or dry_run) else ():
             console.print(f"{item.id}  {name.source}: {name.before} -> {name.after}")
 
     try:
@@ -66,8 +67,23 @@ def apply(
         if as_json:
             print_json({"items": [item.model_dump() for item in made]})
         else:
+            if dry_run:
+                print_by_rig(made)
             done = sum(bool(item.items) for item in made)
             console.print(f"{done} of {len(documents)} documents {'would be' if dry_run else 'were'} changed")
+
+
+def print_by_rig(made: list[AppliedNames]) -> None:
+    """What would be renamed, once for all documents whose joints would change alike; the most documents first."""
+    rigs: dict[tuple[tuple[str, str, str], ...], list[str]] = {}
+    for item in made:
+        if item.items:
+            key = tuple((name.source, name.before, name.after) for name in item.items)
+            rigs.setdefault(key, []).append(item.document)
+    for names, documents in sorted(rigs.items(), key=lambda rig: -len(rig[1])):
+        console.print(f"{len(documents)} documents, such as {documents[0]}: {len(names)} names")
+        for source, before, after in names:
+            console.print(f"  {source}: {before} -> {after}")
 
 
 def alias(
