@@ -34,8 +34,10 @@ def find_fingers(
     for joint in some:
         if readings[joint].finger > 0:
             named.setdefault(readings[joint].finger, joint)
-    set_of = set(some)
-    first = [joint for joint in some if set_of.isdisjoint(tree.way_up(joint)[1:])]
+    fingers, below = set(some), [False] * len(tree)
+    for joint, parent in enumerate(tree.parents):
+        below[joint] = parent >= 0 and (parent in fingers or below[parent])
+    first = [joint for joint in some if not below[joint]]
     numbered = _numbered(tree, readings, first, has_thumb=1 in named)
     for number, joint in numbered.items():
         named.setdefault(number, joint)

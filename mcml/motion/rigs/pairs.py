@@ -34,7 +34,7 @@ def find_pairs(tree: Tree, out: Sequence[bool]) -> list[Pair]:
     """All pairs of a rig, but those within a limb. out: joints that are left out."""
     if not tree.has_lengths:
         return []
-    best = _longest(tree, out)
+    best, counts = _longest(tree, out)
     pairs: list[Pair] = []
     open_joints = [index for index, parent in enumerate(tree.parents) if parent < 0]
     while open_joints:
@@ -42,18 +42,20 @@ def find_pairs(tree: Tree, out: Sequence[bool]) -> list[Pair]:
         some = [child for child in tree.children[joint] if not out[child]]
         paired: set[int] = set()
         if len(some) <= _MOST_CHILDREN:
-            paths = {child: _follow(best, child) for child in some}
             for place, first in enumerate(some):
                 for second in some[place + 1 :]:
-                    if _are_alike(tree, joint, paths[first], paths[second]):
-                        pairs.append(Pair(joint, paths[first], paths[second]))
+                    if counts[first] != counts[second] or counts[first] < _JOINTS:
+                        continue
+                    pair = Pair(joint, _follow(best, first), _follow(best, second))
+                    if _are_alike(tree, joint, pair.first, pair.second):
+                        pairs.append(pair)
                         paired |= {first, second}
         open_joints += [child for child in tree.children[joint] if child not in paired]
     return pairs
 
 
-def _longest(tree: Tree, out: Sequence[bool]) -> list[int]:
-    """Of each joint the child that its longest path goes on with, -1 at the end of it."""
+def _longest(tree: Tree, out: Sequence[bool]) -> tuple[list[int], list[int]]:
+    """Of each joint the child that its longest path goes on with, -1 at the end of it, and how many joints it has."""
     count, length, best = [1] * len(tree), [0.0] * len(tree), [-1] * len(tree)
     bones = np.zeros(len(tree))
     for index, parent in enumerate(tree.parents):
@@ -67,7 +69,7 @@ def _longest(tree: Tree, out: Sequence[bool]) -> list[int]:
         if best[parent] < 0 or (whole[0], round(whole[1], 9)) > (count[parent], round(length[parent], 9)):
             best[parent] = index
             count[parent], length[parent] = whole
-    return best
+    return best, count
 
 
 def _follow(best: Sequence[int], start: int) -> tuple[int, ...]:
@@ -78,8 +80,6 @@ def _follow(best: Sequence[int], start: int) -> tuple[int, ...]:
 
 
 def _are_alike(tree: Tree, above: int, first: Sequence[int], second: Sequence[int]) -> bool:
-    if len(first) != len(second) or len(first) < _JOINTS:
-        return False
     places = tree.places[list(first)], tree.places[list(second)]
     bones = [np.linalg.norm(np.diff(np.vstack([tree.places[above], each]), axis=0), axis=1) for each in places]
     length = float(max(bones[0].sum(), bones[1].sum()))
@@ -113,7 +113,7 @@ def arms_and_legs(tree: Tree, pairs: Sequence[Pair], head_way: Sequence[int]) ->
 def way_to_head(tree: Tree, above: int, pairs: Sequence[Pair], out: Sequence[bool]) -> list[int]:
     """The longest chain from a joint that is of no pair, from there outwards."""
     paired = {joint for pair in pairs for joint in (pair.first[0], pair.second[0])}
-    best = _longest(tree, out)
+    best, _ = _longest(tree, out)
     ways = [_follow(best, child) for child in tree.children[above] if child not in paired and not out[child]]
     ways = [
         way

@@ -12,6 +12,8 @@ from mcml.motion.rigs.tree import Tree
 Claim = tuple[int, float, str]
 """A joint, how sure it is, and by what: "word", "tree" or "rest pose"."""
 TRUNK = ("waist", "torso2", "torso3", "torso4", "torso5", "torso6", "torso7")
+_MOST = 60
+"""Joints of a trunk among which spare ones are sought."""
 _CERTAIN = 0.5
 """Of a joint's weight: twist bones and their like are no part of the trunk."""
 
@@ -100,8 +102,10 @@ def _head(tree: Tree, readings: Sequence[Reading], carrier: int, is_free: Callab
     both = [joint for joint in necks if "head" in readings[joint].words and len(necks) > 1]
     if both:
         return max(both, key=lambda joint: tree.depth[joint])
-    for joint in range(len(tree)):
-        if "face" in readings[joint].words and any(tree.is_above(neck, joint) for neck in necks):
+    under, has_neck = [False] * len(tree), set(necks)
+    for joint, parent in enumerate(tree.parents):
+        under[joint] = parent >= 0 and (parent in has_neck or under[parent])
+        if under[joint] and "face" in readings[joint].words:
             return joint
     noses = [joint for joint in free if readings[joint].trunk == "nose" and not readings[joint].end]
     return min(noses, key=lambda joint: tree.depth[joint], default=-1)
@@ -188,7 +192,7 @@ def _trunk_joints(
     if carrier in way:
         named.append(carrier)
     chosen = set(named)
-    for joint in named:
+    for joint in named if len(named) <= _MOST else ():
         plain = [each for each in chosen if each != joint and readings[each].weight > readings[joint].weight]
         if joint != carrier and any(_bare(readings[each]) < _bare(readings[joint]) for each in plain):
             chosen.discard(joint)

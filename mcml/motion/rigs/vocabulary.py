@@ -21,6 +21,8 @@ _SHORT = 3
 
 def normalise(text: str) -> str:
     """Small letters of one form: NFKC, Latin letters without accents, `ß` as `ss`; others stay composed."""
+    if text.isascii():
+        return text.lower()
     letters = []
     for letter in unicodedata.normalize("NFKC", text):
         bare = unicodedata.normalize("NFD", letter)[0]

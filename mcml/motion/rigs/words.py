@@ -80,6 +80,8 @@ def split(name: str) -> list[tuple[str, bool]]:
 
 def _without_accents(text: str) -> str:
     """As `normalise`, capitals kept."""
+    if text.isascii():
+        return text
     return "".join(
         normalise(letter).upper() if letter.isupper() and len(normalise(letter)) == 1 else normalise(letter)
         for letter in text
