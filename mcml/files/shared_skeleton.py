@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
+
+import numpy as np
 
 from mcml.files.describe_clip import SkeletonFacts, skeleton_facts
 from mcml.language import joint_names
@@ -13,9 +15,13 @@ from mcml.language.elements import Element, mcml_element
 from mcml.language.joint_names import NamingReport
 from mcml.motion.carriers import first_moving
 from mcml.motion.clip import ClipStream, Shape, full_shape
+from mcml.motion.kinematics import Walker, unseen
+from mcml.motion.landmarks.centres import bodies_of
+from mcml.motion.landmarks.places import check_places, fullest_frame
 from mcml.motion.rigs.recognise import Recognition
 from mcml.motion.rigs.skeletons import MOST_JOINTS, recognise_clip
 from mcml.motion.skeleton import Skeleton
+from mcml.motion.units import reading_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +47,22 @@ def shared_skeleton(clip: ClipStream, aliases: tuple[tuple[str, str], ...] = ())
     """
     source = clip.head.skeleton
     rig = recognise_clip(clip)
-    return (kept_skeleton if len(source) <= MOST_JOINTS else _made)(source, aliases, moving_root(clip, rig), rig)
+    shared = (kept_skeleton if len(source) <= MOST_JOINTS else _made)(source, aliases, moving_root(clip, rig), rig)
+    told = _told_of_places(clip)
+    return replace(shared, report=replace(shared.report, told=(*shared.report.told, *told))) if told else shared
+
+
+def _told_of_places(clip: ClipStream) -> list[str]:
+    """Sentences about landmarks of markers that stand where their names contradict, in the first block of frames."""
+    bodies, block = bodies_of(clip.head.skeleton), None
+    if bodies:
+        block = next(iter(clip.blocks()), None)
+    if block is None or not len(block):
+        return []
+    positions = Walker(clip.head.skeleton, reading_of(clip.head)).poses(block)[0]
+    positions[unseen(clip.head.skeleton, block)] = np.nan
+    places = positions[fullest_frame(bodies, positions)]
+    return [sentence for body in bodies for sentence in check_places(body, places)]
 
 
 def moving_root(clip: ClipStream, rig: Recognition) -> int | None:

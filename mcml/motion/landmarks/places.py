@@ -1,0 +1,91 @@
+"""Landmarks checked by where they stand: up from the ankles to the pelvis, forward from its back to its front.
+
+Names are kept whatever is found: places cannot say whether a trial is mirrored, or left and right were exchanged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from mcml.motion.landmarks.recognise import MarkerBody
+from mcml.motion.skeleton import Array
+
+_PAIRS = ("asis", "psis", "greater_trochanter", "knee_lateral", "ankle_lateral", "heel", "acromion", "elbow_lateral")
+"""Landmarks of both sides, the left one of which stands on the left."""
+_BOTH_SIDES = (("knee_lateral", "knee_medial"), ("ankle_lateral", "ankle_medial"), ("elbow_lateral", "elbow_medial"))
+"""Lateral landmarks, outside of medial ones while arms hang and legs stand."""
+_ORDER = (("ankle_lateral", "knee_lateral"), ("knee_lateral", "asis"), ("asis", "acromion"))
+"""Landmarks of a side that stand above one another."""
+_CLEAR = 0.02
+"""Of the height from ankle to pelvis: a smaller step contradicts nothing."""
+
+
+def fullest_frame(bodies: Sequence[MarkerBody], positions: Array) -> int:
+    """The frame in which most landmarks are seen. positions: (n, J, 3), NaN where a marker is unknown."""
+    indices = [index for body in bodies for index in body.landmarks]
+    seen = np.isfinite(positions[:, indices]).all(axis=2).sum(axis=1)
+    return int(seen.argmax())
+
+
+def check_places(body: MarkerBody, places: Array) -> list[str]:
+    """Sentences about landmarks that stand where their names contradict; none where the pelvis or the feet are unknown.
+
+    places: (J, 3) of one frame.
+    """
+    at = {name: places[index] for index, name in body.landmarks.items() if np.isfinite(places[index]).all()}
+    front, ankles = _middle(at, "asis"), _middle(at, "ankle_lateral")
+    back = at.get("sacrum", _middle(at, "psis"))
+    if front is None or ankles is None or back is None:
+        return []
+    up = front - ankles
+    height = float(np.linalg.norm(up))
+    if not height > 0:
+        return []
+    up = up / height
+    forward = front - back
+    forward = forward - (forward @ up) * up
+    left = np.cross(up, forward)
+    size = float(np.linalg.norm(left))
+    if not size > _CLEAR * height:
+        return []
+    left, clear = left / size, _CLEAR * height
+    whose = f"{body.prefix}: " if body.prefix else ""
+    told = _check_sides(at, left, clear)
+    low = [
+        f"{side}_{lower} above {side}_{upper}"
+        for side in ("left", "right")
+        for lower, upper in _ORDER
+        if {f"{side}_{lower}", f"{side}_{upper}"} <= at.keys()
+        and (at[f"{side}_{upper}"] - at[f"{side}_{lower}"]) @ up < -clear
+    ]
+    # A knee that is lifted above the pelvis is no fault; one that stands below its ankle on both sides is.
+    if len(low) > 1:
+        told.append(f"places contradict names: {', '.join(low)}")
+    return [whose + sentence for sentence in told]
+
+
+def _middle(at: Mapping[str, Array], landmark: str) -> Array | None:
+    sides = [at.get(f"{side}_{landmark}") for side in ("left", "right")]
+    return None if sides[0] is None or sides[1] is None else (sides[0] + sides[1]) / 2
+
+
+def _check_sides(at: Mapping[str, Array], left: Array, clear: float) -> list[str]:
+    checks: dict[str, float] = {}
+    for part in _PAIRS:
+        if {f"left_{part}", f"right_{part}"} <= at.keys():
+            checks[f"left_{part}"] = float((at[f"left_{part}"] - at[f"right_{part}"]) @ left)
+    for outer, inner in _BOTH_SIDES:
+        for side, sign in (("left", 1.0), ("right", -1.0)):
+            if {f"{side}_{outer}", f"{side}_{inner}"} <= at.keys():
+                step = (at[f"{side}_{outer}"] - at[f"{side}_{inner}"]) @ left
+                checks[f"{side}_{outer} beside {side}_{inner}"] = float(step) * sign
+    wrong = [name for name, step in checks.items() if step < -clear]
+    right = [name for name, step in checks.items() if step > clear]
+    if wrong and not right:
+        return [
+            "places contradict left and right of all names: the trial may be mirrored, or left and right exchanged; "
+            "names are kept"
+        ]
+    return [f"places contradict left and right of {', '.join(wrong)}"] if wrong else []
