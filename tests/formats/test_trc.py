@@ -209,7 +209,7 @@ def test_joints_of_a_body_become_markers() -> None:
     )
     out = written(FORMATS["trc"], convert(body, Convention.MARKER))
     again = read(FORMATS["trc"], out)
-    assert again.head.skeleton.names == ("Hips", "Spine", "Head")
+    assert again.head.skeleton.names == ("Root", "Spine", "Head")
     assert np.array_equal(table(again), positions)
     assert again.head.seconds_per_frame() == pytest.approx(0.0083333, rel=1e-9)
 

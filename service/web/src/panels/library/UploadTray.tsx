@@ -28,6 +28,9 @@ import { get, type Problem, type Schemas } from "../../api/client";
 
 type Receipt = Schemas["Receipt"];
 
+/** A joint whose name is less sure is a guess. */
+const DOUBTFUL = 0.7;
+
 const LookedMotion = lazy(async () => (await import("./LookedMotion")).LookedMotion);
 
 export function UploadTray() {
@@ -268,10 +271,16 @@ export function ReceiptView({ receipt, documents }: { receipt: Receipt; document
               rig: naming.rig,
               own: naming.unmapped.length,
             })}
-            {naming.unmapped.length > 0 && (
+            {naming.joints.length + naming.unmapped.length > 0 && (
               <details>
                 <summary>{w("show")}</summary>
                 <ul>
+                  {naming.joints.map((one) => (
+                    <li key={one.source}>
+                      <code>{one.source}</code> {one.name}{" "}
+                      <span class={one.confidence < DOUBTFUL ? "guess" : "dim"}>{number(one.confidence, 2)}</span>
+                    </li>
+                  ))}
                   {naming.unmapped.map((one) => (
                     <li key={one.source}>
                       <code>{one.source}</code> <span class="dim">{one.why}</span>
