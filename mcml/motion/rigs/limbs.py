@@ -262,12 +262,17 @@ def fill_gap(tree: Tree, limb: Limb, is_free: Callable[[int], bool]) -> None:
 
 
 def drop_unlike(tree: Tree, readings: Sequence[Reading], left: Limb, right: Limb) -> list[str]:
-    """Drop joints whose names are each other's mirror and whose slots are not; sentences about them."""
+    """Drop joints whose names are each other's mirror and whose slots are not; sentences about them.
+
+    Where lengths decided, names only count: one side may count upwards and the other downwards.
+    """
     told = []
     keys: Mapping[tuple[str, ...], tuple[str, int]] = {
-        readings[joint].key: (slot, joint) for slot, (joint, _, _) in right.joints.items()
+        readings[joint].key: (slot, joint) for slot, (joint, _, how) in right.joints.items() if how == "word"
     }
-    for slot, (joint, _, _) in list(left.joints.items()):
+    for slot, (joint, _, how) in list(left.joints.items()):
+        if how != "word":
+            continue
         other, twin = keys.get(readings[joint].key, (slot, -1))
         if other != slot and left.joints.get(slot, (-1,))[0] == joint and right.joints.get(other, (-1,))[0] == twin:
             del left.joints[slot], right.joints[other]

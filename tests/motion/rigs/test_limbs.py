@@ -139,6 +139,23 @@ Hips 0 90 0
     assert not {"left_toes", "right_foot"} & names_of(rig).keys()
 
 
+def test_numbers_may_count_the_other_way_on_the_other_side() -> None:
+    """As in the skeleton of CesiumMan, a sample model of glTF."""
+    rig = tree("""
+torso 0 100 0
+ arm_L_4 18 146 0
+  arm_L_3 45 146 0
+   arm_L_2 71 146 0
+ arm_R -18 146 0
+  arm_R_2 -45 146 0
+   arm_R_3 -71 146 0
+""")
+    assert not any("different places" in sentence for sentence in recognise(rig).told)
+    found = names_of(rig)
+    assert [found[f"left_{slot}"] for slot in ("up_arm", "low_arm", "hand")] == ["arm_L_4", "arm_L_3", "arm_L_2"]
+    assert [found[f"right_{slot}"] for slot in ("up_arm", "low_arm", "hand")] == ["arm_R", "arm_R_2", "arm_R_3"]
+
+
 def test_a_name_of_both_sides_has_neither() -> None:
     rig = chain("LeftUpLeg", "LeftLeg", "Left_Right_Foot")
     assert "Left_Right_Foot says left and right: not mapped" in recognise(rig).told
