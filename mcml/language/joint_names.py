@@ -117,6 +117,8 @@ def _told_of_markers(skeleton: Skeleton) -> tuple[tuple[str, ...], tuple[tuple[s
         by = f"of the set {body.set_name}" if body.set_name else "by words"
         if body.set_name and body.by_words:
             by += f" ({len(body.by_words)} by words)"
+        if body.are_centres:
+            by += ", centres of joints; its left is the person's unless the image was mirrored"
         whose = f"{body.prefix}: " if body.prefix else ""
         told.append(f"{whose}{len(body.landmarks)} of {body.markers} are landmarks {by}")
         landmarks += [(skeleton.joints[index].source_name, name) for index, name in sorted(body.landmarks.items())]

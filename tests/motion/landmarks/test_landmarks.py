@@ -47,6 +47,8 @@ def test_on_a_tie_the_smaller_set_is_meant() -> None:
     (body,) = recognise_markers(COCO)
     assert body.set_name == "coco-17"
     assert body.are_centres
+    (told,) = [each.what for each in named(marker_skeleton(COCO))[1].notices() if "17 of 17" in each.what]
+    assert "centres of joints" in told
 
 
 def test_several_people_are_several_bodies() -> None:
