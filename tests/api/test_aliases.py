@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from fastapi.testclient import TestClient
 
-from mcml.files.shared_skeleton import kept_skeleton
-from mcml.language import joint_names
+from mcml.files import shared_skeleton
+from mcml.motion.rigs.recognise import UNKNOWN, Recognition
 from tests.builders import MCML, bvh, upload
 
 API = "/api/v1"
@@ -72,14 +72,14 @@ def test_names_of_a_document_written_by_hand_stay(client: TestClient) -> None:
 
 
 def test_documents_that_exist_get_the_names_of_today(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As an earlier version of the program named them, with the lower neck for neck1."""
-    kept_skeleton.cache_clear()
+    """As an earlier version of the program named them, which did not know the rig."""
+    rig = ("Becken", "Wirbel", "LeftUpLeg", "LeftLeg", "LeftFoot", "Haupt")
     with monkeypatch.context() as patch:
-        patch.setattr(joint_names, "_claim_neck", lambda *_: None)
-        before = stored(client)
-    kept_skeleton.cache_clear()
+        patch.setattr(shared_skeleton, "recognise_clip", lambda _: Recognition((), UNKNOWN))
+        done = upload(client, {"walk.bvh": bvh(5, names=rig)}, project="gait")
+    before = done["documents"][0]["id"]  # type: ignore[index]
     old = names(client, before)
-    assert old[3:5] == ["neck1", "neck2"]
+    assert old == list(rig)
     url = f"{API}/documents/{before}"
     exported = client.get(f"{url}/export", params={"format": "bvh", "original": False}).content
     values = client.get(f"{url}/frames", params={"format": "npy"}).content
@@ -87,8 +87,9 @@ def test_documents_that_exist_get_the_names_of_today(client: TestClient, monkeyp
     client.put(f"{API}/aliases", params={"project": "gait"}, json=table)
     wanted = [
         {"source": "Becken", "before": "Becken", "after": "Root"},
-        {"source": "Neck", "before": "neck1", "after": "neck2"},
-        {"source": "Neck1", "before": "neck2", "after": "neck1"},
+        {"source": "LeftUpLeg", "before": "LeftUpLeg", "after": "left_up_leg"},
+        {"source": "LeftLeg", "before": "LeftLeg", "after": "left_low_leg"},
+        {"source": "LeftFoot", "before": "LeftFoot", "after": "left_foot"},
     ]
     dry = client.post(f"{url}/names", params={"dry_run": True}).json()
     assert dry == {"document": before, "revision": 1, "items": wanted}
@@ -96,17 +97,17 @@ def test_documents_that_exist_get_the_names_of_today(client: TestClient, monkeyp
     assert client.post(f"{url}/names").status_code == 428
     made = client.post(f"{url}/names", headers={"if-match": '"1"'}).json()
     assert made == {"document": before, "revision": 2, "items": wanted}
-    assert names(client, before) == ["Root", "Wirbel", "left_up_leg", "neck2", "neck1", "Haupt"]
+    assert names(client, before) == ["Root", "Wirbel", "left_up_leg", "left_low_leg", "left_foot", "Haupt"]
     # Only names change, also for XPath; the files' own names stay.
-    found = client.get(f"{API}/xpath", params={"q": "count(//frame_bone[@name='neck1'])"}).json()
+    found = client.get(f"{API}/xpath", params={"q": "count(//frame_bone[@name='left_foot'])"}).json()
     assert found["value"] == 5
     assert client.get(f"{url}/export", params={"format": "bvh", "original": False}).content == exported
     assert client.get(f"{url}/frames", params={"format": "npy"}).content == values
     mcml = client.get(f"{url}/mcml").text
-    assert 'source_name="Neck1"' in mcml
+    assert 'source_name="LeftFoot"' in mcml
     # Once is enough, and undo takes it back.
     assert client.post(f"{url}/names", headers={"if-match": "*"}).json()["items"] == []
     assert client.get(url).json()["revision"] == 2
     assert client.post(f"{url}/undo", headers={"if-match": "*"}).status_code == 200
     assert names(client, before) == old
-    assert names(client, before, 2)[3:5] == ["neck2", "neck1"]
+    assert names(client, before, 2)[3:5] == ["left_low_leg", "left_foot"]
