@@ -15,7 +15,7 @@ API = "/api/v1"
 
 
 def fill(client: TestClient) -> list[str]:
-    names = {"a.bvh": bvh(700), "b.bvh": bvh(300, seed=1), "c.bvh": bvh(30, seed=2, names=("Hips", "Tail"))}
+    names = {"a.bvh": bvh(700), "b.bvh": bvh(300, seed=1), "c.bvh": bvh(30, seed=2, names=("Root", "Tail"))}
     found = [str(upload(client, {name: content})["documents"][0]["id"]) for name, content in names.items()]  # type: ignore[index]
     for uuid in found[:2]:
         label = [{"name": "walk", "first": 3, "last": 9}, {"name": "turn", "first": 20, "last": 22}]
