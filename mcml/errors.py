@@ -140,7 +140,7 @@ class ReplicaError(UnavailableError):
     """The replica went away while it was read. The primary can be asked the same."""
 
     def __init__(self) -> None:
-        super().__init__("The store's replica went away.", remedy="Ask again: the store itself answers then.")
+        super().__init__("The store's replica went away.", remedy="Retry: the store itself then answers.")
 
 
 class ClashError(UnavailableError):

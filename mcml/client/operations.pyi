@@ -140,7 +140,7 @@ class Operations:
         with_: str | None = ...,
         progress: FileProgress | None = None,
     ) -> DocumentPage:
-        """Documents, in any order."""
+        """List documents."""
     def get_facets(
         self,
         *,
@@ -161,7 +161,7 @@ class Operations:
         bins: int | None = ...,
         progress: FileProgress | None = None,
     ) -> FacetList:
-        """What the list of documents can be narrowed by, with counts."""
+        """List the values by which documents can be filtered, with counts."""
     def get_document(
         self,
         *,
@@ -169,7 +169,7 @@ class Operations:
         revision: int | None = ...,
         progress: FileProgress | None = None,
     ) -> DocumentDetail:
-        """Everything about a document but its frames."""
+        """Get everything about a document except its frames."""
     def upload_documents(
         self,
         *,
@@ -191,7 +191,7 @@ class Operations:
         movements: float | None = ...,
         progress: FileProgress | None = None,
     ) -> UploadResult:
-        """Store files as documents."""
+        """Import files as documents."""
     def inspect_files(
         self,
         *,
@@ -204,7 +204,7 @@ class Operations:
         repair: list[str] | None = ...,
         progress: FileProgress | None = None,
     ) -> InspectResult:
-        """What an upload of these files would find."""
+        """Preview an import: the clips, units, rates and joint names that these files contain."""
     def change_document(
         self,
         *,
@@ -221,7 +221,7 @@ class Operations:
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> None:
-        """Hide a document."""
+        """Move a document to the trash."""
     def restore_document(
         self,
         *,
@@ -230,7 +230,7 @@ class Operations:
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> DocumentDetail:
-        """Bring a deleted document back, or make an earlier revision current, as a new revision."""
+        """Restore a deleted document, or restore an earlier revision as a new revision."""
     def undo_revision(
         self,
         *,
@@ -239,7 +239,7 @@ class Operations:
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> DocumentDetail:
-        """Take back what one revision did, as a new revision."""
+        """Revert the changes of one revision, as a new revision."""
     def list_revisions(
         self,
         *,
@@ -249,7 +249,7 @@ class Operations:
         with_: Literal["frames"] | None = ...,
         progress: FileProgress | None = None,
     ) -> RevisionPage:
-        """The history of a document, newest first."""
+        """List the revisions of a document, newest first."""
     def compare_revisions(
         self,
         *,
@@ -258,7 +258,7 @@ class Operations:
         after: int | None = ...,
         progress: FileProgress | None = None,
     ) -> Difference:
-        """What differs between two revisions: elements, frames, labels, samples, angles between poses."""
+        """Compare two revisions: elements, frames, labels, samples, angles between poses."""
     def set_properties(
         self,
         *,
@@ -273,14 +273,14 @@ class Operations:
         selection: Selection | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> ChangedDocuments:
-        """Hide all documents of a selection."""
+        """Move all documents of a selection to the trash."""
     def restore_documents(
         self,
         *,
         request: ManyDocuments | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> ChangedDocuments:
-        """Bring deleted documents back."""
+        """Restore deleted documents."""
     def copy_documents(
         self,
         *,
@@ -294,7 +294,7 @@ class Operations:
         request: ManyChanges | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> ChangedDocuments:
-        """Change facts of all documents of a selection, and name frames of them."""
+        """Change fields of all documents of a selection, and label their frames."""
     def get_mcml(
         self,
         *,
@@ -306,7 +306,7 @@ class Operations:
         part: Literal["head", "frames"] | None = ...,
         progress: FileProgress | None = None,
     ) -> Content:
-        """The document as MCML, valid against `mcml.dtd`."""
+        """Get a document as MCML, valid against `mcml.dtd`."""
     def find_text(
         self,
         *,
@@ -317,7 +317,7 @@ class Operations:
         pretty: bool | None = ...,
         progress: FileProgress | None = None,
     ) -> TextFound:
-        """The next place of a text in a document: its line, and the address of the element there."""
+        """Find the next occurrence of a text in a document: its line, and the address of the element."""
     def export_document(
         self,
         *,
@@ -334,14 +334,14 @@ class Operations:
         raw: bool | None = ...,
         progress: FileProgress | None = None,
     ) -> Content:
-        """The document in a motion-capture format."""
+        """Export a document in a motion-capture format."""
     def export_documents(
         self,
         *,
         request: ExportRequest | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> Content:
-        """The documents of a selection as one zip of files."""
+        """Export the documents of a selection as one zip of files."""
     def get_skeleton(
         self,
         *,
@@ -349,7 +349,7 @@ class Operations:
         revision: int | None = ...,
         progress: FileProgress | None = None,
     ) -> SkeletonView:
-        """The skeleton of a document, with all that one needs to draw or move it."""
+        """Get the skeleton of a document with all data for drawing and posing it."""
     def get_thumbnail(
         self,
         *,
@@ -357,7 +357,7 @@ class Operations:
         revision: int | None = ...,
         progress: FileProgress | None = None,
     ) -> Content:
-        """A small moving picture of a document's skeleton."""
+        """Get a small animated picture of a document's skeleton."""
     def get_calibration(
         self,
         *,
@@ -365,7 +365,7 @@ class Operations:
         revision: int | None = ...,
         progress: FileProgress | None = None,
     ) -> Calibration:
-        """What questions about motion rest on: unit, up axis, floor, leg, and where each is from."""
+        """Get the calibration of a body: unit, up axis, floor and leg length, each with its source."""
     def change_calibration(
         self,
         *,
@@ -374,7 +374,7 @@ class Operations:
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> Calibration:
-        """Set the unit, up axis, floor, leg or reference pose of a document, as a revision."""
+        """Set the unit, up axis, floor, leg length or reference pose of a document, as a revision."""
     def put_media(
         self,
         *,
@@ -383,14 +383,14 @@ class Operations:
         offset: float | None = ...,
         progress: FileProgress | None = None,
     ) -> MediaInfo:
-        """Let a document carry video or audio for reference."""
+        """Attach reference video or audio to a document."""
     def get_media(
         self,
         *,
         id: str,
         progress: FileProgress | None = None,
     ) -> Content:
-        """The video or audio that a document carries for reference."""
+        """Get the reference video or audio of a document."""
     def change_media(
         self,
         *,
@@ -398,14 +398,14 @@ class Operations:
         change: MediaChange | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> MediaInfo:
-        """Say where in its video or audio the motion of a document begins."""
+        """Set the time in the reference media at which the motion begins."""
     def delete_media(
         self,
         *,
         id: str,
         progress: FileProgress | None = None,
     ) -> None:
-        """Take the video or audio of a document away."""
+        """Remove the reference video or audio of a document."""
     def list_comments(
         self,
         *,
@@ -414,7 +414,7 @@ class Operations:
         cursor: str | None = ...,
         progress: FileProgress | None = None,
     ) -> CommentPage:
-        """Comments on a document, its frames and joints."""
+        """List the comments on a document, its frames and joints."""
     def add_comment(
         self,
         *,
@@ -422,7 +422,7 @@ class Operations:
         comment: CommentRequest | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> CommentView:
-        """Say something about a document, some of its frames, or a joint."""
+        """Comment on a document, some of its frames, or a joint."""
     def change_comment(
         self,
         *,
@@ -431,7 +431,7 @@ class Operations:
         change: CommentChange | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> CommentView:
-        """Change the text of one's own comment."""
+        """Edit your own comment."""
     def resolve_comment(
         self,
         *,
@@ -439,7 +439,7 @@ class Operations:
         comment: int,
         progress: FileProgress | None = None,
     ) -> CommentView:
-        """Say that what a comment asks for is done."""
+        """Mark a comment as resolved."""
     def reopen_comment(
         self,
         *,
@@ -447,7 +447,7 @@ class Operations:
         comment: int,
         progress: FileProgress | None = None,
     ) -> CommentView:
-        """Say that what a comment asks for is not done."""
+        """Mark a comment as unresolved."""
     def delete_comment(
         self,
         *,
@@ -462,7 +462,7 @@ class Operations:
         id: str,
         progress: FileProgress | None = None,
     ) -> PresentList:
-        """Who looks at a document now, or edits it."""
+        """List the people who are viewing or editing a document."""
     def keep_presence(
         self,
         *,
@@ -470,7 +470,7 @@ class Operations:
         presence: PresenceRequest | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> PresentList:
-        """Say that one looks at a document, or edits it, and hear who else does."""
+        """Announce that you are viewing or editing a document, and list the others."""
     def end_presence(
         self,
         *,
@@ -478,7 +478,7 @@ class Operations:
         tab: str | None = ...,
         progress: FileProgress | None = None,
     ) -> None:
-        """Say that one looks at a document no more."""
+        """Announce that you have closed a document."""
     def get_frames(
         self,
         *,
@@ -502,7 +502,7 @@ class Operations:
         raw: bool | None = ...,
         progress: FileProgress | None = None,
     ) -> FramePage | Content:
-        """Frames of a document as numbers in the source's units."""
+        """Get frames of a document as numbers in the source's units."""
     def edit_frames(
         self,
         *,
@@ -525,7 +525,7 @@ class Operations:
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> FramesEdited:
-        """Set channels of consecutive frames to numbers: JSON, or a NumPy file."""
+        """Set channels of consecutive frames from JSON or a NumPy file."""
     def list_labels(
         self,
         *,
@@ -536,7 +536,7 @@ class Operations:
         name: str | None = ...,
         progress: FileProgress | None = None,
     ) -> LabelPage:
-        """The motion names of a document and the frames that carry them, in order."""
+        """List the labels of a document with their frame ranges, in order."""
     def suggest_labels(
         self,
         *,
@@ -545,7 +545,7 @@ class Operations:
         facing: Literal["X", "-X", "Y", "-Y", "Z", "-Z"] | None = ...,
         progress: FileProgress | None = None,
     ) -> SuggestedLabels:
-        """Anatomical movements found in the motion, as names for its frames."""
+        """Suggest labels: anatomical movements recognised in the motion."""
     def add_labels(
         self,
         *,
@@ -555,7 +555,7 @@ class Operations:
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> LabelPage:
-        """Name ranges of frames."""
+        """Label ranges of frames."""
     def change_label(
         self,
         *,
@@ -574,14 +574,14 @@ class Operations:
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> None:
-        """Take a motion name off its frames."""
+        """Remove a label from its frames."""
     def label_by_query(
         self,
         *,
         request: LabelQuery | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> ChangedDocuments:
-        """Name all frames that an XPath expression selects, or take the name off them."""
+        """Add a label to all frames that an XPath expression selects, or remove it from them."""
     def export_labels(
         self,
         *,
@@ -591,7 +591,7 @@ class Operations:
         raw: bool | None = ...,
         progress: FileProgress | None = None,
     ) -> Content:
-        """The labels of documents as a CSV table: document, label, first, last."""
+        """Export the labels of documents as a CSV table: document, label, first, last."""
     def import_labels(
         self,
         *,
@@ -601,7 +601,7 @@ class Operations:
         replace: bool | None = ...,
         progress: FileProgress | None = None,
     ) -> ChangedDocuments:
-        """Add labels from a CSV table, as the export writes it."""
+        """Import labels from a CSV table in the format of the export."""
     def list_children(
         self,
         *,
@@ -612,7 +612,7 @@ class Operations:
         revision: int | None = ...,
         progress: FileProgress | None = None,
     ) -> ChildPage:
-        """The children of an element, a window at a time."""
+        """List the children of an element, page by page."""
     def get_element(
         self,
         *,
@@ -621,7 +621,7 @@ class Operations:
         revision: int | None = ...,
         progress: FileProgress | None = None,
     ) -> Content:
-        """One element of a document as XML, or the value of one attribute as text."""
+        """Get one element of a document as XML, or the value of one attribute as text."""
     def change_element(
         self,
         *,
@@ -647,7 +647,7 @@ class Operations:
         renumber: bool | None = ...,
         progress: FileProgress | None = None,
     ) -> ElementEdited:
-        """Delete elements or attributes, unless `mcml.dtd` or the frames need them."""
+        """Delete elements or attributes, unless `mcml.dtd` or the frames require them."""
     def replace_element(
         self,
         *,
@@ -659,7 +659,7 @@ class Operations:
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> ElementEdited:
-        """Put other elements in the place of one."""
+        """Replace an element with other elements."""
     def insert_elements(
         self,
         *,
@@ -673,7 +673,7 @@ class Operations:
         renumber: bool | None = ...,
         progress: FileProgress | None = None,
     ) -> ElementEdited:
-        """Put elements beside one, or into it."""
+        """Insert elements beside an element, or into it."""
     def edit_elements(
         self,
         *,
@@ -695,7 +695,7 @@ class Operations:
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> ChangesMade:
-        """Make values of frames, elements, labels and facts of a document one revision: all, or none."""
+        """Change values of frames, elements, labels and fields of a document as one revision: all, or none."""
     def get_query(
         self,
         *,
@@ -715,14 +715,14 @@ class Operations:
         with_: str | None = ...,
         progress: FileProgress | None = None,
     ) -> QueryAnswer | Content:
-        """Ask one document or all an XPath question, such as `//frame[motion_name='left-arm-abduction']`."""
+        """Evaluate an XPath expression over documents, such as `//frame[motion_name='left-arm-abduction']`."""
     def post_query(
         self,
         *,
         request: QueryRequest | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> QueryAnswer | Content:
-        """Ask an XPath question that is long, or has variables."""
+        """Evaluate a long XPath expression, or one with variables."""
     def complete_query(
         self,
         *,
@@ -732,14 +732,14 @@ class Operations:
         project: str | None = ...,
         progress: FileProgress | None = None,
     ) -> Completions:
-        """What may come next in an expression: elements, attributes, axes, functions, and names that occur."""
+        """Complete an expression: elements, attributes, axes, functions, and names in use."""
     def search_motion(
         self,
         *,
         request: SearchRequest | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> SearchAnswer:
-        """The poses or motions of the library that are most like one: of a document, or of joints at positions."""
+        """Find the poses or motions most similar to a pose or motion of a document, or to joint positions."""
     def search_file(
         self,
         *,
@@ -752,7 +752,7 @@ class Operations:
         apart: float | None = ...,
         progress: FileProgress | None = None,
     ) -> SearchAnswer:
-        """The poses or motions of the library that are most like one of a file that is not stored."""
+        """Find the poses or motions most similar to those of a file, without importing it."""
     def compose(
         self,
         *,
@@ -763,7 +763,7 @@ class Operations:
         step: int | None = ...,
         progress: FileProgress | None = None,
     ) -> Composed:
-        """Make a document of frames of others, one segment after the other, with transitions between them."""
+        """Compose a document from frames of others, in sequence, with transitions."""
     def split_document(
         self,
         *,
@@ -771,7 +771,7 @@ class Operations:
         request: SplitRequest | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> SplitParts:
-        """Store parts of a document as documents: cut before frames, or around every range of a motion name."""
+        """Split a document into several: at frames, or by the ranges of a label."""
     def retarget(
         self,
         *,
@@ -783,14 +783,14 @@ class Operations:
         step: int | None = ...,
         progress: FileProgress | None = None,
     ) -> Retargeted:
-        """Bring a motion onto the skeleton of another document, as a new document."""
+        """Retarget a motion to the skeleton of another document, as a new document."""
     def retarget_many(
         self,
         *,
         request: RetargetMany | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> Content:
-        """Bring the motions of all selected documents onto one skeleton, each as a new document."""
+        """Retarget the motions of all selected documents to one skeleton, each as a new document."""
     def list_collections(
         self,
         *,
@@ -799,7 +799,7 @@ class Operations:
         project: str | None = ...,
         progress: FileProgress | None = None,
     ) -> CollectionPage:
-        """Collections of documents, by project and name."""
+        """List collections of documents, by project and name."""
     def get_collection(
         self,
         *,
@@ -807,7 +807,7 @@ class Operations:
         project: str | None = ...,
         progress: FileProgress | None = None,
     ) -> Collection:
-        """One collection, and the documents that are in it."""
+        """Get a collection and its documents."""
     def save_collection(
         self,
         *,
@@ -835,7 +835,7 @@ class Operations:
         project: str | None = ...,
         progress: FileProgress | None = None,
     ) -> SavedQueryPage:
-        """Saved XPath questions, by project and name."""
+        """List saved queries, by project and name."""
     def get_saved_query(
         self,
         *,
@@ -843,7 +843,7 @@ class Operations:
         project: str | None = ...,
         progress: FileProgress | None = None,
     ) -> SavedQuery:
-        """One saved question."""
+        """Get a saved query."""
     def save_query(
         self,
         *,
@@ -853,7 +853,7 @@ class Operations:
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> SavedQuery:
-        """Save an XPath question under a name."""
+        """Save an XPath expression under a name."""
     def delete_query(
         self,
         *,
@@ -862,14 +862,14 @@ class Operations:
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> None:
-        """Delete a saved question."""
+        """Delete a saved query."""
     def get_colours(
         self,
         *,
         project: str | None = ...,
         progress: FileProgress | None = None,
     ) -> Colours:
-        """The colours in which a project shows motion names."""
+        """Get the colours of labels in a project."""
     def save_colours(
         self,
         *,
@@ -878,14 +878,14 @@ class Operations:
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> Colours:
-        """Save all colours of motion names of a project."""
+        """Set all colours of labels in a project."""
     def get_vocabulary(
         self,
         *,
         project: str | None = ...,
         progress: FileProgress | None = None,
     ) -> Vocabulary:
-        """The motion names that a project agrees on."""
+        """Get the label vocabulary of a project."""
     def save_vocabulary(
         self,
         *,
@@ -894,7 +894,7 @@ class Operations:
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> Vocabulary:
-        """Save all motion names that a project agrees on."""
+        """Set the label vocabulary of a project."""
     def delete_vocabulary(
         self,
         *,
@@ -902,7 +902,7 @@ class Operations:
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> None:
-        """Take the vocabulary of a project away."""
+        """Delete the label vocabulary of a project."""
     def list_mappings(
         self,
         *,
@@ -911,7 +911,7 @@ class Operations:
         project: str | None = ...,
         progress: FileProgress | None = None,
     ) -> MappingPage:
-        """Saved mappings of joints, by project and name."""
+        """List saved joint mappings, by project and name."""
     def get_mapping(
         self,
         *,
@@ -919,7 +919,7 @@ class Operations:
         project: str | None = ...,
         progress: FileProgress | None = None,
     ) -> Mapping:
-        """One saved mapping."""
+        """Get a saved joint mapping."""
     def save_mapping(
         self,
         *,
@@ -929,7 +929,7 @@ class Operations:
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> Mapping:
-        """Save a mapping under a name."""
+        """Save a joint mapping under a name."""
     def delete_mapping(
         self,
         *,
@@ -938,14 +938,14 @@ class Operations:
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> None:
-        """Delete a saved mapping."""
+        """Delete a saved joint mapping."""
     def get_aliases(
         self,
         *,
         project: str | None = ...,
         progress: FileProgress | None = None,
     ) -> AliasTable:
-        """What a project calls joints, beside the names that are known."""
+        """Get the joint names that a project has defined."""
     def save_aliases(
         self,
         *,
@@ -954,7 +954,7 @@ class Operations:
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> AliasTable:
-        """Save all aliases of a project."""
+        """Set all joint names that a project defines."""
     def delete_aliases(
         self,
         *,
@@ -962,7 +962,7 @@ class Operations:
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> None:
-        """Take all aliases of a project away."""
+        """Delete all joint names that a project has defined."""
     def apply_names(
         self,
         *,
@@ -971,20 +971,20 @@ class Operations:
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> AppliedNames:
-        """Give joints of a document the names that an import would give them now, as a revision."""
+        """Rename joints of a document as an import would name them now, as a revision."""
     def list_analyses(
         self,
         *,
         progress: FileProgress | None = None,
     ) -> AnalysisList:
-        """Every analysis with its parameters, the parts of its results, and what can be done with them."""
+        """List all analyses with their parameters, the parts of their results, and their actions."""
     def get_analysis(
         self,
         *,
         name: str,
         progress: FileProgress | None = None,
     ) -> AnalysisInfo:
-        """An analysis with its parameters as JSON schema."""
+        """Get an analysis with its parameters as JSON Schema."""
     def read_music(
         self,
         *,
@@ -993,7 +993,7 @@ class Operations:
         beats_per_bar: int | None = ...,
         progress: FileProgress | None = None,
     ) -> MusicBeats:
-        """The beats of music, to be corrected and danced to."""
+        """Detect the beats of a music file."""
     def list_jobs(
         self,
         *,
@@ -1003,21 +1003,21 @@ class Operations:
         state: Literal["waiting", "running", "done", "failed", "cancelled"] | None = ...,
         progress: FileProgress | None = None,
     ) -> JobPage:
-        """Jobs, the newest first."""
+        """List jobs, newest first."""
     def get_job(
         self,
         *,
         id: str,
         progress: FileProgress | None = None,
     ) -> Job:
-        """How far a job is, and what came of it."""
+        """Get the progress and the outcome of a job."""
     def cancel_job(
         self,
         *,
         id: str,
         progress: FileProgress | None = None,
     ) -> Job:
-        """End a job."""
+        """Cancel a job."""
     def list_results(
         self,
         *,
@@ -1028,14 +1028,14 @@ class Operations:
         parent: str | None = ...,
         progress: FileProgress | None = None,
     ) -> ResultPage:
-        """Results, the newest first, without their parts."""
+        """List results without their parts, newest first."""
     def get_result(
         self,
         *,
         id: str,
         progress: FileProgress | None = None,
     ) -> Result:
-        """A result with its parts."""
+        """Get a result with its parts."""
     def delete_result(
         self,
         *,
@@ -1054,7 +1054,7 @@ class Operations:
         height: float | None = ...,
         progress: FileProgress | None = None,
     ) -> Content:
-        """A picture of a result: curves, graph, map or table as SVG or PNG."""
+        """Get a plot of a result: curves, graph, map or table as SVG or PNG."""
     def get_result_part(
         self,
         *,
@@ -1062,7 +1062,7 @@ class Operations:
         part: str,
         progress: FileProgress | None = None,
     ) -> PartSummary:
-        """One part of a result."""
+        """Get one part of a result."""
     def get_result_array(
         self,
         *,
@@ -1076,26 +1076,26 @@ class Operations:
         format: Literal["json", "npy"] | None = ...,
         progress: FileProgress | None = None,
     ) -> ArrayValues | Content:
-        """An array of a part, or some of its rows."""
+        """Get an array of a part, or some of its rows."""
     def list_formats(
         self,
         *,
         progress: FileProgress | None = None,
     ) -> FormatList:
-        """Formats that are read and written, and those that are known but not read, with the reason."""
+        """List supported formats, and known formats that are not supported, with the reason."""
     def list_joint_names(
         self,
         *,
         progress: FileProgress | None = None,
     ) -> JointNameList:
-        """The one table of joint names: MCML's own, and what other rigs call them."""
+        """List joint names: MCML's own, and their names in other rigs."""
     def list_motion_names(
         self,
         *,
         project: str | None = ...,
         progress: FileProgress | None = None,
     ) -> MotionNameList:
-        """Motion names in use with their frames, and the movements that each part of the body can perform."""
+        """List the labels in use with their frames, and the movements that each part of the body can perform."""
     def list_skeletons(
         self,
         *,
@@ -1104,7 +1104,7 @@ class Operations:
         project: str | None = ...,
         progress: FileProgress | None = None,
     ) -> SkeletonPage:
-        """Skeletons in use."""
+        """List the skeletons in use."""
     def get_rest_pose(
         self,
         *,
@@ -1112,13 +1112,13 @@ class Operations:
         revision: int | None = ...,
         progress: FileProgress | None = None,
     ) -> RestPose:
-        """The skeleton of a document in its rest pose."""
+        """Get the skeleton of a document in its rest pose."""
     def list_projects(
         self,
         *,
         progress: FileProgress | None = None,
     ) -> ProjectList:
-        """Projects by name."""
+        """List projects by name."""
     def list_running_queries(
         self,
         *,
@@ -1145,14 +1145,14 @@ class Operations:
         since: str | None = ...,
         progress: FileProgress | None = None,
     ) -> ActivityPage:
-        """What was done, by whom and when, the newest first."""
+        """List the activity in the repository, newest first."""
     def get_project(
         self,
         *,
         project: str,
         progress: FileProgress | None = None,
     ) -> ProjectView:
-        """How much is in a project and may be, and whether it is archived."""
+        """Get the size, the quota and the state of a project."""
     def change_project(
         self,
         *,
@@ -1160,14 +1160,14 @@ class Operations:
         project: str,
         progress: FileProgress | None = None,
     ) -> ProjectView:
-        """Archive a project, or say how much it may hold."""
+        """Archive or reopen a project, or change its quota."""
     def export_project(
         self,
         *,
         project: str,
         progress: FileProgress | None = None,
     ) -> Content:
-        """A whole project with every revision as one file."""
+        """Export a project with every revision as one file."""
     def import_project(
         self,
         *,
@@ -1175,33 +1175,33 @@ class Operations:
         name: str | None = ...,
         progress: FileProgress | None = None,
     ) -> ProjectImported:
-        """Make a project of such a file."""
+        """Import a project from an exported file."""
     def get_account(
         self,
         *,
         progress: FileProgress | None = None,
     ) -> Me:
-        """Who asks: name, role, and what one may do."""
+        """Get your account: name, role and permissions."""
     def change_password(
         self,
         *,
         change: PasswordChange | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> None:
-        """Change one's own password."""
+        """Change your own password."""
     def list_accounts(
         self,
         *,
         progress: FileProgress | None = None,
     ) -> AccountList:
-        """The accounts of people."""
+        """List accounts."""
     def add_owner(
         self,
         *,
         request: OwnerRequest | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> AccountView:
-        """Make the first account, an owner's."""
+        """Create the first account, an owner's."""
     def change_account(
         self,
         *,
@@ -1209,34 +1209,34 @@ class Operations:
         change: AccountChange | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> AccountView:
-        """Give somebody another role, or close their account."""
+        """Change the role of an account, or close it."""
     def list_invitations(
         self,
         *,
         progress: FileProgress | None = None,
     ) -> InvitationList:
-        """Invitations that can be accepted still."""
+        """List open invitations."""
     def invite(
         self,
         *,
         request: InvitationRequest | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> InvitationMade:
-        """Invite somebody to make an account of a role, in the repository or in one project."""
+        """Invite a person to create an account with a role, in the repository or in one project."""
     def revoke_invitation(
         self,
         *,
         number: int,
         progress: FileProgress | None = None,
     ) -> None:
-        """Take an invitation back."""
+        """Revoke an invitation."""
     def list_members(
         self,
         *,
         project: str,
         progress: FileProgress | None = None,
     ) -> MemberList:
-        """Who belongs to a project, and as what."""
+        """List the members of a project with their roles."""
     def set_member(
         self,
         *,
@@ -1245,7 +1245,7 @@ class Operations:
         project: str,
         progress: FileProgress | None = None,
     ) -> MemberList:
-        """Let somebody belong to a project, or give them another role there."""
+        """Add a member to a project, or change their role."""
     def remove_member(
         self,
         *,
@@ -1253,49 +1253,49 @@ class Operations:
         project: str,
         progress: FileProgress | None = None,
     ) -> None:
-        """Let somebody belong to a project no more."""
+        """Remove a member from a project."""
     def list_shares(
         self,
         *,
         project: str | None = ...,
         progress: FileProgress | None = None,
     ) -> ShareList:
-        """Links by which people without an account see some documents."""
+        """List share links."""
     def add_share(
         self,
         *,
         request: ShareRequest | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> ShareMade:
-        """Make a link by which somebody without an account sees some documents."""
+        """Create a share link, with which people without an account can view documents."""
     def revoke_share(
         self,
         *,
         number: int,
         progress: FileProgress | None = None,
     ) -> None:
-        """Take a link to documents back."""
+        """Revoke a share link."""
     def list_webhooks(
         self,
         *,
         project: str | None = ...,
         progress: FileProgress | None = None,
     ) -> WebhookList:
-        """Addresses that are told of events."""
+        """List webhooks."""
     def add_webhook(
         self,
         *,
         request: WebhookRequest | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> WebhookMade:
-        """Have the server tell an address of events."""
+        """Add a webhook, which receives events at a URL."""
     def remove_webhook(
         self,
         *,
         number: int,
         progress: FileProgress | None = None,
     ) -> None:
-        """Tell an address no more."""
+        """Delete a webhook."""
     def list_deliveries(
         self,
         *,
@@ -1304,7 +1304,7 @@ class Operations:
         cursor: str | None = ...,
         progress: FileProgress | None = None,
     ) -> DeliveryPage:
-        """Messages that were sent to an address, or wait."""
+        """List sent and waiting messages of a webhook."""
     def redeliver(
         self,
         *,
@@ -1312,27 +1312,27 @@ class Operations:
         message: int,
         progress: FileProgress | None = None,
     ) -> DeliveryView:
-        """Send a message once more."""
+        """Send a message of a webhook again."""
     def list_tokens(
         self,
         *,
         progress: FileProgress | None = None,
     ) -> TokenList:
-        """Tokens of programs: names, scopes, dates."""
+        """List your tokens: names, scopes, dates."""
     def add_token(
         self,
         *,
         request: TokenRequest | dict[str, Any],
         progress: FileProgress | None = None,
     ) -> TokenMade:
-        """Make a token for a program."""
+        """Create a token for a program."""
     def revoke_token(
         self,
         *,
         name: str,
         progress: FileProgress | None = None,
     ) -> None:
-        """Make a token useless at once."""
+        """Revoke a token immediately."""
     def start_reach(
         self,
         *,
@@ -1353,8 +1353,7 @@ class Operations:
         request: dict[str, Any],
         progress: FileProgress | None = None,
     ) -> Job:
-        """Which bar of some dance clips may follow which: distances of poses and movement, and what is left when bars
-        that lead nowhere are taken away."""
+        """Possible transitions between bars of dance clips, by distances of poses and movement, without dead ends."""
     def start_dance(
         self,
         *,
@@ -1428,7 +1427,7 @@ class Operations:
         positions: bool | None = ...,
         progress: FileProgress | None = None,
     ) -> ResultUsed | Content:
-        """Where one may go from a candidate"""
+        """Linked candidates of a candidate"""
     def use_path(
         self,
         *,
@@ -1448,7 +1447,7 @@ class Operations:
         positions: bool | None = ...,
         progress: FileProgress | None = None,
     ) -> ResultUsed | Content:
-        """Refine a path, or see what it may lead over"""
+        """Refine a path, or list its possible refinements"""
     def use_playback(
         self,
         *,

@@ -88,7 +88,7 @@ def _is_busy(answer: httpx.Response) -> bool:
 
 
 def _away(error: httpx.HTTPError) -> StoreError:
-    return StoreError(f"The server does not answer: {error}", remedy="Check its address.")
+    return StoreError(f"The server is unreachable: {error}", remedy="Check its address.")
 
 
 def _parts(operation: Operation, given: dict[str, Any]) -> dict[str, Any]:

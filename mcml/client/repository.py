@@ -187,7 +187,7 @@ class Query:
             items = [item for page in pages for item in page.items or ()]
             return {item.document: item.value for item in items if isinstance(item, ScalarItem)}
         raise QueryError(
-            "The answer is nodes, not a value.", remedy="Take nodes(), runs() or count(), or write string() around it."
+            "The result is nodes, not a value.", remedy="Take nodes(), runs() or count(), or write string() around it."
         )
 
     def count(self) -> int:

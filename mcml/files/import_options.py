@@ -75,7 +75,7 @@ def parse_label(text: str) -> Label:
     if not 1 <= first <= last:
         raise DocumentError(
             f"The label {text!r} begins at frame {first} and ends at {last}.",
-            remedy="Frames are counted from 1, and the first stands before the last: NAME:FIRST-LAST.",
+            remedy="Frames are numbered from 1, and the first is before the last: NAME:FIRST-LAST.",
         )
     return Label(name.strip(), first, last)
 

@@ -54,7 +54,7 @@ def check_free(path: Path, *, force: bool = False, sources: Iterable[Path] = ())
     if not path.exists():
         return
     if any(source.exists() and source.samefile(path) for source in sources):
-        raise ConflictError(f"{path} is the file that is read.", remedy="Choose another name for what is written.")
+        raise ConflictError(f"{path} is the file that is read.", remedy="Choose another name for the output.")
     if not force:
         raise ConflictError(f"{path} exists.", remedy="Choose another name; --force (in Python force) replaces it.")
 

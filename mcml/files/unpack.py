@@ -127,7 +127,7 @@ def _members(
 ) -> list[SourceFile]:
     if depth >= MOST_DEPTH:
         raise LimitError(
-            f"Archives lie within each other, more than {MOST_DEPTH} deep.",
+            f"Archives are nested more than {MOST_DEPTH} deep.",
             at=Place(file=file.name),
             remedy="Send the files themselves, or one zip of them.",
         )

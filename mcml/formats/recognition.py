@@ -112,5 +112,5 @@ def _unknown(formats: Mapping[str, Format], file_name: str, first_bytes: bytes, 
             return FormatError(f"{what}, found {shown!r}", at=Place(file=at.file, line=1), remedy="Check the file.")
     names = ", ".join(format.title for format in formats.values())
     return UnsupportedError(
-        f"the file is none of the formats that are read ({names}); it begins with {shown!r}", at=at, remedy=_READ
+        f"the file has none of the supported formats ({names}); it begins with {shown!r}", at=at, remedy=_READ
     )

@@ -50,9 +50,9 @@ class Declaration:
     def child_error(self, state: int, tag: str) -> str:
         """Why `tag` cannot come now."""
         if self.kind != "elements":
-            return f"{self.name} holds {'text only' if self.kind == 'text' else 'nothing'}; {tag} cannot stand in it"
+            return f"{self.name} holds {'text only' if self.kind == 'text' else 'nothing'}; {tag} is not allowed in it"
         wanted = list(self.steps[state]) + [f"the end of {self.name}"] * (state in self.accepting)
-        return f"{tag} cannot stand here in {self.name}; expected {' or '.join(wanted)}"
+        return f"{tag} is not allowed here in {self.name}; expected {' or '.join(wanted)}"
 
     def end_error(self, state: int) -> str | None:
         """Why the element cannot end now, None if it can."""

@@ -43,7 +43,9 @@ def read_fragment(content: bytes) -> list[Element]:
         ) from error
     found = [_element(child) for child in root]
     if not found or (root.text or "").strip(WHITE_SPACE) or any((child.tail or "").strip() for child in root):
-        raise DocumentError("The fragment holds no element, or text beside it.", remedy="Send MCML elements only.")
+        raise DocumentError(
+            "The fragment has no element, or text outside its elements.", remedy="Send MCML elements only."
+        )
     return found
 
 
@@ -64,7 +66,7 @@ def _element(root: Any) -> Element:
         element.attributes = {str(name): str(value) for name, value in node.attrib.items()}
         element.text = (node.text or "").strip(WHITE_SPACE)
         if len(node) and (element.text or any((child.tail or "").strip(WHITE_SPACE) for child in node)):
-            raise DocumentError(f"{node.tag} has text beside elements.", at=Place(line=node.sourceline))
+            raise DocumentError(f"{node.tag} has text between elements.", at=Place(line=node.sourceline))
         for child in node:
             inner = Element("")
             element.children.append(inner)

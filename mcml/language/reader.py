@@ -324,7 +324,7 @@ class _Pass:
         reader = self._frame_reader
         in_empty = bool(self._stack) and declarations()[self._stack[-1][0].tag].kind == "empty"
         if in_empty or (reader is not None and reader.inside_empty()):
-            raise DocumentError("a comment cannot stand in an element that holds nothing", at=self._place())
+            raise DocumentError("a comment is not allowed in an empty element", at=self._place())
         self._dropped += 1
 
     def _grow(self, characters: int) -> None:

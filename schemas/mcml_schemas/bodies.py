@@ -11,7 +11,7 @@ from mcml_schemas.request_body import RequestBody
 
 _VIEW = {
     "unit": {"value": "cm", "metres": 0.01, "origin": "stated", "reason": "cm"},
-    "up": {"value": "Y", "origin": "guessed", "reason": "the body stands along Y"},
+    "up": {"value": "Y", "origin": "guessed", "reason": "the body is upright along Y"},
     "floor": {
         "value": 4.25,
         "metres": 0.0425,
@@ -19,7 +19,7 @@ _VIEW = {
         "reason": "the toes are above it nearly always",
     },
     "leg": {"value": 80.07, "metres": 0.8007, "origin": "measured", "reason": "from hip to knee to ankle"},
-    "reference": {"value": "rest", "origin": "measured", "reason": "a body could stand in the rest pose"},
+    "reference": {"value": "rest", "origin": "measured", "reason": "the rest pose can be an upright body"},
     "leaps": {"value": False, "origin": "measured", "reason": ""},
     "step": 0.01,
     "kept": True,
@@ -44,12 +44,10 @@ class Calibration(BaseModel):
     up: CalibrationValue = Field(description="The axis that points up")
     floor: CalibrationValue = Field(description="Its height along that axis")
     leg: CalibrationValue = Field(description="From hip to knee to ankle")
-    reference: CalibrationValue = Field(description='The frame in which the body stands upright, or "rest"')
-    leaps: CalibrationValue = Field(
-        description="Whether frame 1 is a pose before the motion, which questions leave out"
-    )
+    reference: CalibrationValue = Field(description='The frame of the upright body, or "rest"')
+    leaps: CalibrationValue = Field(description="Whether frame 1 is a pose before the motion, which queries exclude")
     step: float = Field(description="To which positions of joints are rounded: 0.1 mm, or a 10,000th of the leg")
-    kept: bool = Field(description="Whether the body is kept; else each question works it out (`mcml db derive`)")
+    kept: bool = Field(description="Whether the body is stored; otherwise each query derives it (`mcml db derive`)")
 
 
 class CalibrationChange(RequestBody):

@@ -96,7 +96,7 @@ class MotionNameInUse(BaseModel):
 class BodyPart(BaseModel):
     part: str
     sided: bool = Field(description="Whether its names begin with left-, right- or both-")
-    joints: list[str] = Field(description="MCML joints; * stands for the side")
+    joints: list[str] = Field(description="MCML joints; * means either side")
     movements: list[str]
 
 

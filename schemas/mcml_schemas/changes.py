@@ -106,4 +106,4 @@ class ChangesMade(BaseModel):
     merged: bool = Field(False, description="They were made for an older revision")
     faults: list[Fault] = Field(default_factory=list, description="Of a dry run")
     conflicts: list[Conflict] = Field(default_factory=list, description="Of a dry run")
-    mergeable: list[str] = Field(default_factory=list, description="Of a dry run: what can be carried over")
+    mergeable: list[str] = Field(default_factory=list, description="Dry run: changes that can be applied")

@@ -79,10 +79,10 @@ class ComposeRequest(RequestBody):
     )
     lengthen: bool = Field(True, description="Longer transitions where the motion would jump")
     align: bool = Field(True, description="Turn and shift each segment on the ground so that the body goes on")
-    labels: bool = Field(True, description="Motion names come along")
+    labels: bool = Field(True, description="Copy the labels")
     name: str = Field("composed", min_length=1, max_length=1024)
     project: str = Field("default", min_length=1, max_length=256)
-    preview: bool = Field(False, description="Say what would be made; store nothing")
+    preview: bool = Field(False, description="Preview the result without storing it")
 
 
 class ComposedSeam(BaseModel):
@@ -143,7 +143,7 @@ class Composed(BaseModel):
     segments: list[ComposedSegment]
     seams: list[ComposedSeam]
     notices: list[str]
-    motion: PreviewMotion | None = Field(None, description="Positions, if asked")
+    motion: PreviewMotion | None = Field(None, description="Positions, if requested")
 
 
 class SplitRequest(RequestBody):

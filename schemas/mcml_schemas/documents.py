@@ -211,7 +211,7 @@ class DocumentDetail(DocumentSummary):
     bones: list[Bone]
     labels: list[Label]
     files: list[StoredFile] = Field(description="Kept source files")
-    original: bool = Field(description="Whether an export in the source's format answers the kept bytes")
+    original: bool = Field(description="Whether an export in the source's format returns the original bytes")
     receipt: Receipt
     media: MediaInfo | None = Field(None, description="Video or audio that it carries for reference")
     links: dict[str, str]
@@ -221,7 +221,7 @@ class ImportedDocument(BaseModel):
     id: str
     name: str
     skipped: bool = Field(False, description="It was stored already (on_duplicate=skip)")
-    movements: int | None = Field(None, description="Labels that were found in the motion and accepted, if asked")
+    movements: int | None = Field(None, description="Suggested labels that were accepted, if requested")
     receipt: Receipt
     calibration: str = Field(
         description="Address of unit, up axis, floor and leg as the body shows them, which is known after the import"
@@ -259,7 +259,7 @@ class Passport(BaseModel):
     rate: float | None = Field(None, description="Frames a second")
     joints: int
     markers: bool = Field(False, description="Whether joints are labelled points")
-    guessed: list[Literal["unit", "up", "rate"]] = Field(description="What nobody has stated")
+    guessed: list[Literal["unit", "up", "rate"]] = Field(description="Facts that nobody has stated")
 
 
 class Card(DocumentSummary):
@@ -322,7 +322,7 @@ class Revision(BaseModel):
     time: str
     author: str
     touched: list[FrameRange] | None = Field(
-        None, description="Frames with other samples or names than before, as it left them, if asked"
+        None, description="Frames whose samples or labels changed, after the change, if requested"
     )
 
 

@@ -139,7 +139,7 @@ class TextPlace(BaseModel):
     column: int
     address: str = Field(description="Of the element whose line it is")
     frame: int | None = Field(None, description="Position of the frame that it is in")
-    text: str = Field(description="What stands around it")
+    text: str = Field(description="Text around the match")
 
 
 class TextFound(BaseModel):

@@ -94,7 +94,7 @@ class Job(BaseModel):
     project: str
     owner: str
     state: Literal["waiting", "running", "done", "failed", "cancelled"]
-    stage: str = Field(description="What it is at")
+    stage: str = Field(description="Current stage")
     share: float = Field(ge=0, le=1, description="Of the work, how much is done")
     attempt: int = Field(description="How often it was begun; more than once where a server or worker died")
     inputs: list[JobInput]
@@ -153,7 +153,7 @@ class Result(BaseModel):
     )
     created: str
     parts: dict[str, PartSummary] = {}
-    operations: list[str] = Field([], description="What can be done with it: POST /results/{id}/{operation}")
+    operations: list[str] = Field([], description="Actions: POST /results/{id}/{operation}")
 
 
 class ResultPage(BaseModel):
@@ -206,7 +206,7 @@ class AnalysisInfo(BaseModel):
     parameters: dict[str, Any]
     parts: dict[str, PartKind]
     operations: dict[str, OperationInfo]
-    pictures: dict[str, str] = Field({}, description="Pictures that it draws of a result: name, and what it shows")
+    pictures: dict[str, str] = Field({}, description="Plots of a result: name and content")
     rules: dict[str, str] = Field({}, description="Versions of its rules, by name, as new results record them")
     fewest: int
     most: int
@@ -244,16 +244,16 @@ class ClipMotion(BaseModel):
     seconds_per_frame: float
     joints: list[str]
     parents: list[int]
-    positions: list[list[list[float]]] | None = Field(None, description="Of every joint in every frame, if asked for")
+    positions: list[list[list[float]]] | None = Field(None, description="Of every joint in every frame, if requested")
 
 
 class ResultUsed(BaseModel):
     """What the operation gave. document, result: ids of what was stored of it."""
 
-    value: Any = Field(description="What it is depends on the operation")
+    value: Any = Field(description="Its content depends on the operation")
     clip: ClipMotion | None = Field(None, description="The clip that was made")
     document: str | None = Field(None, description="Where the clip was stored")
-    result: str | None = Field(None, description="Where what was made was kept")
+    result: str | None = Field(None, description="Link to the stored result")
 
 
 class TempoRival(BaseModel):
@@ -294,7 +294,7 @@ class MusicBeats(BaseModel):
 
     music: Music = Field(description="As the parameter `music` of the analysis takes it")
     bpm: float = Field(description="Beats a minute, of the line through the beats")
-    even: bool = Field(description="Whether the line stands for the beats: then the dance keeps to it exactly")
+    even: bool = Field(description="Whether the line replaces the beats: the dance then follows it exactly")
     residual_seconds: float = Field(description="How far the beats are from the line, root mean square")
     bars: int = Field(description="Whole bars")
     clear: bool = Field(
@@ -305,5 +305,5 @@ class MusicBeats(BaseModel):
         "taken comes first; send `bpm` to take another"
     )
     meters: list[MusicMeter] = Field(
-        description="Beats of a bar, the likelier first; `music` has the first, or what was sent"
+        description="Beats per bar, the most likely first; `music` has the first one, or the one that was sent"
     )

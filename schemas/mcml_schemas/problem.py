@@ -31,10 +31,10 @@ class Problem(BaseModel):
     remedy: str | None = None
     code: str | None = Field(None, description="The name of the fault, where it has one")
     details: dict[str, Any] | None = Field(
-        None, description="What the fault is about, such as the document, conflicts, repairs, or a suggestion"
+        None, description="Details, such as the document, conflicts, repairs, or a suggestion"
     )
     request: str | None = Field(None, description="Id of the request, as the log of the server has it")
     errors: list[dict[str, Any]] | None = None
     problems: list[dict[str, Any]] | None = Field(
-        None, description="Of an upload of which nothing was stored: what was wrong with each file"
+        None, description="Errors of each file, for an upload that stored nothing"
     )

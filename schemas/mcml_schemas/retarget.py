@@ -34,7 +34,7 @@ class Retargeting(RequestBody):
 
     skeleton: str = Field(description="Document whose skeleton the motion is brought to", examples=[DOCUMENT])
     mapping: WantedMapping = None
-    clean_feet: bool = Field(False, description="Hold feet where they stand")
+    clean_feet: bool = Field(False, description="Lock feet on contact")
     match_rest: bool = Field(
         False, description="Joints turn from rest as their sources do; else bones point as those of the source"
     )
@@ -42,7 +42,7 @@ class Retargeting(RequestBody):
     project: str | None = Field(
         None, min_length=1, max_length=256, description="Of the new document, and of the mapping; default the source's"
     )
-    preview: bool = Field(False, description="Say what would be mapped, and how well; store nothing")
+    preview: bool = Field(False, description="Preview the mapping and its quality without storing anything")
 
 
 class RetargetRequest(Retargeting):
@@ -151,7 +151,7 @@ class FootSliding(BaseModel):
     stances: int
     before: float
     after: float
-    contacts: list[FrameSpan] = Field(default_factory=list, description="Frames in which it stands")
+    contacts: list[FrameSpan] = Field(default_factory=list, description="Frames of its contacts")
 
 
 class Retargeted(BaseModel):
@@ -168,7 +168,7 @@ class Retargeted(BaseModel):
                         "source": "left_up_leg",
                         "target": "left_up_leg",
                         "confidence": 1.0,
-                        "reason": "both are called so in MCML",
+                        "reason": "both have this name in MCML",
                     }
                 ],
                 "unmatched_source": [],
@@ -190,7 +190,7 @@ class Retargeted(BaseModel):
     feet: list[FootSliding]
     worst_frame: int | None = Field(None, description="Where a bone that leads points farthest elsewhere")
     notices: list[str]
-    motion: PreviewMotion | None = Field(None, description="Positions, if asked")
+    motion: PreviewMotion | None = Field(None, description="Positions, if requested")
 
 
 class RetargetedOne(BaseModel):

@@ -92,7 +92,7 @@ class Difference(BaseModel):
     frames_removed: list[FrameRange] = Field(description="Positions in the earlier revision")
     frames_added: list[FrameRange] = Field(description="Positions in the later revision")
     frames_kept: list[KeptFrames] = Field(description="Frames that both have, in the order of the later revision")
-    frames_moved: bool = Field(description="Whether frames that both have stand in another order")
+    frames_moved: bool = Field(description="Whether frames in both have another order")
     labels_removed: list[LabelDifference]
     labels_added: list[LabelDifference]
     bones: list[BoneDifference] = Field(description="Samples that changed, a bone at a time")

@@ -48,7 +48,7 @@ class SkeletonBone(BaseModel):
     name: str
     source_name: str = Field(description="As the file writes it")
     mapped: bool | None = Field(None, description="Whether the name is one of MCML's own")
-    parent: int = Field(description="Index of the bone above, -1 at a root; it stands before")
+    parent: int = Field(description="Index of the parent bone, -1 at a root; parents come first")
     side: Side = Field(description="By the names of the bone and of its partner")
     partner: int = Field(description="Index of the same bone of the other side; its own in the middle")
     offset: list[float] = Field(description="From the joint above to this one at rest; of a root from the origin")
@@ -106,7 +106,7 @@ class SkeletonView(BaseModel):
     likely_unit: str | None = Field(None, description="The stated unit; else one in which the body would be a person")
     metres: float | None = Field(None, description="Of the likely unit")
     up: str | None = Field(None, description="Axis that points up, where one is stated")
-    likely_up: str = Field(description="The stated axis; else the one along which the first frame's body stands")
+    likely_up: str = Field(description="The stated axis; otherwise the upright axis of the body in the first frame")
     origin: list[float] = Field(description="What `origin=subtract` takes off positions: see docs")
     radians: float = Field(description="Of the unit in which the frames' angles are")
     bones: list[SkeletonBone] = Field(description="Parents before their children")

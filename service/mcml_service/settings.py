@@ -104,81 +104,84 @@ class Settings(BaseSettings):
 
     database: str | None = Field(None, description="SQLAlchemy URL; default: an SQLite file in the user's data folder")
     database_read_url: str | None = Field(
-        None, description="SQLAlchemy URL of a streaming replica of a PostgreSQL store, which answers what only reads"
+        None, description="SQLAlchemy URL of a streaming replica of a PostgreSQL store, for reading requests"
     )
-    host: str = Field("127.0.0.1", description="Address to listen on; any other than loopback needs a token")
+    host: str = Field("127.0.0.1", description="Address to listen on; addresses other than loopback require a token")
     login: Literal["auto", "always"] = Field(
         "auto",
         description="always: every request needs a token; auto: but those on this machine to a fresh SQLite store",
     )
     openid_issuer: str | None = Field(
-        None, description="Address of a provider of OpenID Connect with which people sign in (needs the extra `openid`)"
+        None, description="URL of an OpenID Connect provider for signing in (needs the extra `openid`)"
     )
-    openid_client_id: str = Field("mcml", description="What the provider calls this repository")
-    openid_client_secret: str | None = Field(None, description="The secret that the provider gave it, where it has one")
+    openid_client_id: str = Field("mcml", description="Client id of this repository at the provider")
+    openid_client_secret: str | None = Field(None, description="Client secret, if the provider issued one")
     openid_name: str = Field("OpenID Connect", description="What the button of the login page calls the provider")
     openid_role: Literal["none", "member", "reader", "editor"] = Field(
-        "none", description="Role of who signs in for the first time without an invitation; none: nobody comes in so"
+        "none", description="Role for a first sign-in without an invitation; none: refused"
     )
     trusted_proxies: str = Field(
-        "", description="Addresses or networks, separated by commas, of proxies whose X-Forwarded- headers count"
+        "",
+        description="Trusted proxies: addresses or networks, separated by commas, whose X-Forwarded- headers are used",
     )
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on")
     token: str | None = Field(None, description="Token that the command line sends to a server (`--server`)")
-    max_upload_bytes: int = Field(2048 * MIB, ge=1, description="Largest upload, all files of a request together")
-    max_zip_ratio: float = Field(200.0, ge=1, description="A zip whose content is larger by more than this is refused")
-    max_zip_files: int = Field(2000, ge=1, description="Most files in one zip")
-    max_frames: int = Field(50_000_000, ge=1, description="Most frames in one document")
-    max_values: int = Field(4_000_000_000, ge=1, description="Most motion values in one document")
-    max_joints: int = Field(10_000, ge=1, description="Most joints in one skeleton")
-    import_processes: int = Field(0, ge=0, description="Processes that read short clips; 0: one a core, 1: off")
+    max_upload_bytes: int = Field(2048 * MIB, ge=1, description="Maximum size of an upload, all files together")
+    max_zip_ratio: float = Field(200.0, ge=1, description="Maximum compression ratio of a zip")
+    max_zip_files: int = Field(2000, ge=1, description="Maximum number of files in a zip")
+    max_frames: int = Field(50_000_000, ge=1, description="Maximum number of frames in a document")
+    max_values: int = Field(4_000_000_000, ge=1, description="Maximum number of samples in a document")
+    max_joints: int = Field(10_000, ge=1, description="Maximum number of joints in a skeleton")
+    import_processes: int = Field(0, ge=0, description="Processes for importing short clips; 0: one per core, 1: off")
     derive: bool = Field(
         True, description="Whether a server derives bodies and builds columns of queries, and imports derive bodies"
     )
-    read_seconds: float = Field(60.0, gt=0, description="Half of the longest time that reading music may take")
-    read_memory_mib: int = Field(2048, ge=256, description="Most memory that reading music may take")
-    query_seconds: float = Field(10.0, gt=0, description="Longest time one XPath query may take")
-    query_memory_mib: int = Field(512, ge=64, description="Most memory that one XPath query may take")
+    read_seconds: float = Field(60.0, gt=0, description="Half of the time limit for reading music")
+    read_memory_mib: int = Field(2048, ge=256, description="Memory limit for reading music")
+    query_seconds: float = Field(10.0, gt=0, description="Time limit of an XPath query")
+    query_memory_mib: int = Field(512, ge=64, description="Memory limit of an XPath query")
     query_cache_mib: int = Field(
-        512, ge=8, description="Memory for columns that each process keeps between the XPath queries it evaluates"
+        512, ge=8, description="Memory for columns that each process caches between XPath queries"
     )
     cache_dir: str = Field(
         "",
-        description="Folder of what queries keep on disk; default: beside an SQLite store, else the user's; none: off",
+        description="Folder of the query cache; default: beside an SQLite store, else the user's cache; none: off",
     )
-    cache_disk_mib: int = Field(1024, ge=1, description="Most that queries keep on disk")
-    query_elements: int = Field(3_000_000, ge=1000, description="Most elements that a projected query may touch")
-    job_workers: int = Field(0, ge=0, description="Jobs that run at a time; 0: one for every core but one, at most 4")
-    job_memory_mib: int = Field(4096, ge=256, description="Most memory one job may take")
-    job_clips: int = Field(2000, ge=1, description="Most clips one analysis may read")
+    cache_disk_mib: int = Field(1024, ge=1, description="Maximum size of the query cache on disk")
+    query_elements: int = Field(3_000_000, ge=1000, description="Maximum number of elements in a query without columns")
+    job_workers: int = Field(0, ge=0, description="Jobs that run at the same time; 0: all cores but one, at most 4")
+    job_memory_mib: int = Field(4096, ge=256, description="Memory limit of a job")
+    job_clips: int = Field(2000, ge=1, description="Maximum number of clips in an analysis")
     dask_scheduler: str | None = Field(
-        None, description="Address of a team's Dask scheduler to run jobs on; needs PostgreSQL and the extra cluster"
+        None, description="Address of a Dask scheduler for jobs; needs PostgreSQL and the extra `cluster`"
     )
-    dask_tls_ca: str | None = Field(None, description="Certificate that signed those of a tls:// scheduler's cluster")
-    dask_tls_cert: str | None = Field(None, description="Certificate of this server in that cluster")
-    dask_tls_key: str | None = Field(None, description="Its key")
-    jobs_of_project: int = Field(0, ge=0, description="Jobs of one project that run at a time, on all servers; 0: any")
-    cors_origins: str = Field(
-        "", description="Origins, separated by commas, whose pages may use this server, such as https://lab.example"
+    dask_tls_ca: str | None = Field(None, description="CA certificate of the cluster of a tls:// scheduler")
+    dask_tls_cert: str | None = Field(None, description="Certificate of this server in the cluster")
+    dask_tls_key: str | None = Field(None, description="Private key of this server in the cluster")
+    jobs_of_project: int = Field(
+        0, ge=0, description="Jobs of one project that run at the same time, on all servers; 0: no limit"
     )
+    cors_origins: str = Field("", description="Allowed CORS origins, separated by commas, such as https://lab.example")
     heavy_places: int = Field(
-        0, ge=0, description="Heavy requests worked on at a time, of those that read and of those that write; 0: cores"
+        0,
+        ge=0,
+        description="Heavy requests processed at the same time, for reads and for writes each; 0: number of cores",
     )
-    heavy_waiting: int = Field(100, ge=1, description="Most heavy requests that wait, of either kind")
-    heavy_wait_seconds: float = Field(30.0, gt=0, description="Longest time that one waits")
-    connections: int = Field(1000, ge=1, description="Most connections; never more than half of the open files")
-    header_seconds: float = Field(10.0, gt=0, description="Longest time until the headers of a request are there")
-    stall_seconds: float = Field(
-        30.0, gt=0, description="Longest time in which a body brings, or a client takes, next to nothing"
+    heavy_waiting: int = Field(100, ge=1, description="Maximum number of waiting heavy requests of each kind")
+    heavy_wait_seconds: float = Field(30.0, gt=0, description="Maximum waiting time of a heavy request")
+    connections: int = Field(
+        1000, ge=1, description="Maximum number of connections; at most half of the open-file limit"
     )
-    stop_seconds: int = Field(10, ge=1, description="Time that requests have to end when the server stops")
-    log_format: Literal["text", "json"] = Field("text", description="How a server writes its log")
-    log_level: Literal["info", "warning", "error"] = Field("warning", description="info: a line for each request too")
+    header_seconds: float = Field(10.0, gt=0, description="Time limit for the headers of a request")
+    stall_seconds: float = Field(30.0, gt=0, description="Time limit for a stalled request or response body")
+    stop_seconds: int = Field(10, ge=1, description="Time for requests to finish when the server stops")
+    log_format: Literal["text", "json"] = Field("text", description="Log format of a server")
+    log_level: Literal["info", "warning", "error"] = Field("warning", description="info: also one line per request")
     activity_days: int = Field(
-        400, ge=1, description="Days that the list of what was done goes back; a server that starts forgets the rest"
+        400, ge=1, description="Days of activity to keep; a starting server deletes older entries"
     )
-    webhook_private: bool = Field(False, description="Whether webhooks may be in private networks, and without https")
-    page_limit: int = Field(1000, ge=1, description="Most items on one page of a list")
+    webhook_private: bool = Field(False, description="Allow webhooks in private networks and without https")
+    page_limit: int = Field(1000, ge=1, description="Maximum number of items per page")
 
     @field_validator("trusted_proxies")
     @classmethod

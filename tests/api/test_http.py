@@ -108,7 +108,7 @@ def test_bodies_of_another_kind_are_refused_in_words_of_ours(client: TestClient)
     undecodable = client.post(f"{API}/compose", content=b"\xac\xc2?", headers=json_type)
     assert (undecodable.status_code, undecodable.json()["detail"]) == (
         400,
-        "The body is not what its content type says.",
+        "The request body does not match its content type.",
     )
     assert "UTF-8" in undecodable.json()["remedy"]
     text = client.post(f"{API}/inspect", files={"file": (None, "a text")})

@@ -29,7 +29,7 @@ NOT_RUN = {"run-a-server.md": "a server of PostgreSQL for others, which a test h
 """Pages with blocks that are no shell examples to be run, and why."""
 
 
-LONG = ("README.md", "analyses.md", "stories.md")
+LONG = ("analyses.md", "stories.md")
 """Pages whose examples run analyses, 20 to 55 s each: they run in `make fuzz`."""
 
 
@@ -45,8 +45,8 @@ PAGES = [page for page in [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))] if "
 def served_library(page: Path, request: pytest.FixtureRequest, sqlite_template: Path, tmp_path: Path) -> Database:
     """What a page is about: the demo library for those with analyses, else a walk and a reach in the project gait."""
     path = tmp_path / "store.db"
-    demo = page.name in ("README.md", "analyses.md")
-    alone = demo or page.name == "stories.md" or "tasks" in page.parts
+    demo = page.name == "analyses.md"
+    alone = demo or page.name in ("README.md", "getting-started.md", "stories.md") or "tasks" in page.parts
     shutil.copy(request.getfixturevalue("demo_library") if demo else sqlite_template, path)
     database = Database(f"sqlite:///{path}")
     files = demo_files()

@@ -11,7 +11,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 COPIED = ("mcml", "service", "schemas", "migrations", "docs", "tests")
-FILES = ("mcml.dtd", "pyproject.toml", "README.md", "SECURITY.md", "CHANGELOG.md", "Makefile")
+FILES = ("mcml.dtd", "pyproject.toml", "README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md", "Makefile")
 LEFT_OUT = shutil.ignore_patterns("__pycache__", "node_modules", "static", "src", "*.bvh", "*.c3d")
 
 
@@ -53,8 +53,8 @@ class PatchedCopy:
         return done.stdout
 
 
-def files_that_the_readme_names(what: str) -> int:
+def count_named_files(what: str) -> int:
     """How many files a row of "Where to add what" names."""
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     (row,) = re.findall(rf"^\| {re.escape(what)} \|(.*)\|$", text, re.MULTILINE)
     return len({name for name in re.findall(r"`([^`]+)`", row) if "/" in name})

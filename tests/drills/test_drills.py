@@ -1,4 +1,4 @@
-"""What changes touch: each drill patches a copy of the program in as many files as the README names, and it works.
+"""What changes touch: each drill patches a copy of the program in as many files as CONTRIBUTING names, and it works.
 
 `make test` puts all patches into one copy, which starts each check, the generators and the tests of the documentation
 once. `make fuzz` puts each patch into a copy of its own, and so finds a patch that works only beside another one.
@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.drills.patched_copy import PatchedCopy, files_that_the_readme_names
+from tests.drills.patched_copy import PatchedCopy, count_named_files
 
 PATCHES = Path(__file__).parent / "patches"
 FORM = '''def write_tsv(batches: Batches, about: About) -> Iterator[bytes]:
@@ -123,16 +123,16 @@ DRILLS: Mapping[str, Drill] = {
     "a setting": Drill(add_setting, "setting_check.py"),
     "what one database does otherwise": Drill(add_what_one_database_does_otherwise, "override_check.py"),
 }
-"""By row of "Where to add what" in the README."""
+"""By row of "Where to add what" in CONTRIBUTING."""
 
 
 def try_drills(folder: Path, rows: Mapping[str, Drill]) -> None:
-    """Put patches into one copy, each into as many files as its row of the README names, and check all of them."""
+    """Put patches into one copy, each into as many files as its row of CONTRIBUTING names, and check all of them."""
     copy = PatchedCopy(folder / "copy")
     for row, drill in rows.items():
         copy.touched.clear()
         drill.patch(copy)
-        assert len(copy.touched) == files_that_the_readme_names(row), (row, sorted(copy.touched))
+        assert len(copy.touched) == count_named_files(row), (row, sorted(copy.touched))
     for drill in rows.values():
         if drill.migration:
             copy.run("-m", "tests.drills.migration", drill.migration)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from service.web.build import WEB, install
-from tests.drills.patched_copy import PatchedCopy, files_that_the_readme_names
+from tests.drills.patched_copy import PatchedCopy, count_named_files
 
 ROW = (
     ',\n  { "name": "juggling", "path": "/juggling", "about": "any", "title": "juggling", "go": "goJuggling", '
@@ -72,7 +72,7 @@ def test_a_page_of_the_studio(copy: PatchedCopy) -> None:
         '  library: "라이브러리",',
         '  juggling: "저글링", goJuggling: "저글링으로 가기",\n',
     )
-    assert len(copy.touched) == files_that_the_readme_names("a page of the studio"), sorted(copy.touched)
+    assert len(copy.touched) == count_named_files("a page of the studio"), sorted(copy.touched)
     run_node(copy, "node_modules/typescript-native/bin/tsc", "--noEmit", "-p", "tsconfig.build.json")
     said = run_node(copy, "node_modules/vitest/vitest.mjs", "run", "--no-color", "--reporter=verbose", *UNITS)
     for name in ("its address", "its icon in the rail", "the bar has its title", "its key, and from the palette"):

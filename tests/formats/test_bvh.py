@@ -171,7 +171,7 @@ def test_a_value_that_the_style_would_change_is_written_in_full() -> None:
         (("CHANNELS 6", "CHANNELS 5"), "5:11: joint 'Hips': CHANNELS says 5 but lists 6"),
         (("CHANNELS 6", "CHANNELS six"), "expected the number of channels of joint 'Hips', found 'six'"),
         (("CHANNELS 6 X", "CHANNELS 6 W"), "joint 'Hips': unknown channel 'Wposition'"),
-        (("6 Xposition Yposition", "6 Xposition Xposition"), "channel 'Xposition' stands twice"),
+        (("6 Xposition Yposition", "6 Xposition Xposition"), "channel 'Xposition' occurs twice"),
         (("JOINT Left Arm", "JIONT Left Arm"), "expected OFFSET, CHANNELS, JOINT, End Site or }, found 'JIONT'"),
         (("HIERARCHY", "HIERACHY"), "line 1:1: not a BVH file: expected HIERARCHY, found 'HIERACHY'"),
         (("ROOT Hips\n{", "ROOT\n{"), "ROOT has no name"),

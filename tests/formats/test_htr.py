@@ -161,7 +161,7 @@ def test_says_what_it_guessed(change: tuple[str, str], message: str) -> None:
         (("Hips\tGLOBAL", "Hips\tHips"), "no segment has the parent GLOBAL"),
         (("m:Arm\tHips", "m:Arm\tm:Hand"), "hierarchy: cycle at 'm:Hand'"),
         (("m:Hand\tm:Arm", "m:Hand\tm:Arm\tx"), "expected a segment and its parent, found 3 words"),
-        (("m:Hand\tm:Arm", "m:Arm\tHips"), "segment 'm:Arm' stands twice in the hierarchy"),
+        (("m:Hand\tm:Arm", "m:Arm\tHips"), "segment 'm:Arm' occurs twice in the hierarchy"),
         (("[m:Arm]\n0", "[m:Leg]\n0"), "segment 'm:Arm' has no motion"),
         (("4\t5\t6\t1\n", "4\t5\t6\n"), "segment 'm:Arm', row 2 has 7 fields, expected 8"),
         (("4\t5\t6\t1\n", "4\t5\tsix\t1\n"), "segment 'm:Arm', row 2: 'six' is not a finite number"),

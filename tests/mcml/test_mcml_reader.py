@@ -135,9 +135,9 @@ RULES = [
     ("<name>left_low_leg<", "<name>left_up_leg<", "two bones are named 'left_up_leg'", "<skeleton>"),
     ('<frame id="1"', '<frame', "frame needs the attribute id", '<frame id="1"'),
     ('<frame id="1"', '<frame id="1" time="0"', "frame has no attribute time", '<frame id="1"'),
-    ("<name>left_up_leg</name>", "", "direction cannot stand here in bone; expected name", "<direction>"),
-    ("<frames>2</frames>", "", "frametime cannot stand here in motion; expected frames", "<frametime>"),
-    ("</motion>", "</motion><header/>", "header cannot stand here in mcml", "</motion>"),
+    ("<name>left_up_leg</name>", "", "direction is not allowed here in bone; expected name", "<direction>"),
+    ("<frames>2</frames>", "", "frametime is not allowed here in motion; expected frames", "<frametime>"),
+    ("</motion>", "</motion><header/>", "header is not allowed here in mcml", "</motion>"),
     ("<motion_name>bar-1", "walking<motion_name>bar-1", "frame cannot hold text, found 'walking'", "bar-1"),
 ]  # fmt: skip
 

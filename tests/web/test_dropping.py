@@ -63,7 +63,7 @@ def test_each_dropped_file_has_a_row_with_what_became_of_it(visit: Visit, studio
     expect(rows).to_have_count(count)
     for name, (_, why) in REFUSED.items():
         row = rows.filter(has=page.get_by_title(name, exact=True))
-        expect(row).to_contain_text("refused")
+        expect(row).to_contain_text("import failed")
         expect(row.locator(".refusal")).to_contain_text(why)
         expect(row.locator(".refusal p")).not_to_have_count(0)
     same = rows.filter(has_text="Equal to a stored clip")

@@ -83,7 +83,7 @@ class _Reader:
         name = keyword.lower()
         known = name in (":version", ":name", ":units", ":root", ":bonedata", ":hierarchy")
         if known and name in (item.lower() for item in self.file.keywords):
-            raise FormatError(f"section {keyword} stands twice", at=line.at(1))
+            raise FormatError(f"section {keyword} occurs twice", at=line.at(1))
         self.file.keywords.append(keyword)
         if name == ":version":
             self.file.fields["version"] = value
@@ -175,7 +175,7 @@ class _Reader:
             note(
                 self.notices,
                 "warning",
-                "the root is turned at rest (orientation); programs disagree on what that means",
+                "the root is rotated in the rest pose (orientation); programs interpret that differently",
             )
         return root
 
@@ -260,7 +260,7 @@ class _Reader:
                     remedy="Use tx ty tz rx ry rz l.",
                 )
             if channel in channels:
-                raise FormatError(f"{what}: degree of freedom {shown(word.text)} stands twice", at=word.at)
+                raise FormatError(f"{what}: degree of freedom {shown(word.text)} occurs twice", at=word.at)
             channels.append(channel)
         return tuple(channels)
 

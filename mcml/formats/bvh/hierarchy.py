@@ -184,7 +184,7 @@ def _read_channels(tokens: Tokens, joint: str) -> tuple[str, ...]:
                 remedy="Channels are Xposition Yposition Zposition Xrotation Yrotation Zrotation.",
             )
         if CHANNEL_OF[word] in channels:
-            raise FormatError(f"joint {joint!r}: channel {token.text!r} stands twice", at=token.at)
+            raise FormatError(f"joint {joint!r}: channel {token.text!r} occurs twice", at=token.at)
         channels.append(CHANNEL_OF[word])
     if len(channels) != _small(count.text):
         raise FormatError(

@@ -83,7 +83,9 @@ def _quantities(clip: ClipStream, rate: str) -> list[Quantity]:
         note(clip.notices, "warning", what)
     fitting = [replace(quantity, label=_label(quantity.label, clip.notices)) for quantity in fitting]
     if fitting:
-        what = f"{len(fitting)} quantities (angles, forces …) are written as the C3D file had them, whatever was edited"
+        what = (
+            f"{len(fitting)} quantities (angles, forces …) are written unchanged from the C3D file, without later edits"
+        )
         note(clip.notices, "note", what)
     return fitting
 

@@ -78,9 +78,7 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
         missing, has_end = index.missing, index.has_end
         if index.repeated:
             notices.append(
-                Notice(
-                    "warning", f"{index.repeated} segments stand again, as in clips glued together: the first is read"
-                )
+                Notice("warning", f"{index.repeated} segments occur again, as in concatenated clips: the first is read")
             )
         segments = Segments(stream, head.skeleton, index, head.frames, encoding.start)
         start = min((span[0] for span in index.spans.values()), default=head.data)

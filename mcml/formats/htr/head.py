@@ -72,7 +72,7 @@ def read_head(stream: BinaryIO, encoding: Encoding, limits: Limits, notices: lis
             if name not in ("header", _HIERARCHY, "baseposition"):
                 break
             if name in sections:
-                raise FormatError(f"section [{section[1]}] stands twice", at=line.at(1))
+                raise FormatError(f"section [{section[1]}] occurs twice", at=line.at(1))
             current = sections.setdefault(name, [])
         elif re.match(r"frame\s+[0-9]+\s*:?$", text, re.IGNORECASE) and "baseposition" in sections:
             break
@@ -192,7 +192,7 @@ def _read_segments(
             raise FormatError(f"hierarchy: expected a segment and its parent, found {len(row.words)} words", at=row.at)
         limits.check_name(row.words[0], row.at)
         if row.words[0] in index_of:
-            raise FormatError(f"segment {shown(row.words[0])} stands twice in the hierarchy", at=row.at)
+            raise FormatError(f"segment {shown(row.words[0])} occurs twice in the hierarchy", at=row.at)
         index_of[row.words[0]] = number
     children: dict[int, list[int]] = {number: [] for number in range(-1, len(hierarchy))}
     for number, row in enumerate(hierarchy):
@@ -235,7 +235,7 @@ def _read_base(rows: list[_Row], index_of: dict[str, int], end: Place) -> dict[i
         if name not in index_of:
             raise FormatError(f"BasePosition: segment {shown(name)} is not in the hierarchy", at=row.at)
         if index_of[name] in bases:
-            raise FormatError(f"BasePosition: segment {shown(name)} stands twice", at=row.at)
+            raise FormatError(f"BasePosition: segment {shown(name)} occurs twice", at=row.at)
         for value in values:
             if not is_number(value):
                 raise FormatError(f"BasePosition of {shown(name)}: {what_is_wrong(value)}", at=row.at)

@@ -81,7 +81,7 @@ def _write(clip: ClipStream, angles: BodyAngles, part: str, seconds: float) -> I
         note(
             clip.notices,
             "note",
-            f"{gaps} angles are not known and stand as nan: a sample is missing, or a limb lies along its axis",
+            f"{gaps} angles are unknown and written as nan: a sample is missing, or a limb is parallel to its axis",
         )
 
 

@@ -189,7 +189,7 @@ class FrameRows:
             what = f"is not in the {self._layout.names_bones}"
             raise self._wrong_row(frame, words[0], f": bone * {what}", offset, self._layout.remedy)
         if name in rows:
-            raise self._wrong_row(frame, words[0], ": bone * stands twice", offset)
+            raise self._wrong_row(frame, words[0], ": bone * occurs twice", offset)
         expected = len(self._layout.channels[name])
         if not expected and len(words) > 1 and all(_ZERO.fullmatch(word) for word in words[1:]):
             # Some programs write zeros for bones that do not move.

@@ -117,7 +117,7 @@ class _Builder:
             )
         dropped = sum(max(0, len(joint.end_sites) - (not children[i])) for i, joint in enumerate(self.skeleton.joints))
         if dropped:
-            notices.append(Notice("warning", f"{dropped} end sites beside other children are left out"))
+            notices.append(Notice("warning", f"{dropped} end sites with sibling joints are left out"))
         return Plan(tuple(self.planned), Skeleton(tuple(self.joints)), {"units_angle": "deg"})
 
     def _add_root(self, adds: tuple[int, ...]) -> None:

@@ -79,7 +79,7 @@ class BeatsParameters(RequestBody):
     )
     k2: float = Field(
         2 / 15, ge=0, le=2, title="Least dip", examples=[0.133],
-        description="F2: how far the speed at a beat lies below the mean around it, in mean speeds of the clip",
+        description="F2: how far the speed at a beat is below the local mean, in mean speeds of the clip",
     )  # fmt: skip
     k3: float = Field(
         1.0, ge=0, le=10, title="Greatest rest", examples=[1.0],
@@ -104,7 +104,7 @@ class BeatsParameters(RequestBody):
         examples=["beat"],
     )
     clips: list[ClipBeats] = Field(
-        default_factory=list, max_length=2000, description="What is known better about single clips", examples=[[]]
+        default_factory=list, max_length=2000, description="Corrections of single clips", examples=[[]]
     )
     labels: list[Literal["bars", "beats"]] = Field(
         default_factory=list,
@@ -132,7 +132,7 @@ class GraphParameters(BeatsParameters):
     allow_repeat: bool = Field(False, description="Whether a bar may follow itself", examples=[False])
     cloud_at: Literal["entry", "first beat"] = Field(
         "entry",
-        description="What the end of a bar is compared with. first beat: as the program of the thesis",
+        description="Frame that the end of a bar is compared with. first beat: as in the thesis's program",
         examples=["entry"],
     )
 
@@ -251,12 +251,12 @@ class DanceParameters(GraphParameters):
     )
     seed: int = Field(0, ge=0, le=2**32 - 1, description="Of the random walk", examples=[7])
     repeat_cost: float = Field(
-        1.0, ge=0, le=100, description="What a bar danced just before costs, in thresholds", examples=[1.0]
+        1.0, ge=0, le=100, description="Cost of repeating the previous bar, in thresholds", examples=[1.0]
     )
-    max_run: int = Field(4, ge=1, le=512, description="Bars in the order of their clip at a stretch", examples=[4])
+    max_run: int = Field(4, ge=1, le=512, description="Consecutive bars in the order of their clip", examples=[4])
     start: int | None = Field(None, ge=1, description="Bar of the graph, from 1, to begin with", examples=[1])
     allowed: list[AllowedBars] = Field(
-        default_factory=list, max_length=2000, description="What may be danced where", examples=[[]]
+        default_factory=list, max_length=2000, description="Bars allowed at each position", examples=[[]]
     )
     blend: Literal["hold", "classic", "none"] = Field(
         "hold",

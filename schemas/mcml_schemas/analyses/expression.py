@@ -109,7 +109,7 @@ class ExpressionParameters(RequestBody):
         12, ge=2, le=100, description="Frames of the space that an added one is joined to", examples=[12]
     )
     landmarks: int = Field(300, ge=20, le=2000, description="Landmarks of a large space", examples=[300])
-    seed: int = Field(0, ge=0, le=2**31 - 1, description="Of what is random: the paper's start", examples=[0])
+    seed: int = Field(0, ge=0, le=2**31 - 1, description="Seed of the random start of the paper", examples=[0])
 
 
 class ExpressionFrame(BaseModel):
@@ -158,7 +158,7 @@ class ExpressionPoints(BaseModel):
     )  # fmt: skip
 
     total: int = Field(description="Frames of the space", examples=[2400])
-    stride: int = Field(description="As asked for", examples=[4])
+    stride: int = Field(description="As requested", examples=[4])
     take: list[int] = Field(description="Place of each frame's take in `takes`, from 0", examples=[[0, 0]])
     frame: list[int] = Field(description="Position of each frame in its take, from 1", examples=[[1, 5]])
     x: list[float] = Field(description="mm on the map", examples=[[1.5, 7.0]])
@@ -173,7 +173,7 @@ class ExpressionLevelChoice(RequestBody):
 
     level: int = Field(0, ge=0, le=20, description="0 is the coarsest", examples=[0])
     most_links: int = Field(
-        2000, ge=0, le=20_000, description="Most links that the answer has, the shortest first", examples=[2000]
+        2000, ge=0, le=20_000, description="Maximum number of links, the shortest first", examples=[2000]
     )
 
 
@@ -209,7 +209,7 @@ class ExpressionLevel(BaseModel):
         )
     )  # fmt: skip
 
-    level: int = Field(description="As asked for", examples=[0])
+    level: int = Field(description="As requested", examples=[0])
     levels: int = Field(description="How many levels the space has", examples=[9])
     candidates: list[ExpressionCandidate] = Field(description="In the order of their ids")
     links: list[ExpressionLink] = Field(description="The shortest first")
@@ -266,5 +266,5 @@ class ExpressionNeighbours(BaseModel):
 
     model_config = ConfigDict(json_schema_extra=shown({"candidate": _CANDIDATE, "neighbours": [_NEIGHBOUR]}))
 
-    candidate: ExpressionCandidate = Field(description="As asked for")
+    candidate: ExpressionCandidate = Field(description="As requested")
     neighbours: list[ExpressionNeighbour] = Field(description="The nearest first")

@@ -47,7 +47,7 @@ class ExpressionOffer(ExpressionFrame):
 
     model_config = ConfigDict(json_schema_extra=shown(_OFFER))
 
-    segment: int = Field(description="It lies between this key and the next, from 0", examples=[0])
+    segment: int = Field(description="Number of the key before it, from 0", examples=[0])
     position_mm: float = Field(description="Where along the walk", examples=[151.4])
     apart_mm: float = Field(
         description="How far it is from the walk on the map (paper), or how much longer the way over it is (robust)",
@@ -125,7 +125,7 @@ class ExpressionPlayback(RequestBody):
     )
     loop: bool = Field(False, description="Append the way back", examples=[False])
     smooth: bool = Field(False, description="Smooth the markers over 2 frames, the ends fixed", examples=[False])
-    most_samples: int = Field(1000, ge=0, le=36_000, description="Most samples that the answer lists", examples=[1000])
+    most_samples: int = Field(1000, ge=0, le=36_000, description="Maximum number of samples", examples=[1000])
 
 
 class ExpressionSample(BaseModel):
@@ -156,5 +156,5 @@ class ExpressionMotion(BaseModel):
         description="Along the path, as used: a whole number of frames has to fit", examples=[77.6]
     )
     length_mm: float = Field(description="Of one way", examples=[310.2])
-    samples: list[ExpressionSample] = Field(description="The first of them, as many as asked for")
+    samples: list[ExpressionSample] = Field(description="The first samples, up to the requested number")
     missing: int = Field(description="Samples of markers that neither captured frame has", examples=[0])

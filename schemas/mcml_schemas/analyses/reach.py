@@ -15,7 +15,7 @@ from mcml_schemas.request_body import RequestBody
 
 _TIMES = {"t1": 6.4, "t2": 30.2, "end": 70}
 _ATTRIBUTES = {"age": 23, "height": 175, "hbp": 355}
-_WARNING = {"code": "in-gap", "what": "No example has age near the one asked for."}
+_WARNING = {"code": "in-gap", "what": "No example has an age near the requested one."}
 _CLIP = {"document": DOCUMENT, "revision": 1, "name": "reach_01_001", "subject": "S01"}
 
 Fps = Annotated[float, Field(gt=0, le=1000)]
@@ -124,7 +124,9 @@ class ReachParameters(RequestBody):
     lam: FiniteFloat | None = Field(
         None, ge=0, description="Ridge; by cross-validation if left out (paper: 0)", examples=[0.1]
     )
-    degree: Literal[0, 1] = Field(1, description="Of the polynomial beside the Gaussians", examples=[1])
+    degree: Literal[0, 1] = Field(
+        1, description="Degree of the polynomial that complements the Gaussians", examples=[1]
+    )
     interpolate: bool = Field(False, description="Pass exactly through every example: the ridge is 0", examples=[False])
     duplicates: Literal["error", "mean", "keep"] | None = Field(
         None,
@@ -168,7 +170,7 @@ class ReachClip(BaseModel):
     document: str = Field(description="Its id", examples=[DOCUMENT])
     revision: int = Field(description="The revision that was used", examples=[1])
     name: str = Field(examples=["reach_01_001"], description="Its name when the model was fitted")
-    subject: str = Field(description="Who moves; the document's id where nobody said", examples=["S01"])
+    subject: str = Field(description="Person who moves; the document's id if unknown", examples=["S01"])
 
 
 class ReachWeight(BaseModel):
@@ -223,7 +225,7 @@ class ReachMotion(BaseModel):
         )
     )
 
-    attributes: dict[str, float] = Field(description="As asked for", examples=[_ATTRIBUTES])
+    attributes: dict[str, float] = Field(description="As requested", examples=[_ATTRIBUTES])
     used_attributes: dict[str, float] = Field(description="As used, after clamping", examples=[_ATTRIBUTES])
     fps: float = Field(description="Frames a second", examples=[30.0])
     frames: int = Field(description="How many frames the motion has", examples=[71])
@@ -243,7 +245,7 @@ class ReachMotion(BaseModel):
         description="Distance to the nearest example over the examples' mean distance to theirs; above 2 is sparse",
         examples=[0.8],
     )
-    in_gaps: list[str] = Field(description="Attributes that lie in a gap of the examples", examples=[["age"]])
+    in_gaps: list[str] = Field(description="Attributes in a gap between the examples", examples=[["age"]])
     weights: list[ReachWeight] = Field(description="The ten examples that count most")
     skeleton_source: ReachClip = Field(description="The clip whose body the motion has: height does not scale it")
     warnings: list[ReachWarning] = Field(description="sparse-region, in-gap, clamped, attribute-not-modelled, …")
@@ -293,4 +295,4 @@ class ReachPhases(BaseModel):
     t1: ReachMoment | None = Field(None, description="The reach begins; null for a clip that is not used")
     t2: ReachMoment | None = Field(None, description="The reach ends")
     end: ReachMoment | None = Field(None, description="The last moment that counts")
-    flags: list[str] = Field(description="What had to be guessed", examples=[["no-preparation"]])
+    flags: list[str] = Field(description="Guessed values", examples=[["no-preparation"]])

@@ -57,7 +57,7 @@ class RunItem(BaseModel):
     first_id: str
     last_id: str
     frames: int
-    range: list[float] | None = Field(None, description="Least and greatest value of `range_of` in it, if asked")
+    range: list[float] | None = Field(None, description="Minimum and maximum of `range_of` in the range, if requested")
 
 
 class RunTotals(BaseModel):
@@ -114,8 +114,10 @@ class QueryAnswer(BaseModel):
     items: list[NodeItem | RunItem | ScalarItem | ValueItem] | None = None
     next_cursor: str | None = None
     total: int | None = Field(None, description="All items on all pages, where it is known without more work")
-    totals: RunTotals | None = Field(None, description="Of runs, if asked")
-    range_of: str | None = Field(None, description="BONE.CHANNEL whose range each run has, if asked")
+    totals: RunTotals | None = Field(None, description="For frame ranges, if requested")
+    range_of: str | None = Field(
+        None, description="BONE.CHANNEL whose minimum and maximum each frame range has, if requested"
+    )
     complete: bool = Field(True, description="False where a limit ended the query early")
     warnings: list[str] = Field(default_factory=list)
     explain: Explain | None = None
@@ -134,11 +136,13 @@ class QueryRequest(RequestBody):
         default_factory=list, max_length=MOST_DOCUMENTS, description="Documents to ask; none: all"
     )
     project: str | None = None
-    revision: int | None = Field(None, ge=1, le=2**31 - 1, description="Of the one document asked: as this left it")
+    revision: int | None = Field(
+        None, ge=1, le=2**31 - 1, description="State after this revision; only for a query of one document"
+    )
     as_: AnswerForm = Field("json", alias="as")
     otherwise: Literal["json"] | None = Field(
         None,
-        description="Of runs: json answers with nodes or values where the answer has no runs",
+        description="For frame ranges: with json, nodes or values if the result has no frames",
     )
     limit: int | None = Field(None, ge=1, description="Most items; pages have 100, streams (xml, ndjson, csv) all")
     cursor: str | None = None

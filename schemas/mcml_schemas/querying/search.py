@@ -52,7 +52,7 @@ class SearchRequest(RequestBody):
         None,
         ge=0,
         le=1e6,
-        description="Seconds that hits in one document are from each other; default 1, or what the motion lasts",
+        description="Minimum seconds between hits in one document; default 1, or the duration of the motion",
     )
 
     @model_validator(mode="after")
@@ -86,7 +86,7 @@ class SearchAnswer(BaseModel):
 
     model_config = ConfigDict(json_schema_extra=shown(_ANSWER))
 
-    frames: int = Field(description="How many were asked: 1 is a pose")
+    frames: int = Field(description="Number of frames of the example; 1 is a pose")
     joints: list[str] = Field(description="By which joints poses are compared, where others have them")
     hits: list[SearchHit]
     warnings: list[str] = Field(default_factory=list)

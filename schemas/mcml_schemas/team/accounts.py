@@ -50,7 +50,7 @@ class Me(BaseModel):
     name: str
     role: Role | None = None
     scope: Literal["read", "edit", "own", "operate"]
-    rights: list[str] = Field(description="What one may do: read, edit, own (decide about a project), operate")
+    rights: list[str] = Field(description="Permissions: read, edit, own (manage a project), operate")
     projects: list[Belonging] = []
 
 
@@ -76,7 +76,7 @@ class OwnerRequest(RequestBody):
 
     model_config = ConfigDict(json_schema_extra=shown({"name": "kim", "password": "four words in a row"}))
 
-    name: str = Field(min_length=1, max_length=64, description="What you log in with; revisions carry it")
+    name: str = Field(min_length=1, max_length=64, description="Sign-in name; revisions record it")
     password: str = Field(max_length=256, description="Ten characters or more")
 
 
@@ -136,8 +136,8 @@ class InvitationList(BaseModel):
 class TokenRequest(RequestBody):
     model_config = ConfigDict(json_schema_extra=shown({"name": "render-farm", "scope": "read"}))
 
-    name: str = Field(min_length=1, max_length=256, description="What uses it")
-    scope: Scope = Field("read", description="What it may do; no more than who makes it")
+    name: str = Field(min_length=1, max_length=256, description="Program that uses it")
+    scope: Scope = Field("read", description="Permissions; no more than its creator's")
     projects: list[Annotated[str, Field(min_length=1, max_length=256)]] = Field(
         [], max_length=100, description="Where alone it opens something; all projects, if none is named"
     )

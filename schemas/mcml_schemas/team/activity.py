@@ -38,11 +38,11 @@ class ActivityEvent(BaseModel):
     what: str = Field(description="Of documents as their history has it, or purge; of others add, change, done …")
     author: str
     origin: str | None = Field(description="Address of the client, or `command line`; for owners of the project")
-    project: str | None = Field(description="None for what is of the whole repository")
+    project: str | None = Field(description="None for events of the whole repository")
     document: str | None
-    name: str | None = Field(description="What the document is called now")
+    name: str | None = Field(description="Current name of the document")
     revision: int | None
-    subject: str = Field(description="What else it was done to: a person, token, link, job, or number of a comment")
+    subject: str = Field(description="Other object of the event: a person, token, link, job, or number of a comment")
 
 
 class ActivityPage(BaseModel):

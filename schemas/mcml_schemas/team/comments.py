@@ -13,7 +13,7 @@ Text: TypeAlias = Annotated[
     str,
     # No control characters but tabs and line feeds, which not every database holds.
     Field(
-        min_length=1, max_length=4000, pattern=r"^[^\x00-\x08\x0b-\x1f\x7f]*$", description="@name mentions somebody"
+        min_length=1, max_length=4000, pattern=r"^[^\x00-\x08\x0b-\x1f\x7f]*$", description="@name mentions a person"
     ),
 ]
 _PLACE = {"first": 100, "last": 142, "bone": "left_foot"}

@@ -32,7 +32,7 @@ class ShareRequest(RequestBody):
     documents: list[Annotated[str, Field(max_length=64)]] = Field(min_length=1, max_length=100, description="Their ids")
     latest: bool = Field(True, description="Show later edits too; else what is current now")
     formats: list[Annotated[str, Field(max_length=64)]] = Field(
-        [], max_length=100, description="What the documents may be exported as: formats as exports take them"
+        [], max_length=100, description="Allowed export formats"
     )
     days: int = Field(14, ge=1, le=365, description="How long it opens them")
 
@@ -77,7 +77,7 @@ class ShareList(BaseModel):
 class SharedRequest(RequestBody):
     model_config = ConfigDict(json_schema_extra=shown({"secret": "Jx0…"}))
 
-    secret: str = Field(max_length=256, description="What stands behind # in the link")
+    secret: str = Field(max_length=256, description="The part after # in the link")
 
 
 class SharedMotion(BaseModel):

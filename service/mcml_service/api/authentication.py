@@ -52,7 +52,7 @@ LOGIN = (
     "Send `Authorization: Bearer mcml_…`; `mcml token add NAME` on the server's machine makes one. Browsers: /login."
 )
 
-PASSED_ON = "This server needs a token from whatever does not come directly from its own machine."
+PASSED_ON = "This server requires a token for requests from other machines."
 
 
 def why_closed(settings: Settings, database: Database) -> str | None:
@@ -63,7 +63,7 @@ def why_closed(settings: Settings, database: Database) -> str | None:
     if not database.dialect.personal:
         return "This server needs a token: its store is one for several people."
     if not settings.knows_host:
-        return "This server needs a token: it was not told that it listens on this machine alone (MCML_HOST)."
+        return "This server requires a token: MCML_HOST does not say that it listens on this machine only."
     if not is_loopback(settings.host):
         return "This server needs a token: it is open to other machines."
     return None
@@ -119,7 +119,7 @@ class Authentication:
         with self._database.read() as tx:
             entry = None if visit is None else tx.sessions.share_entry(visit)
         if entry is None:
-            return plain(401, "This link has ended, or was taken back.", "Open it again, or ask for another one.")
+            return plain(401, "This link has expired or was revoked.", "Open it again, or ask for another one.")
         scope["mcml.entry"] = entry
         return None
 

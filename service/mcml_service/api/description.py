@@ -67,7 +67,7 @@ def _name_problems(operation: dict[str, Any]) -> None:
     """FastAPI describes errors of its own form, which never leave here; every refusal is a problem."""
     operation["responses"].pop("422", None)
     operation["responses"]["4XX"] = {"description": "A problem: what, where, remedy", "content": dict(_PROBLEM)}
-    away = "Too much is asked at once, or the store cannot be reached: ask again after `Retry-After` seconds"
+    away = "Too many requests, or the store is unreachable: retry after `Retry-After` seconds"
     for status, reason in (("503", away), ("507", "The disk is full: nothing was written")):
         operation["responses"].setdefault(status, {"description": reason, "content": dict(_PROBLEM)})
 

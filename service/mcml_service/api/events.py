@@ -142,7 +142,7 @@ def _follow(http: Request) -> Database:
     """The store as whoever asks sees it. AccessError for who has but a link to documents."""
     call = call_of(http)
     if call.share is not None:
-        raise AccessError("A link to documents follows no events.", remedy="Read what it shows again.")
+        raise AccessError("A link to documents follows no events.", remedy="Reload the state that it shows.")
     return call.database
 
 
@@ -189,7 +189,7 @@ def _begin(database: Database, mark: str | None) -> News:
             return news
         match = _MARK.fullmatch(mark)
         if match is None:
-            raise QueryError("This id of an event is none that was given here.", remedy="Begin without one.")
+            raise QueryError("Unknown event id.", remedy="Begin without one.")
         newest = tx.activity.newest()
         return News(min(int(match[1]), tx.newest_commit()), match[2], min(int(match[3] or newest), newest))
 

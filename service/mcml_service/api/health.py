@@ -69,12 +69,12 @@ def metrics(request: Request) -> str:
 
 def _replica_lines(replica: Replica) -> list[str]:
     behind = replica.behind()
-    lines = ["# HELP mcml_replica_up Whether the replica answers.", "# TYPE mcml_replica_up gauge"]
+    lines = ["# HELP mcml_replica_up Whether the replica is reachable.", "# TYPE mcml_replica_up gauge"]
     lines.append(f"mcml_replica_up {int(behind is not None)}")
     if behind is not None:
         lines += ["# HELP mcml_replica_behind_bytes Bytes of the log that it lacks."]
         lines += ["# TYPE mcml_replica_behind_bytes gauge", f"mcml_replica_behind_bytes {behind}"]
-    lines += ["# HELP mcml_replica_reads_total Reads that it might answer, by which database did."]
+    lines += ["# HELP mcml_replica_reads_total Reads that the replica can serve, by the database that served them."]
     lines += ["# TYPE mcml_replica_reads_total counter"]
     return lines + [f'mcml_replica_reads_total{{by="{by}"}} {count}' for by, count in sorted(replica.reads.items())]
 

@@ -53,7 +53,7 @@ class Line(logging.Formatter):
         told = _describe(record)
         head = f"{told['time']} {told['level']} {told['source']} {told.get('request', '-')}: {told['message']}"
         if "repeated" in told:
-            head += f" (and {told['repeated']} times since it was told)"
+            head += f" (and {told['repeated']} times since the last message)"
         # Addresses may hold line ends: nobody writes lines of his own here.
         head = _CONTROL.sub(lambda found: ascii(found[0])[1:-1], head)
         # Nor in what an exception says: lines of a traceback stand further in.

@@ -111,7 +111,7 @@ class Guard:
         except asyncio.CancelledError:
             if status or not scope["app"].state.stopping.is_set():
                 raise
-            words = "Ask again; of what writes, look first whether it was done."
+            words = "Retry the request. Before you repeat a change, check whether it was made."
             await plain(503, "The server stopped before this was done.", words)(scope, receive, send_answer)
         except Exception:
             status = status or 500

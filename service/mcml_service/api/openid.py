@@ -106,7 +106,7 @@ def back(
         if flow is None or state is None or not secrets.compare_digest(state, flow["state"]):
             raise AccessError("This sign-in was not begun here, or took too long.", remedy="Begin again.")
         if error is not None or code is None:
-            raise AccessError(f"{settings.openid_name} signed nobody in.", remedy="Begin again.")
+            raise AccessError(f"{settings.openid_name} did not complete the sign-in.", remedy="Begin again.")
         person = _person(database.for_call(database.view, address), settings, _claims(settings, http, code, flow), flow)
         forget_attempts(database, {"address": address})
     except (AccessError, AttemptsError, RequestError, ConflictError, NotFoundError) as refusal:
@@ -136,7 +136,9 @@ def _person(database: Database, settings: Settings, claims: Claims, flow: Flow) 
             offered = "owner", None
         if offered is None:
             if settings.openid_role == "none":
-                raise AccessError("Nobody has invited you here.", remedy="Ask an owner of the repository.")
+                raise AccessError(
+                    "You have no invitation to this repository.", remedy="Ask an owner of the repository."
+                )
             offered = settings.openid_role, None
         role, project = offered
         name = check_name(claims["name"])
@@ -228,7 +230,7 @@ def _discover(issuer: str) -> dict[str, Any]:
         return metadata
     except (httpx.HTTPError, ValueError, KeyError, AttributeError) as error:
         raise AccessError(
-            "The provider of sign-ins does not answer.", remedy="Log in with a password, or try again later."
+            "The sign-in provider is unreachable.", remedy="Log in with a password, or try again later."
         ) from error
 
 

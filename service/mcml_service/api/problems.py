@@ -102,7 +102,9 @@ def install(app: FastAPI, unknown: Callable[[Request], Response | None]) -> None
             return respond(problem_of(errors.SpaceError()))
         if error.status_code == 400 and error.__cause__ is not None:
             # FastAPI names no reason where a body cannot even be decoded.
-            return plain(400, "The body is not what its content type says.", "Send JSON in UTF-8, or a form as it is.")
+            return plain(
+                400, "The request body does not match its content type.", "Send JSON in UTF-8, or a form as it is."
+            )
         if error.status_code == 405:
             allowed = ", ".join(_list_methods(app, request))
             detail = f"{request.method} is not allowed here."

@@ -36,7 +36,7 @@ FORM = """<h1>MCML Repository</h1><p>{why}</p>
 <input type="hidden" name="then" value="{then}">
 <p><label>Token <input name="token" type="password" autocomplete="off" size="52"></label>
 <button>Open</button></p></form></details>
-<p>Whoever keeps the server invites people, and makes tokens: <code>mcml account invite</code>,
+<p>The administrator of the server invites people and creates tokens: <code>mcml account invite</code>,
 <code>mcml token add NAME</code>.</p>"""
 
 JOIN = """<h1>MCML Repository</h1><p>{why}</p>
@@ -52,7 +52,7 @@ FOLLOW = """<h1>MCML Repository</h1><p>This link opens the repository once, in t
 
 SIGN_IN = """<p class="other"><a href="{address}">Sign in with {name}</a></p>"""
 
-FIRST = "You keep this server, and nobody owns it yet: make its first account, an owner's."
+FIRST = "This server has no owner yet. Create the first account; it becomes the owner."
 INVITED = "You are invited to this repository."
 
 
@@ -100,7 +100,7 @@ def open_shared(http: Request, response: Response, request: SharedRequest) -> Sh
     with database.write("session") as tx:
         shown = tx.shares.find(request.secret)
         if shown is None:
-            raise AccessError("This link has ended, or was taken back.", remedy="Ask for another one.")
+            raise AccessError("This link has expired or was revoked.", remedy="Ask for another one.")
         secret = tx.sessions.open_share(shown)
         view = tx.shares.view(shown)
         tx.attempts.forget(counted)

@@ -19,7 +19,7 @@ from mcml_service.cli.terminal.opening import (
 Role: TypeAlias = Literal["member", "reader", "editor", "owner"]
 ProjectRole: TypeAlias = Literal["reader", "editor", "owner"]
 RoleOption: TypeAlias = Annotated[
-    Role, typer.Option(help="What they may do in all projects; a member: in some, see `mcml project`")
+    Role, typer.Option(help="Role in all projects; a member has a role in some, see `mcml project`")
 ]
 Name: TypeAlias = Annotated[str, typer.Argument(help="Name of the account")]
 
@@ -65,7 +65,7 @@ def password(name: Name, database: DatabaseOption = None) -> None:
 
 def role(
     name: Name,
-    role: Annotated[Role, typer.Argument(help="What they may do from now on, in all projects")],
+    role: Annotated[Role, typer.Argument(help="New role in all projects")],
     database: DatabaseOption = None,
     server: ServerOption = None,
 ) -> None:
@@ -77,7 +77,7 @@ def role(
 def add_member(
     project: Annotated[str, typer.Argument(help="Name of the project")],
     name: Name,
-    role: Annotated[ProjectRole, typer.Option(help="What they may do there")] = "editor",
+    role: Annotated[ProjectRole, typer.Option(help="Role in the project")] = "editor",
     database: DatabaseOption = None,
     server: ServerOption = None,
 ) -> None:
@@ -90,7 +90,7 @@ def share(
     documents: Annotated[list[str], typer.Argument(help="Ids of documents of one project")],
     name: Annotated[str, typer.Option(help="Whom it is for")] = "guest",
     days: Annotated[int, typer.Option(min=1, max=365, help="How long it opens them")] = 14,
-    format: Annotated[list[str] | None, typer.Option(help="What they may be exported as; may be repeated")] = None,
+    format: Annotated[list[str] | None, typer.Option(help="Allowed export format; may be repeated")] = None,
     fixed: Annotated[bool, typer.Option("--fixed", help="As they are now, without later edits")] = False,
     database: DatabaseOption = None,
     server: ServerOption = None,

@@ -49,7 +49,7 @@ def add_to(app: typer.Typer) -> None:
         for verb, analysis in verbs.items():
             group.command(verb, help=_help(analysis.description, analysis.parameters))(_run(analysis))
             operations |= analysis.operations
-        group.command("info", help="Show a result: its parts and what can be done with it.")(info)
+        group.command("info", help="Show a result: its parts and its actions.")(info)
         group.command("picture")(picture)
         for name, operation in operations.items():
             group.command(name, help=_help(operation.description, operation.parameters))(_use(name))
@@ -141,7 +141,7 @@ def _run(analysis: Analysis) -> Callable[..., None]:
 def info(
     id: ResultArgument, database: DatabaseOption = None, server: ServerOption = None, as_json: JsonOption = False
 ) -> None:
-    """Show a result: its parts and what can be done with it."""
+    """Show a result: its parts and its actions."""
     result = open_client(database, server).call("get_result", id=id)
     present(OPERATIONS["get_result"], result, as_json)
 

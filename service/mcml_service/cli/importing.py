@@ -31,7 +31,7 @@ def import_(
     paths: Annotated[list[Path], typer.Argument(help="Files, folders or zips")],
     project: Annotated[str, typer.Option(help="Project to store into; made if new")] = "default",
     name: Annotated[str | None, typer.Option(help="Name of the document, for a single one")] = None,
-    description: Annotated[str | None, typer.Option(help="What it is")] = None,
+    description: Annotated[str | None, typer.Option(help="Description")] = None,
     label: Annotated[list[str] | None, typer.Option(help="Motion name: NAME or NAME:FIRST-LAST")] = None,
     property: Annotated[list[str] | None, typer.Option(help="Property: age=23 or 'age=23 year'")] = None,
     encoding: Annotated[str | None, typer.Option(help="Text encoding, if it is not UTF-8")] = None,
@@ -43,12 +43,14 @@ def import_(
         ),
     ] = None,
     translation: Annotated[
-        str | None, typer.Option(help="auto, absolute or relative: whether translations stand for offsets or add")
+        str | None, typer.Option(help="auto, absolute or relative: whether translations replace offsets or add to them")
     ] = None,
     unit: Annotated[str | None, typer.Option(help="Length unit of the files")] = None,
     up: Annotated[str | None, typer.Option(help="Axis that points up")] = None,
     frame_time: Annotated[str | None, typer.Option(help="Seconds a frame, where the files do not say")] = None,
-    skeleton: Annotated[str | None, typer.Option(help="Stored document whose ASF an AMC alone shall use")] = None,
+    skeleton: Annotated[
+        str | None, typer.Option(help="Stored document whose ASF to use for an AMC without one")
+    ] = None,
     strict_names: Annotated[
         bool, typer.Option("--strict-names", help="Refuse labels that are no anatomical movement")
     ] = False,
@@ -58,7 +60,7 @@ def import_(
     ] = None,
     again: Annotated[bool, typer.Option("--again", help="Store files again that are stored already")] = False,
     no_derive: Annotated[
-        bool, typer.Option("--no-derive", help="Leave the bodies of what was stored to a server, or to mcml db derive")
+        bool, typer.Option("--no-derive", help="Do not derive bodies now; a server or mcml db derive does it later")
     ] = False,
     database: DatabaseOption = None,
     server: ServerOption = None,

@@ -35,7 +35,7 @@ def xpath(
     revision: Annotated[int | None, typer.Option(min=1, help="With one --document: as this revision left it")] = None,
     project: Annotated[str | None, typer.Option(help="Only this project")] = None,
     as_: Annotated[
-        str, typer.Option("--as", help="runs, json, count; or the whole answer as xml, ndjson or csv")
+        str, typer.Option("--as", help="runs, json or count; or the whole result as xml, ndjson or csv")
     ] = "runs",
     limit: Annotated[int | None, typer.Option(help="Most items; default 1000, for xml, ndjson and csv all")] = None,
     variable: Annotated[
@@ -44,7 +44,7 @@ def xpath(
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Write xml, ndjson or csv to this file")] = None,
     raw: RawOption = False,
     force: ForceOption = False,
-    per: Annotated[str | None, typer.Option(help="document: each document has an answer of its own")] = None,
+    per: Annotated[str | None, typer.Option(help="document: one result per document")] = None,
     guesses: Annotated[
         str, typer.Option(help="no: functions of bodies leave out documents whose unit, up axis or floor is guessed")
     ] = "yes",

@@ -34,7 +34,7 @@ def search(
     limit: Annotated[int, typer.Option(min=1, help="Most hits")] = 20,
     apart: Annotated[
         float | None,
-        typer.Option(help="Seconds between hits in one document; default 1, or what the motion lasts"),
+        typer.Option(help="Minimum seconds between hits in one document; default 1, or the duration of the motion"),
     ] = None,
     database: DatabaseOption = None,
     server: ServerOption = None,

@@ -179,7 +179,8 @@ EXTRAS = {
 def doctor(
     database: DatabaseOption = None,
     project: Annotated[
-        str | None, typer.Option(help="Look at the documents of this project alone, for what would be read otherwise")
+        str | None,
+        typer.Option(help="Check only documents of this project for names that an import would now read differently"),
     ] = None,
 ) -> None:
     """Say what this installation has, what it lacks, and how to mend it."""
@@ -241,7 +242,7 @@ def doctor(
             if settings.database_read_url:
                 behind = Replica(settings.database_read_url, store.dialect).behind()
                 away = "Servers read the primary meanwhile. Look whether it runs, and MCML_DATABASE_READ_URL."
-                fact = "does not answer" if behind is None else f"{behind:,} bytes behind"
+                fact = "unreachable" if behind is None else f"{behind:,} bytes behind"
                 line("replica", fact, behind is not None, away if behind is None else "")
             way = "A server derives the others" if settings.derive else "Derive the others"
             line(
@@ -255,7 +256,7 @@ def doctor(
             place = path_of(store, settings.cache_dir)
             trouble = "" if place is None else why_not(place)
             if place is None:
-                line("query columns", "in memory alone: MCML_CACHE_DIR is none")
+                line("query columns", "in memory only: MCML_CACHE_DIR is none")
             else:
                 remedy = "Queries use memory alone. Make the folder writable, or name one in MCML_CACHE_DIR."
                 fact = f"{place}: {trouble}"

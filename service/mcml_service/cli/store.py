@@ -84,7 +84,7 @@ def check(
 
 def prune(
     older_than: Annotated[float, typer.Option(min=0, help="Days of history to keep")],
-    yes: Annotated[bool, typer.Option("--yes", help="Do it; without, what would go is shown")] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="Delete them; without this option, list them")] = False,
     database: DatabaseOption = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -127,12 +127,14 @@ def compact(
 
 
 def token_add(
-    name: Annotated[str, typer.Argument(help="Who or what uses it; revisions carry this name")],
+    name: Annotated[str, typer.Argument(help="Name of the program; revisions record it")],
     days: Annotated[int, typer.Option(help="Days until it expires; 0: never")] = 90,
     scope: Annotated[
-        Literal["read", "edit", "operate"], typer.Option(help="What it may do; operate: all, accounts too")
+        Literal["read", "edit", "operate"], typer.Option(help="Permissions; operate: everything, including accounts")
     ] = "operate",
-    account: Annotated[str | None, typer.Option(help="Whose it is: it may do no more than this account")] = None,
+    account: Annotated[
+        str | None, typer.Option(help="Owner: the token has no more permissions than this account")
+    ] = None,
     project: Annotated[list[str] | None, typer.Option(help="Where alone it opens something; may be repeated")] = None,
     database: DatabaseOption = None,
 ) -> None:

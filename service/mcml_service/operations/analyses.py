@@ -167,7 +167,7 @@ def _using(name: str, used: Use) -> Callable[..., Any]:
         "positions": Annotated[bool, Field(description="Put joint positions of every frame into the JSON")],
         "return": told | Content,
     }
-    file = "What the operation gives; with another `format` the clip alone, as a file"
+    file = "Result of the action; with another `format` only the clip, as a file"
     return gives(file, {"application/octet-stream": None})(use)
 
 

@@ -39,7 +39,7 @@ Last = Annotated[
 IfMatch = Annotated[
     str | None,
     Field(
-        description='The ETag that was read, or its revision as `"7"`; `*` for whatever is current',
+        description='The ETag of the document as you read it, or its revision as `"7"`; `*` for the current revision',
         examples=['"7"'],
     ),
 ]
@@ -81,12 +81,13 @@ class Page:
 class Shown:
     """Positions of what is made, to be looked at."""
 
-    positions: Annotated[
-        Literal["f4"] | None, Field(description="Also answer positions, as short floats in base64")
-    ] = None
+    positions: Annotated[Literal["f4"] | None, Field(description="Include positions, as 32-bit floats in base64")] = (
+        None
+    )
     first: Annotated[int, Field(ge=1, le=MOST, description="First frame of the positions", examples=[1])] = 1
     last: Annotated[
-        int | None, Field(ge=1, le=MOST, description="Last one; default as many as an answer holds", examples=[240])
+        int | None,
+        Field(ge=1, le=MOST, description="Last one; default: as many as fit into a response", examples=[240]),
     ] = None
     step: Annotated[int, Field(ge=1, le=MOST, description="Every step-th frame of them", examples=[4])] = 1
 

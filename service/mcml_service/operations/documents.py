@@ -164,16 +164,14 @@ def list_documents(
     ] = "name",
     offset: Annotated[
         int,
-        Field(
-            ge=0, le=MOST, description="Documents to leave out first: for who jumps within a long list", examples=[120]
-        ),
+        Field(ge=0, le=MOST, description="Number of documents to skip at the start", examples=[120]),
     ] = 0,
     with_: Annotated[
         str | None,
         Field(
             alias="with",
             pattern=r"^(thumbnail|labels|passport)(,(thumbnail|labels|passport))*$",
-            description="What else is told: thumbnail, labels, passport, with commas between them",
+            description="Additional fields, separated by commas: thumbnail, labels, passport",
             examples=["thumbnail,labels"],
         ),
     ] = None,
@@ -287,7 +285,7 @@ def undo_revision(
     call: Call,
     id: DocumentId,
     revision: Annotated[
-        int | None, Field(ge=1, le=MOST, description="What to take back; default the last one", examples=[2])
+        int | None, Field(ge=1, le=MOST, description="Revision to revert; default: the last one", examples=[2])
     ] = None,
     if_match: IfMatch = None,
 ) -> DocumentDetail:

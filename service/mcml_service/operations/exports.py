@@ -74,7 +74,7 @@ def export_document(
         str | None, Field(description="Scale lengths to this unit; the document must state its own", examples=["mm"])
     ] = None,
     up: Annotated[str | None, Field(description="Turn so that this axis points up", examples=["Z"])] = None,
-    original: Annotated[bool, Field(description="Answer the kept bytes of an unedited document")] = True,
+    original: Annotated[bool, Field(description="Return the original bytes of an unedited document")] = True,
     frame_time: Annotated[
         FrameTime | None,
         Field(
@@ -89,7 +89,7 @@ def export_document(
     return _content(call, id, revision, options)
 
 
-@gives("A zip, made while it is sent; `refused.txt` in it says what could not be exported", {"application/zip": None})
+@gives("A streamed zip; its `refused.txt` lists documents that could not be exported", {"application/zip": None})
 def export_documents(call: Call, request: ExportRequest) -> Content:
     """Each document as it is now. Two of one name become two files, the second with the end of its id."""
     from mcml_service.actions.composing import export_documents as exporting
@@ -129,7 +129,7 @@ def _window(
 def find_text(
     call: Call,
     id: DocumentId,
-    text: Annotated[str, Field(min_length=1, max_length=1000, description="What is looked for", examples=['Rx="45.'])],
+    text: Annotated[str, Field(min_length=1, max_length=1000, description="Text to find", examples=['Rx="45.'])],
     from_: Annotated[int, Field(alias="from", ge=1, le=MOST, description="Line to begin with", examples=[1])] = 1,
     revision: AtRevision = None,
     pretty: Annotated[bool, Field(description="In the text with every element on a line of its own")] = False,

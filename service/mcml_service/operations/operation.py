@@ -234,7 +234,8 @@ class Operation:
         """AccessError where whoever asks may not do this. Every call passes here."""
         if call.share is not None and not self.open_to_links:
             raise AccessError(
-                f"A link to some documents does not open {self.name}.", remedy="Ask whoever sent it for an account."
+                f"A link to some documents does not open {self.name}.",
+                remedy="Ask the sender of the link for an account.",
             )
         if self.right not in RIGHTS[call.scope]:
             raise AccessError(

@@ -64,9 +64,7 @@ def change_project(call: Call, change: ProjectChange, project: ProjectName) -> P
 
 def import_project(
     call: Call,
-    file: Annotated[
-        SourceFile, Upload(), Field(description="What the export of a project gave", examples=["gait.project.zip"])
-    ],
+    file: Annotated[SourceFile, Upload(), Field(description="An exported project file", examples=["gait.project.zip"])],
     name: Annotated[
         str | None, Field(min_length=1, max_length=256, description="Default: as it was called", examples=["gait 2"])
     ] = None,

@@ -51,7 +51,7 @@ def get_query(
     project: InProject = None,
     revision: Annotated[
         int | None,
-        Field(ge=1, le=MOST, description="Of the one document asked: as this revision left it", examples=[1]),
+        Field(ge=1, le=MOST, description="State after this revision; only for a query of one document", examples=[1]),
     ] = None,
     as_: Annotated[
         AnswerForm,
@@ -63,7 +63,7 @@ def get_query(
     ] = "json",
     otherwise: Annotated[
         Literal["json"] | None,
-        Field(description="Of runs: json answers with nodes or values where the answer has no runs"),
+        Field(description="For frame ranges: with json, nodes or values if the result has no frames"),
     ] = None,
     limit: Annotated[
         int | None, Field(ge=1, description="Most items; a page has 100 if it is not said, a stream all", examples=[20])
@@ -87,7 +87,7 @@ def get_query(
         Field(
             alias="with",
             pattern=WITH,
-            description="Of runs: totals (frames, runs, documents of all pages), range (of the sample asked), or both",
+            description="For frame ranges: totals (frames, ranges, documents of all pages), range of a sample, or both",
             examples=["totals,range"],
         ),
     ] = None,
@@ -131,7 +131,7 @@ def post_query(call: Call, request: QueryRequest) -> QueryAnswer | Content:
 
 def complete_query(
     call: Call,
-    q: Annotated[str, Field(max_length=10_000, description="What is typed so far", examples=["//fr"])],
+    q: Annotated[str, Field(max_length=10_000, description="The expression typed so far", examples=["//fr"])],
     at: Annotated[
         int | None, Field(ge=0, description="Characters before the cursor; default all", examples=[4])
     ] = None,

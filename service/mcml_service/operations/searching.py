@@ -45,7 +45,7 @@ def search_file(
         Field(
             ge=0,
             le=1e6,
-            description="Seconds that hits in one document are from each other; default 1, or what the motion lasts",
+            description="Minimum seconds between hits in one document; default 1, or the duration of the motion",
             examples=[1.0],
         ),
     ] = None,

@@ -44,7 +44,7 @@ def upload_documents(
         str | None, Field(max_length=1024, description="Name of the document; default the file's", examples=["walk"])
     ] = None,
     description: Annotated[
-        str, Field(max_length=100_000, description="What it is", examples=["A walk on flat ground."])
+        str, Field(max_length=100_000, description="Description", examples=["A walk on flat ground."])
     ] = "",
     label: Annotated[
         list[str] | None,
@@ -59,7 +59,7 @@ def upload_documents(
     encoding: Encoding = None,
     translation: Annotated[
         Literal["auto", "absolute", "relative"],
-        Field(description="Whether translations of joints stand for their offsets, or are added to them"),
+        Field(description="Whether translations of joints replace their offsets, or are added to them"),
     ] = "auto",
     unit: Annotated[
         str | None, Field(description="Length unit of the files: mm, cm, m, inch …", examples=["cm"])
@@ -73,10 +73,10 @@ def upload_documents(
         ),
     ] = None,
     skeleton: Annotated[
-        str | None, Field(description="Stored document whose ASF an AMC alone shall use", examples=[DOCUMENT])
+        str | None, Field(description="Stored document whose ASF to use for an AMC without one", examples=[DOCUMENT])
     ] = None,
     on_duplicate: Annotated[
-        Literal["new", "skip"], Field(description="What becomes of files that are stored already")
+        Literal["new", "skip"], Field(description="Action for files that are already in the store")
     ] = "new",
     repair: Repairs = None,
     strict_names: Annotated[bool, Field(description="Refuse labels that are no anatomical movement")] = False,

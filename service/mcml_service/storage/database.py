@@ -174,7 +174,7 @@ class Database:
             refuse_newer(version, wanted)
             raise StoreError(
                 f"The store's schema is {version or 'empty'}, this program needs {wanted}.",
-                remedy="Run `mcml db upgrade`, or `mcml serve`; an SQLite store is copied beside itself before.",
+                remedy="Run `mcml db upgrade` or `mcml serve`; an SQLite store is backed up beside itself first.",
             )
         self._require_layout()
 

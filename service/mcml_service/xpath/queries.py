@@ -89,7 +89,7 @@ class Queries:
         cursor = read_cursor(request)
         kind = type_of(query.tree)
         if request.as_ != "json" and kind not in ("nodes", "sequence"):
-            raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
+            raise QueryError(f"The result is a {kind}, not a node set.", remedy="Ask for it with as=json.")
         with self.database.read(self._commit(request) if cursor is None else cursor.commit) as tx:
             if cursor is not None:
                 tx.pruning.require_whole_since(cursor.whole_since)
@@ -101,7 +101,7 @@ class Queries:
                 answer = asking.answer(page)
             except LimitError as error:
                 if asking.motion and error.details.get("code") == "query-timeout":
-                    error.remedy = "Derive the bodies once, which questions then find: mcml db derive."
+                    error.remedy = "Derive the bodies once for all queries: mcml db derive."
                 if request.explain:
                     error.details["explain"] = asking.explained((time.perf_counter() - start) * 1000).model_dump()
                 raise
@@ -117,7 +117,7 @@ class Queries:
         query = parse(request.q, request.variables, strict=request.strict)
         kind = type_of(query.tree)
         if kind not in ("nodes", "sequence"):
-            raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
+            raise QueryError(f"The result is a {kind}, not a node set.", remedy="Ask for it with as=json.")
         with self.database.read(self._commit(request)) as tx:
             scope = Scope(tx, self.caches.listing, request.document, request.project)
             asking = _Asking(self, tx, query, scope, limits, per=request.per, wants_explain=False)
@@ -145,7 +145,7 @@ class Queries:
                 items = answer.page(0, most).items
                 nodes = [item for item in items if isinstance(item, Node)]
                 if len(nodes) < len(items):
-                    raise QueryError("The answer holds values, not only nodes.", remedy="Ask for it with as=json.")
+                    raise QueryError("The result contains values, not only nodes.", remedy="Ask for it with as=json.")
                 return nodes
 
             found = self.database.ask(found_in, commit)

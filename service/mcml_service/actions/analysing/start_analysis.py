@@ -58,7 +58,7 @@ def start_analysis(
             result = tx.results.get(extends)
         if analysis.extend is None or result.analysis != analysis.name or result.continues:
             raise AnalysisError(
-                "not-extendable", f"{analysis.title} cannot add to this result.", remedy="Run the analysis anew."
+                "not-extendable", f"{analysis.title} cannot add to this result.", remedy="Run the analysis again."
             )
         checked |= {EXTENDS: extends}
     selected, projects = select_documents(database, queries, selection)

@@ -15,7 +15,7 @@ def check_match(if_match: str | None, current: int, what: str, number: str) -> N
         raise PreconditionError(
             f"This request changes a {what} and must say which {number} it was made for.",
             428,
-            f'Send the header If-Match: "{current}", or If-Match: * to change whatever is current.',
+            f'Send the header If-Match: "{current}", or If-Match: * to change the current revision.',
         )
     tags = [tag.strip() for tag in if_match.split(",")]
     strong = {tag.strip('"').split("-")[0] for tag in tags if not tag.startswith("W/")}

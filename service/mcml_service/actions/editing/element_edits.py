@@ -109,7 +109,7 @@ def _check_ids(tx: Transaction, stored: StoredDocument) -> None:
         raise DocumentError(
             f"Frame {ids[place]} would be followed by frame {ids[place + 1]}.",
             at=Place(element=address_attribute(address_frame(place + 2), "id")),
-            remedy="Let frames be renumbered, or allow gaps.",
+            remedy="Renumber the frames, or allow gaps.",
         )
 
 

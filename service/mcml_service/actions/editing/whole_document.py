@@ -146,7 +146,7 @@ def undo_revision(tx: Transaction, stored: StoredDocument, number: int) -> Store
         )
     if undone.operation in ("delete", "restore"):
         raise ConflictError(
-            f"A revision of kind {undone.operation!r} is not taken back.", remedy="Restore the revision you want."
+            f"A revision of kind {undone.operation!r} cannot be reverted.", remedy="Restore the revision you want."
         )
     (before,) = tx.revisions.of(stored.key, before=number, limit=1)
     if before.name != undone.name:
@@ -154,7 +154,7 @@ def undo_revision(tx: Transaction, stored: StoredDocument, number: int) -> Store
             raise ConflictError("The document was renamed since.", remedy="Rename it yourself.")
         tx.documents.rename(stored.key, before.name)
     if before.project != undone.project:
-        raise ConflictError("A move to another project is not taken back.", remedy="Move the document yourself.")
+        raise ConflictError("A move to another project cannot be reverted.", remedy="Move the document yourself.")
     undo_rows(tx, stored, undone.commit)
     tx.documents.add_revision(stored, "undo", f"took back revision {number}")
     return tx.documents.get(stored.uuid)

@@ -135,7 +135,7 @@ def _add_labels(encoder: ClipEncoder, options: ImportOptions) -> None:
         last = encoder.frames if label.last is None else label.last
         if not 1 <= first <= last <= encoder.frames:
             raise DocumentError(
-                f"The label {label.name!r} lies on frames {first} to {last}, the clip has {encoder.frames}.",
+                f"The label {label.name!r} is on frames {first} to {last}, the clip has {encoder.frames}.",
                 remedy="Give positions from 1 to the number of frames.",
             )
         overlapping = [row["rank"] for row in encoder.spans.rows if row["first"] <= last and row["last"] >= first]

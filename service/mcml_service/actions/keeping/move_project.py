@@ -98,7 +98,7 @@ def import_project(
                 keys = list(writer.keys.get("document", {}).values())
                 faults = document_faults(tx, keys)
                 if faults:
-                    raise FormatError(f"What the file holds does not fit together: {faults[0]}")
+                    raise FormatError(f"The project file is inconsistent: {faults[0]}")
                 tx.activity.note("project", "import", project_key=writer.project_key, subject=wanted)
                 return wanted, len(keys)
     except _BROKEN as error:

@@ -45,7 +45,7 @@ def change_label(
     if split is not None:
         if not start < split <= end:
             raise DocumentError(
-                f"The label lies on frames {start} to {end}; it cannot be split before frame {split}.",
+                f"The label is on frames {start} to {end}; it cannot be split before frame {split}.",
                 remedy=f"Split it before a frame from {start + 1} to {end}.",
             )
         ranges = [(start, split - 1), (split, end)]

@@ -33,7 +33,7 @@ class Window:
         """The last frame that is told. SizeError for more than an answer holds."""
         most = self.first + MOST_FRAMES * self.step - 1
         if self.last is not None and self.last > most:
-            raise SizeError(f"An answer holds {MOST_FRAMES} frames.", remedy=f"Ask for {self.first} to {most} first.")
+            raise SizeError(f"A response holds {MOST_FRAMES} frames.", remedy=f"Ask for {self.first} to {most} first.")
         return most if self.last is None else self.last
 
 

@@ -118,7 +118,7 @@ def find_alike(tx: Transaction, caches: Caches, asked: Asked, where: Where, limi
     if nearest.unlike:
         warnings.append(
             f"{len(nearest.unlike):,} of {nearest.documents:,} documents left out: they have no frames, share fewer "
-            f"than {FEWEST} joints with what is asked{', or their frame time is not known' if asked.moves else ''} "
+            f"than {FEWEST} joints with the example{', or their frame time is not known' if asked.moves else ''} "
             f"({named(nearest.unlike, np.ones(len(nearest.unlike), bool))})."
         )
     joints = [
@@ -135,7 +135,7 @@ def _ask(body: Body, name: str, first: int, last: int | None) -> Asked:
             remedy="Frame numbers are positions, from 1, both ends included.",
         )
     if end - first >= MOST_FRAMES:
-        raise LimitError(f"A motion that is asked has at most {MOST_FRAMES:,} frames.", remedy="Ask a part of it.")
+        raise LimitError(f"An example motion has at most {MOST_FRAMES:,} frames.", remedy="Ask a part of it.")
     poses = pose_features(body.stretch(NEEDS))[first - 1 : end]
     known = np.isfinite(poses).all(axis=2).sum(axis=1)
     if known.min() < FEWEST:
@@ -153,7 +153,7 @@ def _ask(body: Body, name: str, first: int, last: int | None) -> Asked:
 def _until(blocks: Iterable[FrameBlock], last: int) -> Iterator[FrameBlock]:
     """The frames to the one at a position."""
     if last > MOST_READ:
-        raise LimitError(f"Of a file the first {MOST_READ:,} frames can be asked.", remedy="Store it, and ask it then.")
+        raise LimitError(f"Of a file the first {MOST_READ:,} frames can be searched for.", remedy="Store it, and ask it then.")
     frames = 0
     for block in blocks:
         yield block if frames + len(block) <= last else rows_of(block, 0, last - frames)

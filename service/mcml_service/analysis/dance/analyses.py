@@ -205,7 +205,7 @@ def _grid(parameters: DanceParameters) -> Array:
     if parameters.bars > MOST_OUT:
         raise AnalysisError(
             "too-many-bars",
-            f"{parameters.bars} bars were asked for; a dance may have {MOST_OUT}.",
+            f"{parameters.bars} bars were requested; a dance may have {MOST_OUT}.",
             remedy="Ask for fewer.",
             most=MOST_OUT,
         )
@@ -235,7 +235,7 @@ def _check(parameters: BeatsParameters, documents: Sequence[str]) -> None:
         if document not in documents:
             raise AnalysisError(
                 "unknown-clip",
-                f"The parameters name {document!r}, which is none of the documents.",
+                f"The parameters name {document!r}, which is not one of the documents.",
                 remedy="Name documents of the selection.",
             )
 
@@ -329,7 +329,7 @@ _CLIPS = PartInfo("table", "Each clip: rate, candidates, beats, period, bars, an
 _BARS = PartInfo("table", "Bars: four beats, lead-in, the beat after, tempo")
 _LABELS = PartInfo("table", "Motion names to write: document, name, first and last frame")
 _GRAPH = PartInfo("graph", "Bars and which may follow which, with distances in body sizes")
-_WARNINGS = PartInfo("table", "What to look at")
+_WARNINGS = PartInfo("table", "Part to show")
 
 _RULES = {"tempo": "2 (of the motion itself)"}
 
@@ -357,8 +357,8 @@ BEATS = Analysis(
 MOTION_GRAPH = Analysis(
     name="motion-graph",
     title="Motion graph",
-    description="Which bar of some dance clips may follow which: distances of poses and movement, and what is left "
-    "when bars that lead nowhere are taken away.",
+    description="Possible transitions between bars of dance clips, by distances of poses and movement, without dead "
+    "ends.",
     parameters=GraphParameters,
     parts={"clips": _CLIPS, "bars": _BARS, "graph": _GRAPH, "warnings": _WARNINGS, "labels": _LABELS},
     run=run_graph,
@@ -381,7 +381,7 @@ DANCE = Analysis(
         "clip": PartInfo("clip", "The new dance"),
         "path": PartInfo("table", "Its bars in order: which bar of which clip, when, and how it is reached"),
         "transitions": PartInfo("table", "Its jumps: when, how far, how smooth, and the same for the classic blend"),
-        "metrics": PartInfo("table", "How well it keeps to the beat, and how smooth it is beside its sources"),
+        "metrics": PartInfo("table", "Beat alignment, and smoothness relative to the sources"),
         "speed": PartInfo("curve", "Speed of the new dance with its beats and the grid"),
         "graph": _GRAPH,
         "clips": _CLIPS,

@@ -99,7 +99,7 @@ def plan_dance(clips: Sequence[Clip], graph: BarGraph, grid: Array, choice: Choi
     if length > MOST_OUT:
         raise AnalysisError(
             "too-many-bars",
-            f"{length} bars of motion were asked for; a dance may have {MOST_OUT}.",
+            f"{length} bars of motion were requested; a dance may have {MOST_OUT}.",
             remedy="Ask for fewer.",
             most=MOST_OUT,
         )
@@ -119,7 +119,7 @@ def plan_dance(clips: Sequence[Clip], graph: BarGraph, grid: Array, choice: Choi
         place = length if position is None else position + 1
         raise AnalysisError(
             "no-path",
-            f"No path keeps to what is asked: nothing can stand at position {place} of {length}.",
+            f"No path meets the constraints: no bar is possible at position {place} of {length}.",
             remedy="Allow more bars there or before it, or raise the threshold.",
             position=place,
         )

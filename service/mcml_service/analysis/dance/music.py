@@ -95,7 +95,7 @@ def music_grid(beats: Sequence[float], bars: int, downbeat: int = 0, factor: flo
     if index[-1] > own[-1] + 1e-9:
         raise AnalysisError(
             "too-many-bars",
-            f"The music has beats for {int(own[-1] * factor) // 4} bars; {bars} were asked for.",
+            f"The music has beats for {int(own[-1] * factor) // 4} bars; {bars} were requested.",
             remedy="Ask for fewer bars; this music has no steady tempo that could go on.",
             most=int(own[-1] * factor) // 4,
         )

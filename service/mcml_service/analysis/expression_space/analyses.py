@@ -361,11 +361,11 @@ EXPRESSION = Analysis(
     description="A map of all frames of facial takes with levels of detail, to find ways from face to face on.",
     parameters=ExpressionParameters,
     parts={
-        "space": PartInfo("model", "What operations work with, and a summary: threshold, fit of the map, warnings"),
-        "map": PartInfo("points", "Where every frame lies"),
-        "levels": PartInfo("table", "Levels of detail: candidates, what they cover; memberships of all frames"),
-        "links": PartInfo("graph", "Between which candidates of each level one may move"),
-        "tau": PartInfo("curve", "Thresholds tried: correlation of map and geodesics, parts, degree, stretch"),
+        "space": PartInfo("model", "The space with a summary: threshold, fit of the map, warnings"),
+        "map": PartInfo("points", "Map position of every frame"),
+        "levels": PartInfo("table", "Levels of detail: candidates, their coverage; memberships of all frames"),
+        "links": PartInfo("graph", "Links between the candidates of each level"),
+        "tau": PartInfo("curve", "Tested thresholds: correlation of map and geodesics, components, degree, stretch"),
         "fit": PartInfo("table", "Correlation and stress of the map in 2, 3, 5 and 10 dimensions"),
         "objective": PartInfo("curve", "Objective of fuzzy c-means after every iteration, level by level"),
         "takes": PartInfo("table", "Takes and how many of their frames are used"),
@@ -378,11 +378,11 @@ EXPRESSION = Analysis(
         "points": ResultUse("Places of frames on the map", ExpressionStride, ExpressionPoints, points),
         "level": ResultUse("Candidates and links of a level", ExpressionLevelChoice, ExpressionLevel, level),
         "neighbours": ResultUse(
-            "Where one may go from a candidate", ExpressionCandidateChoice, ExpressionNeighbours, neighbours
+            "Linked candidates of a candidate", ExpressionCandidateChoice, ExpressionNeighbours, neighbours
         ),
         "path": ResultUse("Make a path over key frames", ExpressionPathWish, ExpressionPath, path),
         "refine": ResultUse(
-            "Refine a path, or see what it may lead over", ExpressionRefinement, ExpressionPath, refine
+            "Refine a path, or list its possible refinements", ExpressionRefinement, ExpressionPath, refine
         ),
         "playback": ResultUse("Play a path as a motion of markers", ExpressionPlayback, ExpressionMotion, playback),
     },

@@ -333,7 +333,7 @@ def _spread(positions: Array) -> None:
     extents = np.linalg.svd(seen - seen.mean(axis=0), compute_uv=False)
     if len(seen) < 3 or extents[1] <= 1e-6 * max(extents[0], 1e-300):
         raise AnalysisError(
-            "collinear-markers", "The markers lie on one line, or in one point.", remedy="Give markers of a face."
+            "collinear-markers", "All markers are on one line or at one point.", remedy="Give markers of a face."
         )
 
 

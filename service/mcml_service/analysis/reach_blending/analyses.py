@@ -70,7 +70,7 @@ def _check(parameters: ReachParameters, documents: Sequence[str]) -> None:
         if document not in documents:
             raise AnalysisError(
                 "unknown-clip",
-                f"Times are given for {document!r}, which is none of the documents.",
+                f"Times are given for {document!r}, which is not one of the documents.",
                 remedy="Name documents of the selection.",
             )
         if not times.t1 < times.t2 < times.end:
@@ -173,7 +173,7 @@ REACH = Analysis(
     description="A model that makes a reach for any age, height and hip point, or any other numbers that label clips.",
     parameters=ReachParameters,
     parts={
-        "model": PartInfo("model", "What motions are made with, and a summary: clips, phases, components, errors"),
+        "model": PartInfo("model", "The model with a summary: clips, phases, components, errors"),
         "clips": PartInfo("table", "Every clip: attributes, phases, or why it was left out"),
         "speed": PartInfo("curve", "Angular speed of the phase joint in every clip"),
         "variance": PartInfo("curve", "Share of the variance that the first eigenmotions hold"),

@@ -97,7 +97,7 @@ def _attributes(axes: Axes, parts: Parts) -> None:
     axes.set_xticks([])
     axes.spines["bottom"].set_visible(False)
     if any(attribute["gaps"] for attribute in about):
-        say_more(axes, "hatched: nobody recorded")
+        say_more(axes, "hatched: no examples")
 
 
 def _errors(axes: Axes, parts: Parts) -> None:

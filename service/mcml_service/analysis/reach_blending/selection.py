@@ -85,7 +85,7 @@ def examples_needed(attributes: Array, options: Options, reasons: Sequence[str])
     if options.degree and options.scaling != "whiten" and attribute_space(attributes, "whiten").dropped:
         raise AnalysisError(
             "degenerate-attributes",
-            "The clips' attributes lie on a plane: one of them follows from the others.",
+            "The clips' attributes are collinear: one of them depends linearly on the others.",
             remedy="Leave an attribute out, or use the robust method.",
         )
 
@@ -138,7 +138,7 @@ def select(
         )
         if choice is None or time_choice is None:
             raise AnalysisError(
-                "singular", "Every width leaves the equations singular.", remedy="Let lam be above 0, or add clips."
+                "singular", "Every width leaves the equations singular.", remedy="Set lam above 0, or add clips."
             )
         s, lam, time_s, time_lam = choice.s, choice.lam, time_choice.s, time_choice.lam
     else:
@@ -151,7 +151,7 @@ def select(
         raise AnalysisError(
             "singular",
             f"The equations are singular (condition {worst:.1e}).",
-            remedy="Let lam be above 0, make s smaller, or leave out clips with nearly equal attributes.",
+            remedy="Set lam above 0, decrease s, or exclude clips with nearly equal attributes.",
         )
     warnings = (("ill-conditioned", f"The equations are ill-conditioned ({worst:.1e})."),) if worst > SUSPECT else ()
     return Selected(

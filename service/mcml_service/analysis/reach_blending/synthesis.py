@@ -70,11 +70,13 @@ def synthesize(model: Model, wish: Wish) -> Made:
     if not inside and wish.clamp:
         x = nearest
         asked = np.where(model.attribute_space.scale > 0, model.attribute_space.attributes(x[None])[0], asked)
-        warnings.append(("clamped", "The attributes lie outside those of the examples; the nearest inside are used."))
+        warnings.append(
+            ("clamped", "The attributes are outside the range of the examples; the nearest values inside are used.")
+        )
     elif not inside and not wish.extrapolate:
         raise AnalysisError(
             "outside-hull",
-            "The attributes lie outside those of the examples.",
+            "The attributes are outside the range of the examples.",
             remedy="Set clamp for the nearest ones inside, or extrapolate to go on.",
         )
     in_gaps = tuple(
@@ -87,7 +89,7 @@ def synthesize(model: Model, wish: Wish) -> Made:
     if ratio > SPARSE:
         warnings.append(("sparse-region", f"The nearest example is {ratio:.1f} times as far as examples usually are."))
     if in_gaps:
-        warnings.append(("in-gap", f"No example has {' or '.join(in_gaps)} near the one asked for."))
+        warnings.append(("in-gap", f"No example has {' or '.join(in_gaps)} near the requested one."))
     template = _template(model, wish, int(np.argmin(distances)))
     clip, times = _motion(model, x, wish, template)
     weights = model.weights(x)
@@ -126,7 +128,7 @@ def _read_request(model: Model, wish: Wish) -> Array:
         name = model.names[int(np.argmin(np.isfinite(values)))]
         raise AnalysisError("attribute-not-a-number", f"The attribute {name!r} is not a finite number.")
     if not wish.force:
-        check_ranges(model.names, values.tolist(), "as asked for")
+        check_ranges(model.names, values.tolist(), "as requested")
     return values
 
 
@@ -141,9 +143,7 @@ def _not_modelled(model: Model, asked: Array) -> list[tuple[str, str]]:
         ("attribute-not-modelled", f"All examples have the same {name}: it makes no difference.") for name in constant
     ]
     if space.dropped and space.off_plane(asked[None])[0] > OFF_PLANE:
-        warnings.append(
-            ("attributes-off-plane", "The examples' attributes depend on each other; those asked for do not.")
-        )
+        warnings.append(("attributes-off-plane", "The examples' attributes are collinear; the requested ones are not."))
     return warnings
 
 

@@ -109,7 +109,7 @@ def set_(
     frame_time: Annotated[str | None, typer.Option(help="Seconds a frame, such as 0.0083333")] = None,
     unit: Annotated[str | None, typer.Option(help="Length unit, such as cm; empty: unknown")] = None,
     up: Annotated[str | None, typer.Option(help="Axis that points up, X, Y or Z; empty: unknown")] = None,
-    description: Annotated[str | None, typer.Option(help="What it is; empty: nothing")] = None,
+    description: Annotated[str | None, typer.Option(help="Description; empty: none")] = None,
     message: MessageOption = "",
     revision: RevisionOption = None,
     database: DatabaseOption = None,

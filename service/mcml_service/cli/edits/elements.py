@@ -38,7 +38,7 @@ def set_(
     message: MessageOption = "",
     revision: RevisionOption = None,
     merge: Annotated[
-        bool, typer.Option("--merge", help="With --revision: edit all the same where nobody changed these elements")
+        bool, typer.Option("--merge", help="With --revision: edit anyway if these elements have not changed")
     ] = False,
     database: DatabaseOption = None,
     server: ServerOption = None,

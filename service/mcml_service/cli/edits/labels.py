@@ -49,7 +49,8 @@ def suggest(
     id: Annotated[str, typer.Argument(help="Document")],
     confidence: Annotated[float, typer.Option(min=0, max=1, help="The least, 0 to 1")] = 0.5,
     facing: Annotated[
-        str | None, typer.Option(help="Where the body faces as it stands upright, such as Z or -X; names tell else")
+        str | None,
+        typer.Option(help="Facing direction of the upright body, such as Z or -X; default: from joint names"),
     ] = None,
     accept: Annotated[bool, typer.Option("--accept", help="Name the frames so, as one revision")] = False,
     database: DatabaseOption = None,

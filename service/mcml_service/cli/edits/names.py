@@ -29,7 +29,7 @@ MOST_COLOURS = 7
 """The last of the studio's colours of names."""
 
 JointsOption = Annotated[
-    list[str] | None, typer.Option("--joint", help="SOURCE=TARGET, for all that shall move; may be repeated")
+    list[str] | None, typer.Option("--joint", help="SOURCE=TARGET for each joint to move; may be repeated")
 ]
 
 
@@ -38,7 +38,7 @@ def apply(
     project: ProjectOption = None,
     motion_name: MotionNameOption = None,
     xpath: XPathOption = None,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be renamed; change nothing")] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Preview the renames without changing anything")] = False,
     database: DatabaseOption = None,
     server: ServerOption = None,
     as_json: JsonOption = False,
@@ -158,7 +158,8 @@ def save(
     name: Annotated[str, typer.Argument(help="Mapping; one of that name is replaced")],
     joints: JointsOption = None,
     suggest: Annotated[
-        tuple[str, str] | None, typer.Option(metavar="ID SKELETON", help="Begin with what is suggested for these two")
+        tuple[str, str] | None,
+        typer.Option(metavar="ID SKELETON", help="Start with the suggested mapping of these two"),
     ] = None,
     project: Annotated[str, typer.Option(help="Project that keeps the mapping")] = "default",
     database: DatabaseOption = None,

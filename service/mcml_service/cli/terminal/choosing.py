@@ -20,7 +20,7 @@ IdsArgument = Annotated[
 ProjectOption = Annotated[str | None, typer.Option(help="Instead: all documents of this project")]
 MotionNameOption = Annotated[str | None, typer.Option(help="Instead: documents with a frame of this name")]
 XPathOption = Annotated[str | None, typer.Option("--xpath", help="Instead: documents in which this finds something")]
-YesOption = Annotated[bool, typer.Option("--yes", "-y", help="Do it; without, what it would be done to is shown")]
+YesOption = Annotated[bool, typer.Option("--yes", "-y", help="Do it; without this option, list the affected documents")]
 
 
 def resolve_documents(

@@ -64,9 +64,9 @@ def make_changes(
     changes: ChangeSet,
     merge: Annotated[
         bool,
-        Field(description="If the revision is stale: carry over what nobody touched; 409 with all conflicts if any"),
+        Field(description="If the revision is stale: apply the changes to untouched parts, or 409 with all conflicts"),
     ] = False,
-    dry_run: Annotated[bool, Field(description="Only say what would come of it: every fault, every conflict")] = False,
+    dry_run: Annotated[bool, Field(description="Report all errors and conflicts without changing anything")] = False,
     if_match: IfMatch = None,
 ) -> ChangesMade:
     """All, or nothing. Values come first, then labels, then elements, then facts. A conflict says what was, what is and

@@ -64,7 +64,7 @@ class Edit:
 
     merge: Annotated[
         bool,
-        Field(description="If the revision is stale: edit all the same where nobody changed these elements"),
+        Field(description="If the revision is stale: edit anyway if these elements have not changed"),
     ] = False
     gaps: Annotated[
         Literal["allow", "refuse"], Field(description="Whether ids of frames may skip numbers after the edit")
@@ -156,7 +156,8 @@ def insert_elements(
     fragment: Fragment,
     edit: Edit,
     where: Annotated[
-        Literal["before", "after", "into"], Field(description="Beside the element, or into it, at its end")
+        Literal["before", "after", "into"],
+        Field(description="Before or after the element, or into it, at its start or end"),
     ] = "into",
     renumber: Renumber = True,
 ) -> ElementEdited:

@@ -79,7 +79,8 @@ def get_frames(
     bone: Annotated[
         list[str] | None,
         Field(
-            description="Bones by MCML name; default all, or none beside quantities", examples=[["Root", "left_up_leg"]]
+            description="Bones by MCML name; default: all, or none if quantities are given",
+            examples=[["Root", "left_up_leg"]],
         ),
     ] = None,
     quantity: Annotated[
@@ -101,7 +102,7 @@ def get_frames(
     ] = "json",
     origin: Annotated[
         Literal["keep", "subtract"],
-        Field(description="subtract: positions are told from the document's origin, which a header names"),
+        Field(description="subtract: positions relative to the document's origin, which is in a response header"),
     ] = "keep",
     missing: Annotated[
         Literal["hold", "nan"],
@@ -112,9 +113,11 @@ def get_frames(
     ] = False,
     reduce: Annotated[
         Literal["minmax"] | None,
-        Field(description="Channels: the least and the greatest sample of stretches of frames"),
+        Field(description="Channels: minimum and maximum of successive frame ranges"),
     ] = None,
-    pixels: Annotated[int, Field(ge=1, le=100_000, description="Most stretches", examples=[800])] = 1000,
+    pixels: Annotated[
+        int, Field(ge=1, le=100_000, description="Maximum number of frame ranges", examples=[800])
+    ] = 1000,
     raw: Raw = False,
 ) -> FramePage | Content:
     """`npz` holds `values`, `columns` (their names), `ids` and `times` (seconds from the first frame, NaN where the

@@ -61,7 +61,7 @@ def suggest_labels(
     confidence: Annotated[float, Field(ge=0, le=1, description="The least, 0 to 1", examples=[0.6])] = 0.5,
     facing: Annotated[
         Literal["X", "-X", "Y", "-Y", "Z", "-Z"] | None,
-        Field(description="Where the body faces as it stands upright, where names tell no sides", examples=["Z"]),
+        Field(description="Facing direction of the upright body, if the joint names have no sides", examples=["Z"]),
     ] = None,
 ) -> SuggestedLabels:
     """Nothing is written; POST those to accept."""

@@ -50,7 +50,7 @@ def delete_aliases(call: Call, project: OfProject = "default", if_match: IfMatch
 def apply_names(
     call: Call,
     id: DocumentId,
-    dry_run: Annotated[bool, Field(description="Say what would be renamed; change nothing")] = False,
+    dry_run: Annotated[bool, Field(description="Preview the renames without changing anything")] = False,
     if_match: IfMatch = None,
 ) -> AppliedNames:
     if dry_run:

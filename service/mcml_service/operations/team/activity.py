@@ -20,14 +20,14 @@ def list_activity(
     project: InProject = None,
     document: Annotated[str | None, Field(description="Only about this document", examples=[DOCUMENT])] = None,
     author: Annotated[
-        str | None, Field(max_length=256, description="Only what somebody of this name did", examples=["kim"])
+        str | None, Field(max_length=256, description="Only events by this person", examples=["kim"])
     ] = None,
     kind: Annotated[ActivityKind | None, Field(description="Only of this kind", examples=["comment"])] = None,
     since: Annotated[
         str | None,
         Field(
             pattern=r"^\d{4}-\d\d-\d\d(T\d\d:\d\d(:\d\d(\.\d{1,6})?)?Z)?$",
-            description="Only what was done at this time or later, in UTC",
+            description="Only events at or after this time, in UTC",
             examples=["2026-01-31"],
         ),
     ] = None,

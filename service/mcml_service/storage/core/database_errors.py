@@ -52,5 +52,5 @@ def translate(dialect: Dialect) -> Iterator[None]:
         if dialect.is_damaged(cause):
             raise DamageError(f"The store is damaged: {message}.", remedy=REMEDY) from error
         raise StoreError(
-            f"The store does not answer: {message}", remedy="Check its address, the disk and your rights."
+            f"The store is unreachable: {message}", remedy="Check its address, the disk and your rights."
         ) from error

@@ -130,7 +130,7 @@ class Replica:
                 self._leave(_cause(error))
                 return None
             if not is_replica:
-                self._leave("it is one no more")
+                self._leave("it is no longer a replica")
                 return None
             self._come()
             if not wanted.is_in(Snapshot.of(replayed)):

@@ -60,7 +60,7 @@ class Pruning:
         """NotFoundError where something was pruned or purged since it was so: what is read further would lack it."""
         if self.whole_since() != commit:
             raise NotFoundError(
-                "Some of what was read before was purged or pruned since.",
+                "Some data read before has been purged or pruned since.",
                 remedy="Ask again, without a cursor.",
             )
 

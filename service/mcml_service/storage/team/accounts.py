@@ -116,7 +116,7 @@ class Accounts:
         person = self.get(name)
         self._tx.run(update(account).where(account.c.name == normalise_name(name)).values(**values))
         if not self.have_owner():
-            raise ConflictError("The repository would have no owner.", remedy="Make somebody else an owner first.")
+            raise ConflictError("The repository would have no owner.", remedy="Make another account an owner first.")
         for field, value in values.items():
             deed = field if field != "closed" else "close" if value else "reopen"
             self._activity.note("account", deed, subject=person.name + (f" as {value}" if field == "role" else ""))
@@ -145,7 +145,7 @@ class Accounts:
         """NotFoundError."""
         invited = next((pending for pending in self.invitations() if pending.number == number), None)
         if invited is None:
-            raise NotFoundError(f"There is no invitation {number}.", remedy="It was used, or taken back.")
+            raise NotFoundError(f"There is no invitation {number}.", remedy="It was used or revoked.")
         project_key = None if invited.project is None else self._projects.get(invited.project)
         self._activity.note("account", "uninvite", project_key=project_key, subject=f"somebody as {invited.role}")
         self._tx.run(delete(invitation).where(invitation.c.id == number))

@@ -73,7 +73,7 @@ class Comments:
         """AccessError for all but its author."""
         current = self.get(stored, number)
         if current.author != self._tx.author:
-            raise AccessError(f"Comment {number} is {current.author}'s.", remedy="Answer it with one of your own.")
+            raise AccessError(f"Comment {number} is {current.author}'s.", remedy="Reply with a comment of your own.")
         self._set(number, text=text, edited=now())
         return self._to_comment(stored, number, "change")
 
@@ -103,7 +103,7 @@ class Comments:
         mine = self.get(stored, number).author == self._tx.author
         if not mine and not may(self._tx.view.scope(stored.project_key), scope):
             raise AccessError(
-                f"Comment {number} is another's.", remedy="Ask its author, or who has more rights in the project."
+                f"Comment {number} is another's.", remedy="Ask its author or an owner of the project."
             )
 
     def _set(self, number: int, **values: Any) -> None:

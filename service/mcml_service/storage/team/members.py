@@ -62,8 +62,8 @@ class Members:
         person = self._accounts.get(name)
         if not self._remove(project_key, person.key):
             raise NotFoundError(
-                f"{name!r} does not belong to this project.",
-                remedy="Who has a role in the whole repository loses it there: mcml account role.",
+                f"{name!r} is not a member of this project.",
+                remedy="Change a role in the whole repository with mcml account role.",
             )
         self._activity.note("member", "remove", project_key=project_key, subject=person.name)
 

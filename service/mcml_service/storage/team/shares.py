@@ -122,7 +122,7 @@ class Shares:
         """Who came by it sees nothing from then on. NotFoundError."""
         current = next((link for link in self.all() if link.number == number), None)
         if current is None:
-            raise NotFoundError(f"There is no link {number}.", remedy="It has ended, or was taken back.")
+            raise NotFoundError(f"There is no link {number}.", remedy="It has expired or was revoked.")
         self._activity.note("share", "revoke", project_key=self._projects.get(current.project), subject=current.name)
         self._tx.run(delete(session).where(session.c.share == number))
         self._tx.run(delete(shared_document).where(shared_document.c.share == number))

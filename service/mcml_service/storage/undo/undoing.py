@@ -65,7 +65,7 @@ def undo_rows(tx: Transaction, stored: StoredDocument, at: int) -> None:
 
 def _make_conflict(what: str) -> ConflictError:
     return ConflictError(
-        f"The revision cannot be taken back alone: {what} since.",
+        f"The revision cannot be reverted alone: {what} since.",
         remedy="Take the later revisions back first, or restore an earlier one as a whole.",
     )
 

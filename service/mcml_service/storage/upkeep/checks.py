@@ -193,7 +193,7 @@ def _head_faults(tx: Transaction, key: int) -> Iterator[str]:
 def _motion_faults(tx: Transaction, key: int) -> Iterator[str]:
     rows = tx.fetch_all(select(content).where(content.c.document == key, tx.valid(content)))
     if len(rows) != 1:
-        yield f"{len(rows)} {'current ' if tx.at >= CURRENT - 1 else ''}contents where one belongs"
+        yield f"{len(rows)} {'current ' if tx.at >= CURRENT - 1 else ''}contents instead of one"
         return
     frames = int(rows[0].frames)
     tx.heads.header(key)
@@ -214,7 +214,7 @@ def _motion_faults(tx: Transaction, key: int) -> Iterator[str]:
         yield f"{read} of {frames} frames can be read"
     for span in tx.spans.of(key):
         if not 1 <= span.first <= span.last <= frames:
-            yield f"the name {span.name!r} lies on frames {span.first} to {span.last} of {frames}"
+            yield f"the name {span.name!r} is on frames {span.first} to {span.last} of {frames}"
 
 
 def _is_whole(block: FrameBlock) -> bool:

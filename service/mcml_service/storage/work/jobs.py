@@ -172,7 +172,7 @@ class Jobs:
     def _change(self, uuid: str, runner: str, **values: Any) -> None:
         mine = update(job).where(job.c.uuid == uuid, job.c.state == "running", job.c.runner == runner)
         if not self._tx.run(mine.values(**values)):
-            raise ConflictError(f"Job {uuid} is no longer this runner's.", remedy="Let the other one go on.")
+            raise ConflictError(f"Job {uuid} is no longer this runner's.", remedy="Wait for the other one.")
 
     def end(
         self,

@@ -48,5 +48,5 @@ def read_cursor(request: QueryRequest) -> Cursor | None:
     except (binascii.Error, ValueError, TypeError, OverflowError):
         commit, since, offset, check = -1, -1, -1, -1
     if check != question(request) or not (0 <= commit < LATEST and 0 <= offset < LATEST):
-        raise QueryError("This cursor belongs to another question.", remedy="Begin again without a cursor.")
+        raise QueryError("This cursor is for another query.", remedy="Begin again without a cursor.")
     return Cursor(commit, since, offset, check)

@@ -73,7 +73,7 @@ class Page:
 
     def of_runs(self, tx: Transaction, found: Iterable[Run]) -> QueryAnswer:
         if self.offset + self.limit > MAX_RUNS:
-            raise LimitError(f"The answer has more than {MAX_RUNS} runs.", remedy="Narrow the question.")
+            raise LimitError(f"The result has more than {MAX_RUNS} runs.", remedy="Narrow the query.")
         totals: RunTotals | None = None
         if "totals" in (self.request.with_ or ""):
             found, totals = counted(found)

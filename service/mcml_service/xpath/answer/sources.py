@@ -55,7 +55,7 @@ def _elements(forest: Forest, nodes: Ints) -> Ints:
 
 def _too_large(stored: Listed, elements: int, most: int) -> LimitError:
     return LimitError(
-        f"The answer holds all of {stored.name!r}, about {elements:,} elements; a page holds {most:,}.",
+        f"The result contains all of {stored.name!r}, about {elements:,} elements; a page holds {most:,}.",
         remedy="Ask with as=xml, ndjson or csv and without a limit, which streams it. Export the document, or ask for "
         "some of its frames.",
         code="query-too-large",

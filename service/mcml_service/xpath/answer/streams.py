@@ -101,7 +101,7 @@ def collect(source: Source, limit: int | None) -> list[GroupNodes]:
         if left <= 0:
             break
     if limit is None and left <= 0:
-        raise LimitError(f"The answer has more than {MAX_NODES:,} nodes.", remedy="Narrow the question.")
+        raise LimitError(f"The result has more than {MAX_NODES:,} nodes.", remedy="Narrow the query.")
     return parts
 
 

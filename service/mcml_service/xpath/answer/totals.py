@@ -24,7 +24,7 @@ def counted(found: Iterable[Run]) -> tuple[list[Run], RunTotals]:
     """All runs, and their numbers. LimitError where they are too many to be counted."""
     runs = list(islice(found, MAX_RUNS + 1))
     if len(runs) > MAX_RUNS:
-        raise LimitError(f"The answer has more than {MAX_RUNS} runs.", remedy="Narrow the question.")
+        raise LimitError(f"The result has more than {MAX_RUNS} runs.", remedy="Narrow the query.")
     frames = sum(run.last - run.first + 1 for run in runs)
     return runs, RunTotals(frames=frames, runs=len(runs), documents=len({run.stored.key for run in runs}))
 

@@ -57,7 +57,7 @@ class Parts:
     def chunks(self) -> Iterator[tuple[Forest, Ints]]:
         for part in self._parts:
             if not part.are_nodes and len(part):
-                raise QueryError("The answer holds values, not only nodes.", remedy="Ask for it with as=json.")
+                raise QueryError("The result contains values, not only nodes.", remedy="Ask for it with as=json.")
             yield part.forest, np.asarray(part.column, np.int64)
 
 

@@ -244,7 +244,7 @@ def require_certain(text: str) -> None:
             raise QueryError(
                 f"{match[1] or match[2]!r} beside {call} would take what is unknown as known here.",
                 at=Place(column=match.start() + 1),
-                remedy="Write not(a = b) for a != b, `and` and `or` for if, or ask for mo:known(…) beside it.",
+                remedy="Write not(a = b) for a != b, and `and` or `or` for if, or add mo:known(…).",
             )
 
 

@@ -71,7 +71,7 @@ def lost_contexts(tree: Expression) -> list[str]:
         if isinstance(part, For | Let | Quantified) and types_of(part.source, frozenset({DOCUMENT})) & IN_FRAMES
     ]
     found = [
-        f"{call.function} is asked of the document here, which is in no frame, so it is NaN; write "
+        f"{call.function} is evaluated for a document, not for a frame, so it is NaN; write "
         f"{f'${bound[0]}' if bound else '//frame'}/{call.function}(…)"
         for call, context in _with_contexts(tree, frozenset({DOCUMENT}))
         if isinstance(call, Call)
@@ -183,7 +183,7 @@ def _hint(types: Types, step: Step) -> Iterator[str]:
         yield f"{places} has no attribute {said}; it is one of {holders}"
     elif step.axis in ("child", "descendant"):
         holders = ", ".join(sorted(name for name, declared in declarations().items() if _holds(declared.steps, step)))
-        yield f"{places} holds no {said}" + (f"; it stands in {holders}" if holders else "")
+        yield f"{places} holds no {said}" + (f"; it is in {holders}" if holders else "")
 
 
 def _by_letters(name: str, known: set[str]) -> list[str]:

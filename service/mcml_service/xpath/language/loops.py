@@ -101,9 +101,9 @@ class Loops(Cursor):
         place = Place(column=word.start + 1)
         if [clause.kind for clause in clauses].count("for") != 1 or clauses[0].kind != "for":
             raise QueryError(
-                f"{word.text!r} stands behind one `for` with one variable",
+                f"{word.text!r} requires exactly one `for` with one variable before it",
                 at=place,
-                remedy="Loop over one sequence, and look the others up with let.",
+                remedy="Loop over one sequence, and bind the others with let.",
             )
         if word.text == "group":
             self._word("by")

@@ -75,7 +75,7 @@ def _bound(
         raise QueryError(
             f"the variable ${variable.name} has no value",
             at=Place(column=variable.span[0] + 1),
-            remedy="Give it one with the request, or bind it with for, let, some or every.",
+            remedy="Pass a value in the request, or bind it with for, let, some or every.",
         )
     value = variables[variable.name]
     if isinstance(value, bool):

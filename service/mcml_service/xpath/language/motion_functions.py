@@ -75,7 +75,7 @@ MOTION_FUNCTIONS: Final[Mapping[str, MotionFunction]] = {
         ("document", "position"), "number", "leg lengths", "from the pose of a frame of a document"
     ),
     "mo:motion-distance": MotionFunction(
-        ("document", "first", "last"), "number", "leg lengths", "of the stretch that ends here from one of a document"
+        ("document", "first", "last"), "number", "leg lengths", "of the range that ends here from one of a document"
     ),
 }  # fmt: skip
 OF_DOCUMENT: Final = frozenset({"mo:leg", "mo:unit"})

@@ -195,7 +195,7 @@ def _check_functions(call: Call) -> None:
         is_key = call.function == "sort" and place == 2
         if isinstance(argument, Function) and not is_key:
             raise QueryError(
-                "a function cannot stand here",
+                "no function is allowed here",
                 at=Place(column=argument.span[0] + 1),
                 remedy="The key is the third argument of sort: sort(//frame, (), function($f) { … }).",
             )
@@ -237,7 +237,7 @@ def _bound_depth(tree: Expression) -> None:
     while level:
         depth += 1
         if depth > MAX_DEPTH:
-            raise LimitError(f"expressions stand in each other deeper than {MAX_DEPTH}", remedy="Write it flatter.")
+            raise LimitError(f"expressions are nested deeper than {MAX_DEPTH}", remedy="Write it flatter.")
         level = [inner for part in level for inner in children(part)]
 
 

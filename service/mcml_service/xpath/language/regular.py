@@ -137,7 +137,7 @@ def _escape(letter: str, *, in_class: bool) -> str:
     """Translate an escape sequence."""
     if letter.isdigit() and letter != "0":
         raise QueryError(
-            f"a regular expression refers back to what its parenthesis {letter} found, which takes time without limit",
+            f"a regular expression has a back-reference (\\{letter}), which takes unbounded time",
             remedy="Write without \\1, such as (aa|bb) for (a|b)\\1.",
         )
     letters = _CLASSES.get(letter.lower())
@@ -191,7 +191,7 @@ def _that_takes_something(pattern: str, flags: str) -> Any:
     if found.search("") is not None:
         raise QueryError(
             f"the regular expression {pattern!r} matches the empty text, of which there is no end",
-            remedy="Let it match at least one letter: + instead of *.",
+            remedy="Match at least one character: + instead of *.",
         )
     return found
 
@@ -207,7 +207,7 @@ def _template(replacement: str, groups: int, *, literal: bool) -> Callable[[Any]
         place += 1
         if letter == "\\":
             if replacement[place : place + 1] not in ("\\", "$") or place == len(replacement):
-                raise QueryError(f"in {replacement!r} a backslash stands before something else than $ or a backslash")
+                raise QueryError(f"in {replacement!r} a backslash is followed by neither $ nor a backslash")
             parts.append(replacement[place])
             place += 1
         elif letter == "$":

@@ -41,8 +41,8 @@ def require_room(expression: Let, source: Expression) -> None:
     parts = sum(1 for _ in islice(walk(source), MOST_PARTS))
     if uses * parts >= MOST_PARTS:
         raise LimitError(
-            f"The expression gets too large: ${name} stands for {parts:,} parts or more, and is used {uses} times.",
-            remedy="Use the variable less often, or ask in several questions.",
+            f"The expression gets too large: ${name} has the value {parts:,} parts or more, and is used {uses} times.",
+            remedy="Use the variable less often, or split the query.",
             code="query-too-large",
         )
 

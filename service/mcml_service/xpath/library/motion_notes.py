@@ -92,8 +92,8 @@ def refuse_top(calls: Sequence[Call]) -> None:
     """Refuses what is of the whole scope in a question that is asked document by document."""
     if any(call.function == TOP for call in calls):
         raise QueryError(
-            "mo:top is of the whole scope: it stands in no predicate or union, not with per=document, and not with what"
-            " has no columns, and is asked document by document.",
+            "mo:top is evaluated over the whole scope. It cannot be in a predicate or a union, beside functions on "
+            "document trees, or with per=document.",
             remedy="Write it around the whole, or before a path: mo:top(3, //frame[…])/frame_bone.",
         )
 

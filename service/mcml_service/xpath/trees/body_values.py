@@ -257,7 +257,7 @@ class _Asked:
             self._left -= len(self._context)
             if self._left < 0:
                 raise LimitError(
-                    "The question asks for more numbers of a document than may be given.",
+                    "The query needs more numbers of one document than the limit allows.",
                     remedy="Name fewer joints, ask smaller documents, or raise MCML_QUERY_ELEMENTS.",
                     code="query-too-large",
                 )
@@ -286,6 +286,6 @@ def _written(numbers: Iterable[float]) -> str:
 
 def _of_rates() -> QueryError:
     return QueryError(
-        "mo:rate looks at the frames around one, in which variables of loops, and what has no columns, are not known.",
-        remedy="Ask in mo:rate for what a frame alone tells, such as mo:rate(mo:height('Root')).",
+        "mo:rate also reads neighbouring frames, where loop variables and functions on document trees are unknown.",
+        remedy="Pass mo:rate an expression of a single frame, such as mo:rate(mo:height('Root')).",
     )

@@ -163,7 +163,7 @@ def require_alone(tree: Expression, documents: int) -> None:
     """QueryError for what is asked of several documents together, and cannot be of each alone."""
     if documents > 1 and spans_documents(tree):
         raise QueryError(
-            "This is asked of all documents together, and holds what is only evaluated on one document at a time.",
+            "This combines all documents, but contains a function that is evaluated on one document at a time.",
             remedy="Ask with per=document, or one document; or write it without casts, comparisons of nodes, and "
             "loops in loops over nodes.",
             code="needs-one-document",

@@ -95,7 +95,7 @@ def _path(self: Any, context: Any = None) -> Iterator[Any]:
     nodes: dict[Any, None] = {}
     for _ in self[0].select_with_focus(context):
         if not isinstance(context.item, XPathNode):
-            raise self.error("XPTY0019", "a step is asked of a value, which is no node")
+            raise self.error("XPTY0019", "a step is applied to a value, which is not a node")
         for _ in context.iter_descendants() if self.symbol == "//" else (None,):
             for found in self[1].select(context):
                 if isinstance(found, XPathNode):

@@ -51,7 +51,7 @@ def read_written(text: str, variables: Mapping[str, Atomic], *, compatible: bool
             raise QueryError(
                 f"the variable ${name} has no value",
                 at=Place(column=column),
-                remedy="Give it one with the request, or bind it with for, let, some or every.",
+                remedy="Pass a value in the request, or bind it with for, let, some or every.",
                 xpath_error="XPST0008",
             )
     bound = tuple((name, variables[name]) for name in needed)
