@@ -153,7 +153,9 @@ def _ask(body: Body, name: str, first: int, last: int | None) -> Asked:
 def _until(blocks: Iterable[FrameBlock], last: int) -> Iterator[FrameBlock]:
     """The frames to the one at a position."""
     if last > MOST_READ:
-        raise LimitError(f"Of a file the first {MOST_READ:,} frames can be searched for.", remedy="Store it, and ask it then.")
+        raise LimitError(
+            f"Of a file the first {MOST_READ:,} frames can be searched for.", remedy="Store it, and ask it then."
+        )
     frames = 0
     for block in blocks:
         yield block if frames + len(block) <= last else rows_of(block, 0, last - frames)

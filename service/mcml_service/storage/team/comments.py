@@ -102,9 +102,7 @@ class Comments:
     def _require(self, stored: StoredDocument, number: int, scope: str) -> None:
         mine = self.get(stored, number).author == self._tx.author
         if not mine and not may(self._tx.view.scope(stored.project_key), scope):
-            raise AccessError(
-                f"Comment {number} is another's.", remedy="Ask its author or an owner of the project."
-            )
+            raise AccessError(f"Comment {number} is another's.", remedy="Ask its author or an owner of the project.")
 
     def _set(self, number: int, **values: Any) -> None:
         query = select(*(comment.c[name] for name in _COLUMNS)).where(comment.c.id == number).with_for_update()
