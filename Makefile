@@ -40,12 +40,13 @@ test: web ## Run all tests, on SQLite and PostgreSQL, and in the browser
 	@$(BIN)/python -m tests.web.keeper install
 	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 
-check: $(STAMP) ## Style, types, layers, spelling, the same of the studio, known faults of packages
+check: $(STAMP) ## Style, types, layers, spelling, plain English, the same of the studio, known faults of packages
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/codespell service schemas mcml docs tests README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md
+	@$(BIN)/python -m tests.docs.english
 	@$(BIN)/python -m tests.web.keeper
 	@$(BIN)/python -m tests.release.audit
 

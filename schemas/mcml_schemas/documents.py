@@ -111,7 +111,7 @@ class RecognisedJoint(BaseModel):
 class Naming(BaseModel):
     """How joints got their MCML names."""
 
-    rig: str = Field(description="What the joints are: person, part of a person, not a person, unknown, mcml, markers")
+    rig: str = Field(description="Kind of skeleton: person, part of a person, not a person, unknown, mcml, markers")
     mapped: dict[str, str] = Field(description="Source name to MCML name")
     joints: list[RecognisedJoint] = Field([], description="How each mapped joint was recognised")
     landmarks: dict[str, str] = Field({}, description="Marker to the landmark of a body that it stands on")

@@ -301,8 +301,8 @@ class MusicBeats(BaseModel):
         description="Whether this tempo fits clearly better than its rivals, or was given; else it is ambiguous"
     )
     rivals: list[TempoRival] = Field(
-        description="Tempi that the music may have: what was found, half, double, three beats for two or one. The one "
-        "taken comes first; send `bpm` to take another"
+        description="Possible tempi of the music: the detected one, half, double, three beats for two or one. The "
+        "chosen one is first; send `bpm` to choose another"
     )
     meters: list[MusicMeter] = Field(
         description="Beats per bar, the most likely first; `music` has the first one, or the one that was sent"

@@ -107,8 +107,8 @@ class SkeletonView(BaseModel):
     metres: float | None = Field(None, description="Of the likely unit")
     up: str | None = Field(None, description="Axis that points up, where one is stated")
     likely_up: str = Field(description="The stated axis; otherwise the upright axis of the body in the first frame")
-    origin: list[float] = Field(description="What `origin=subtract` takes off positions: see docs")
-    radians: float = Field(description="Of the unit in which the frames' angles are")
+    origin: list[float] = Field(description="Vector that `origin=subtract` subtracts from positions")
+    radians: float = Field(description="Radians per unit of the frames' angles")
     bones: list[SkeletonBone] = Field(description="Parents before their children")
     tips: list[Tip]
     columns: list[str] = Field(description="BONE.CHANNEL of each number of a frame, in their order: that of the file")

@@ -116,7 +116,7 @@ class Settings(BaseSettings):
     )
     openid_client_id: str = Field("mcml", description="Client id of this repository at the provider")
     openid_client_secret: str | None = Field(None, description="Client secret, if the provider issued one")
-    openid_name: str = Field("OpenID Connect", description="What the button of the login page calls the provider")
+    openid_name: str = Field("OpenID Connect", description="Name of the provider on the sign-in button")
     openid_role: Literal["none", "member", "reader", "editor"] = Field(
         "none", description="Role for a first sign-in without an invitation; none: refused"
     )

@@ -76,8 +76,8 @@ def export(
 
 
 def import_(
-    file: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="What `mcml project export` wrote")],
-    name: Annotated[str | None, typer.Option(help="Default: as the project was called")] = None,
+    file: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="A file from `mcml project export`")],
+    name: Annotated[str | None, typer.Option(help="Default: the original name of the project")] = None,
     database: DatabaseOption = None,
     server: ServerOption = None,
 ) -> None:

@@ -224,17 +224,17 @@ def scarcity(names: Sequence[str], attributes: Array, subjects: Sequence[str] | 
             reasons.append(
                 (
                     "two-values",
-                    f"{name} has two values in the clips, {low} and {high}: what lies between them, and how it goes "
-                    f"on, was never seen. Add clips with other values of {name}, or leave it out of attributes.",
+                    f"{name} has only two values in the clips, {low} and {high}: there are no examples between and "
+                    f"beyond them. Add clips with other values of {name}, or remove it from the attributes.",
                 )
             )
     if subjects is not None and len(people := sorted(set(subjects))) == 2:
         reasons.append(
             (
                 "two-people",
-                f"The clips are of two people, {people[0]} and {people[1]}: what differs between people cannot be told "
-                "from what an attribute does, and nobody is left to check with. Add clips of more people, or "
-                'leave out what is the same in all clips of a person; subject="" leaves single clips out instead.',
+                f"The clips are of two people, {people[0]} and {people[1]}: effects of a person and of an attribute "
+                "cannot be separated, and no person is left for cross-validation. Add clips of more people, or remove "
+                'attributes that are constant within a person; subject="" leaves single clips out instead.',
             )
         )
     return reasons

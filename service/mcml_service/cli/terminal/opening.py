@@ -45,7 +45,7 @@ def choose_settings(database: str | None = None, **changes: Any) -> Settings:
     except ValidationError as error:
         fault = error.errors()[0]
         name = f"MCML_{'_'.join(map(str, fault['loc'])).upper()}"
-        raise McmlError(f"{name}: {fault['msg']}.", remedy="See docs/settings.md for what it may be.") from None
+        raise McmlError(f"{name}: {fault['msg']}.", remedy="docs/settings.md lists the allowed values.") from None
 
 
 def find_database(settings: Settings) -> Database:
