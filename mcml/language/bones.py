@@ -33,7 +33,7 @@ from mcml.language.vocabulary import (
 from mcml.motion.skeleton import ROTATIONS, Convention, EndSite, Joint, Skeleton, Triple
 
 MAX_DEPTH = 256
-"""Bones in bones that a skeleton may have; no body comes near it (formats.md, 9.2)."""
+"""Bones in bones that a skeleton may have; no body comes near it."""
 
 _CONVENTION_OF_FORMAT = {
     "bvh": Convention.LISTED,

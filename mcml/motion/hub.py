@@ -2,7 +2,7 @@
 
 In this hub form the rest pose has no rotations: a joint's axes at rest are the world's. With o the rest offset from
 the parent, t the translation that replaces it in a frame and L the local rotation, forward kinematics is
-P = P_parent + Q_parent t, Q = Q_parent L (formats.md 1.4, 8).
+P = P_parent + Q_parent t, Q = Q_parent L (docs/conventions.md).
 """
 
 from __future__ import annotations

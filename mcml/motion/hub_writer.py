@@ -1,9 +1,9 @@
 """From the hub form to the channels of a skeleton, in its own convention: the inverse of `HubReader`.
 
 With C the rest orientation of a joint, o its rest offset, L and t its rotation and translation in the hub form
-(formats.md 8): LISTED: angles of L, position t, or t - o where positions add to the offset. FIXED: M = C^-1 L C, whose
-angles are about fixed axes; t - s o, in C, for a bone that may move (s: scale of the bone above). BASE: C^-1 L C, and
-t - o in the axes of the parent at rest. MARKER: t.
+(docs/conventions.md): LISTED: angles of L, position t, or t - o where positions add to the offset. FIXED:
+M = C^-1 L C, whose angles are about fixed axes; t - s o, in C, for a bone that may move (s: scale of the bone above).
+BASE: C^-1 L C, and t - o in the axes of the parent at rest. MARKER: t.
 """
 
 from __future__ import annotations

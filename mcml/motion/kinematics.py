@@ -1,4 +1,4 @@
-"""Where joints are: forward kinematics of clips of every convention (formats.md 1.4, 2.3, 4.2).
+"""Where joints are: forward kinematics of clips of every convention (docs/conventions.md).
 
 Lengths are in the clip's own unit. Rotations are those from the rest pose in world axes, so that they mean the same in
 every convention: the identity is the rest pose. A missing sample keeps its last value.

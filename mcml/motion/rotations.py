@@ -152,7 +152,7 @@ def to_euler(rotation: Array, order: str, previous: Array | None = None) -> Arra
     order: three different letters. previous: angles (3,) of the frame before the first, which they continue.
     Of the two triples that mean the same rotation, and whole turns, the nearest to the frame before is taken; the
     first frame without `previous` has its middle angle within a quarter turn. Where the middle angle is a quarter turn
-    the last angle stays as it was (0 at first), so only the first one moves. Formulas: formats.md 8.
+    the last angle stays as it was (0 at first), so only the first one moves. Formulas: docs/conventions.md.
     """
     if not len(rotation):
         return np.empty((0, 3))

@@ -23,7 +23,7 @@ UNITS: Final[Mapping[str, float]] = {
     "foot": 0.3048,
     "feet": 0.3048,
 }
-"""Metres of each unit of length (formats.md 4.1)."""
+"""Metres of each unit of length."""
 
 
 def metres_per_unit(name: str) -> float:
@@ -38,7 +38,7 @@ def metres_of(head: ClipHead) -> float | None:
     """Metres of the clip's unit of length, None where the file does not say.
 
     ASF: local units are value / `length`; those of Vicon's files (CMU, HDM05: length 0.45) are inches, which the file
-    itself does not say, so it counts only where the header states a calibration unit (formats.md 2.1).
+    itself does not say, so it counts only where the header states a calibration unit (docs/formats/asf-amc.md).
     """
     unit = head.fields.get("calibration_unit")
     return UNITS.get(unit.strip().lower()) if unit else None
@@ -66,7 +66,7 @@ DEGREES: Final = Reading()
 
 
 def reading_of(head: ClipHead) -> Reading:
-    """Angle units and bone axis of a clip: its header, and the flag of an AMC, which has its own (formats.md 2.1)."""
+    """Angle units and bone axis of a clip: of its header, and of the flag of an AMC (docs/formats/asf-amc.md)."""
     rest = _radians(head.fields.get("units_angle", "deg"))
     motion = rest
     for source in head.sources:

@@ -1,4 +1,4 @@
-"""ASF and AMC: the contract, and every quirk of formats.md 9."""
+"""ASF and AMC: the contract, and every quirk of real files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""BVH: the contract, and every quirk of formats.md 9."""
+"""BVH: the contract, and every quirk of real files."""
 
 from __future__ import annotations
 

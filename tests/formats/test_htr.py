@@ -1,4 +1,4 @@
-"""HTR and HTR2: the contract, and every quirk of formats.md 9."""
+"""HTR and HTR2: the contract, and every quirk of real files."""
 
 from __future__ import annotations
 

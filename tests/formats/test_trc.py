@@ -1,4 +1,4 @@
-"""TRC: the contract, and every quirk of formats.md 6 and 9."""
+"""TRC: the contract, and every quirk of real files."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Forward kinematics written out, joint by joint, with SciPy's rotations: the twin of the fast one.
 
-Formulas of formats.md 1.4 (BVH), 2.2 and 2.3 (ASF/AMC), 4.2 (HTR), each in its own convention, without the hub form.
+Formulas of docs/conventions.md for BVH, ASF/AMC and HTR, each in its own convention, without the hub form.
 """
 
 from __future__ import annotations

@@ -124,7 +124,7 @@ def test_amc_angles_are_copied_to_htr(seed: int) -> None:
 
 
 def test_limbs_of_cmu_only_change_signs_in_htr() -> None:
-    """C^-1 d = -Y: half a turn about X makes the bone's axis true and flips the signs of ry and rz (formats.md 8)."""
+    """C^-1 d = -Y: half a turn about X makes the bone's axis true and flips the signs of ry and rz."""
     clip = random_clip(FIXED, 3, partial=False)
     root = clip.head.skeleton.joints[0]
     bone = Joint(

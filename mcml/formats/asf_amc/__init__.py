@@ -1,1 +1,1 @@
-"""ASF and AMC: Acclaim's skeleton and motion, two files. Facts and sources: formats.md 2 and 3."""
+"""ASF and AMC: Acclaim's skeleton and motion, two files. See docs/formats/asf-amc.md."""

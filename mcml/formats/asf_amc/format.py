@@ -1,4 +1,7 @@
-"""ASF and AMC: Acclaim's skeleton and motion, two files. Facts and sources: formats.md 2 and 3.
+"""ASF and AMC: Acclaim's skeleton and motion, two files.
+
+Source: M. Meredith and S. Maddock, "Motion Capture File Formats Explained" (University of Sheffield, CS-01-11, 2001);
+this program's reading of it is in docs/formats/asf-amc.md.
 
 An ASF alone is a clip without frames. AMC states no frame rate; it stays unknown.
 """

@@ -1,4 +1,4 @@
-"""ASF: Acclaim's skeleton files to skeletons. Facts and sources: formats.md 2.
+"""ASF: Acclaim's skeleton files to skeletons. See docs/formats/asf-amc.md.
 
 Line oriented; `#` begins a comment; commas and brackets are white space. Angles and lengths are kept as written.
 """

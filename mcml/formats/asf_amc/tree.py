@@ -149,7 +149,7 @@ def _joint(bone: Bone, parent: int, notices: list[Notice]) -> Joint:
 
 
 def _rotation_order(bone: Bone, notices: list[Notice]) -> str:
-    """The order of application: that of dof where all three are given, else that of axis (formats.md 2.2)."""
+    """The order of application: that of dof where all three are given, else that of axis."""
     letters = "".join(channel[1].upper() for channel in bone.channels if channel[0] == "R")
     axis = bone.axis_order.upper() or "XYZ"
     if len(letters) == 3:

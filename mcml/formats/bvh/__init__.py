@@ -1,1 +1,1 @@
-"""BVH: Biovision's hierarchy and motion in one file. Facts and sources: formats.md 1."""
+"""BVH: Biovision's hierarchy and motion in one file. See docs/formats/bvh.md."""

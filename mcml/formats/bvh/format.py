@@ -1,4 +1,7 @@
-"""BVH: Biovision's hierarchy and motion in one file. Facts and sources: formats.md 1.
+"""BVH: Biovision's hierarchy and motion in one file.
+
+Source: M. Meredith and S. Maddock, "Motion Capture File Formats Explained" (University of Sheffield, CS-01-11, 2001);
+this program's reading of it is in docs/formats/bvh.md.
 
 Reading takes the skeleton, then turns the motion block by block into arrays; nothing but the head is held. Angles are
 degrees; the unit of length and the axes are not in the file and stay unknown.

@@ -1,4 +1,4 @@
-"""The HIERARCHY of a BVH file: text to skeleton and back. Grammar: formats.md 1.1 (J. Lander's description)."""
+"""The HIERARCHY of a BVH file: text to skeleton and back. See docs/formats/bvh.md."""
 
 from __future__ import annotations
 

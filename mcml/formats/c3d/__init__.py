@@ -1,1 +1,1 @@
-"""C3D: labelled points of optical systems, binary. Facts and sources: formats.md 5."""
+"""C3D: labelled points of optical systems, binary. See docs/formats/c3d.md."""

@@ -1,4 +1,7 @@
-"""C3D: labelled points of optical systems, binary. Facts and sources: formats.md 5.
+"""C3D: labelled points of optical systems, binary.
+
+Source: The C3D File Format User Guide (Motion Lab Systems, c3d.org); this program's reading of it is in
+docs/formats/c3d.md.
 
 `parameters` reads what the file says of itself, `layout` finds where its points lie, `points` reads them;
 here they become a clip of markers.

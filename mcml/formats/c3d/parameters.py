@@ -1,4 +1,4 @@
-"""What a C3D file says of itself: the words of its header and its parameters. Facts and sources: formats.md 5.
+"""What a C3D file says of itself: the words of its header and its parameters. See docs/formats/c3d.md.
 
 The header is the first block of 512 bytes; the parameters begin at the block that its first byte names. Nothing here
 trusts a length: what would leave the section ends the walk, and what was read until there counts.

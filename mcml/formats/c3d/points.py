@@ -1,4 +1,4 @@
-"""The points of C3D: words of a file to coordinates and residuals, and back. Facts and sources: formats.md 5."""
+"""The points of C3D: words of a file to coordinates and residuals, and back. See docs/formats/c3d.md."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Points of C3D that are no places: angles, forces, moments, powers, and what else parameters say that they are.
 
 Models such as Plug-in Gait write their results into the same table as markers, and name them in POINT:ANGLES and its
-like. Here they become sections of the head, one for each, and points of a file again. Sources: formats.md 5.
+like. Here they become sections of the head, one for each, and points of a file again. See docs/formats/c3d.md.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Clips of markers to C3D: floats of Intel machines, parameters as readers want them. Sources: formats.md 5."""
+"""Clips of markers to C3D: floats of Intel machines, parameters as readers want them. See docs/formats/c3d.md."""
 
 from __future__ import annotations
 

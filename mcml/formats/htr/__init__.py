@@ -1,1 +1,1 @@
-"""HTR and HTR2: Motion Analysis' hierarchical translation and rotation. Facts and sources: formats.md 4."""
+"""HTR and HTR2: Motion Analysis' hierarchical translation and rotation. See docs/formats/htr.md."""

@@ -1,4 +1,7 @@
-"""HTR and HTR2: Motion Analysis' hierarchical translation and rotation. Facts and sources: formats.md 4.
+"""HTR and HTR2: Motion Analysis' hierarchical translation and rotation.
+
+Source: M. Meredith and S. Maddock, "Motion Capture File Formats Explained" (University of Sheffield, CS-01-11, 2001);
+this program's reading of it is in docs/formats/htr.md.
 
 Version 1 lists all frames of a segment, then those of the next; version 2 (HTR2) lists frame by frame. A clip leaves
 in the version it came in. GTR, the same layout with global data and no hierarchy, is refused.
@@ -23,7 +26,7 @@ from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, Shape, SourcePart
 from mcml.motion.skeleton import CHANNEL_INDEX, Convention, Skeleton
 
 MISSING = 999999.0
-"""A value at least this large, of either sign, says that there is no sample (formats.md 4.2)."""
+"""A value at least this large, of either sign, says that there is no sample."""
 
 _DEFAULT_LEXEME = "9999999"
 _OPENING = re.compile(rb"[ \t]*Frame[ \t]+([0-9]+)[ \t]*:?[ \t]*", re.IGNORECASE)

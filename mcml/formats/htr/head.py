@@ -1,4 +1,4 @@
-"""The head of an HTR file: header, hierarchy, base position. Facts and sources: formats.md 4."""
+"""The head of an HTR file: header, hierarchy, base position. See docs/formats/htr.md."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""TRC: Motion Analysis' labelled points over time, as text. Facts and sources: formats.md 6."""
+"""TRC: Motion Analysis' labelled points over time, as text. See docs/formats/trc.md."""

@@ -1,4 +1,6 @@
-"""TRC: Motion Analysis' labelled points over time, as text. Facts and sources: formats.md 6.
+"""TRC: Motion Analysis' labelled points over time, as text.
+
+Source: OpenSim documentation, Marker (.trc) Files; this program's reading of it is in docs/formats/trc.md.
 
 Five head lines (file type, names of facts, facts, labels, axes), then a line for each frame: number, time, and x y z of
 every marker between single tabs. An empty cell, or `nan`, is a sample that is missing.

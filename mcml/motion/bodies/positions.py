@@ -2,7 +2,7 @@
 
 Forward kinematics with rotation matrices, many frames at once, one component of all frames after the other: with A the
 axes of a joint in the world, G those at rest and M the product of its channels' rotations, A = A_parent G_parent^-1 G M
-and P = P_parent + A_parent G_parent^-1 t (formats.md 1.4, 2.3, 4.2). No joint without children is turned.
+and P = P_parent + A_parent G_parent^-1 t (docs/conventions.md). No joint without children is turned.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Skeletons in another convention: which joints it has, how each is turned at rest, which order its angles have.
 
 A plan says for every joint of the target which joint of the source it is (none: a connector that ASF needs), its rest
-offset and its rest orientation G. Formulas: formats.md 8.
+offset and its rest orientation G. Formulas: docs/conventions.md.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A path of bars made into one motion: warped to the grid, placed on the floor, blended. Dance.md 9 and 11."""
+"""A path of bars made into one motion: warped to the grid, placed on the floor, blended."""
 
 from __future__ import annotations
 

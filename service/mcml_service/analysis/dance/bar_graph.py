@@ -128,7 +128,7 @@ def bar_graph(
     told: Told = lambda share: None,
     spread: Spread | None = None,
 ) -> BarGraph:
-    """Edges between the bars of clips on one skeleton, and the component that is kept. Dance.md 7, 8."""
+    """Edges between the bars of clips on one skeleton, and the component that is kept."""
     bars = all_bars(clips)
     figures = find_shared_points(clips)
     points = figures[0].points

@@ -75,7 +75,7 @@ def bars_of(
     stride: int = 4,
     lead_in: EntryFrom = "beat",
 ) -> Bars:
-    """Bars among beats, with entry and leave. Dance.md 5, 6. period: frames, None: no bars."""
+    """Bars among beats, with entry and leave. period: frames, None: no bars."""
     if period is None or len(beats) < ENOUGH:
         return Bars(source, beats, supported, np.empty((0, 4)), np.empty(0), np.empty(0))
     good = good_intervals(beats, period, tolerance, window)

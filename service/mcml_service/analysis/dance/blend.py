@@ -82,7 +82,7 @@ def continuous(rotations: Array) -> Array:
 
 
 def blend_rotations(first: Array, second: Array, alpha: Array) -> Array:
-    """Rotations (n, J, 4) over a window, alpha (n,) parts of the first. Dance.md 11.
+    """Rotations (n, J, 4) over a window, alpha (n,) parts of the first.
 
     Each track is made continuous, and the arc between them kept, even past 180 degrees: the shortest arc frame by frame
     would flip in the middle of a transition. Of the two ways around a joint takes the one that turns it less in any one

@@ -1,4 +1,4 @@
-"""From a graph of bars and a grid of music to a path: rate, constraints, choice. Dance.md 9, 10."""
+"""From a graph of bars and a grid of music to a path: rate, constraints, choice."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Wish:
 
 @dataclass(frozen=True)
 class Choice:
-    """How a path is chosen. Fields as in dance.md 9, 10."""
+    """How a path is chosen. docs/analyses/dance.md describes the fields."""
 
     pulse: Fraction | None = None
     max_stretch: float = 2.0

@@ -73,7 +73,7 @@ def figure_of(skeleton: Skeleton, translations: Array) -> Figure:
 
 
 def body_size(parents: NDArray[np.intp], offsets: Array, sites: tuple[tuple[int, Array], ...] = ()) -> float:
-    """The longest path between two nodes of the tree, summing bone lengths (dance.md, conventions). O(J).
+    """The longest path between two nodes of the tree, summing bone lengths. O(J).
 
     parents: (J,), -1 at a root, parents first. offsets: (J, 3) from the parent. sites: end sites, (joint, offset (3,)).
 

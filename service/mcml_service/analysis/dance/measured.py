@@ -1,4 +1,4 @@
-"""The figures of a new dance, beside those of the classic blend and of its sources. Dance.md 12."""
+"""The figures of a new dance, beside those of the classic blend and of its sources."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How well a dance keeps to its grid, and how smooth its transitions are. Dance.md 12."""
+"""How well a dance keeps to its grid, and how smooth its transitions are."""
 
 from __future__ import annotations
 

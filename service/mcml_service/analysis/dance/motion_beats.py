@@ -81,7 +81,7 @@ def speed_signal(
     smooth: float = 0.04,
     difference: Difference = "central",
 ) -> Array:
-    """Mean speed y (F,) of the joints that count, units a second. Dance.md 1; Ho et al. (2013), eq. 1.
+    """Mean speed y (F,) of the joints that count, units a second. Ho et al. (2013), eq. 1.
 
     translations: (F, J, 3), rotations: (F, J, 4). smooth: standard deviation, seconds, of the Gaussian over the
     positions (0: none). Memory is bounded by blocks of frames. O(F J).
@@ -117,7 +117,7 @@ def mean_speed(positions: Array, fps: float, smooth: float = 0.04, difference: D
 
 
 def minima(speed: Array) -> Frames:
-    """Strict local minima of (F,) away from the ends; of a run of equal values its middle frame. Dance.md 2.
+    """Strict local minima of (F,) away from the ends; of a run of equal values its middle frame.
 
     >>> minima(np.array([3.0, 1, 2, 0, 0, 0, 0, 5, 5, 6])).tolist()
     [1, 4]
@@ -143,7 +143,7 @@ def window_means(speed: Array, window: int) -> Array:
 def refine(speed: Array, fps: float, k2: float = 2 / 15, k3: float = 1.0) -> Candidates:
     """Minima with the verdict of F1 (least of its window, and a window after the beat before), F2 (deep), F3 (slow).
 
-    Choi (2024), eqs. 1 to 3; dance.md 3. speed: (F,). k2: least dip, k3: greatest rest, parts of the mean speed. O(F).
+    Choi (2024), eqs. 1 to 3. speed: (F,). k2: least dip, k3: greatest rest, parts of the mean speed. O(F).
     """
     window, frames, mean = window_of(fps), minima(speed), float(speed.mean()) if len(speed) else 0.0
     if not len(frames) or mean <= 0:
@@ -225,7 +225,7 @@ def beat_wave(beats: Array, frames: int) -> Array:
 def periods(beats: Array, frames: int, fps: float, count: int = 3) -> list[Period]:
     """The highest peaks of the power spectrum of `beat_wave` between 30 and 180 a minute, the highest first.
 
-    Dance.md 4. Empty with fewer than two beats or without a peak. Of peaks within 1e-9 of the highest the faster one
+    Empty with fewer than two beats or without a peak. Of peaks within 1e-9 of the highest the faster one
     comes first. O(F log F).
     """
     if len(beats) < 2:

@@ -259,7 +259,7 @@ def connect(
     told: Told = lambda share: None,
     spread: Spread | None = None,
 ) -> tuple[Edges, float, Pairs]:
-    """Edges between bars, the threshold, and all jumps that were found, also beyond it. Dance.md 7.
+    """Edges between bars, the threshold, and all jumps that were found, also beyond it.
 
     threshold: body sizes; None: the least for which the jumps alone have a component of max(2, ceil(coverage B)) bars,
     the greatest distance if none does. How many pairs that needs is guessed; where they do not suffice, four times as

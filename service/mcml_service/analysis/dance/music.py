@@ -49,7 +49,7 @@ class Tempo:
 
 
 def fit_tempo(beats: Sequence[float]) -> Tempo:
-    """The line through beat times by least squares over whole numbers, round(dt / median dt) apart. Dance.md 13.
+    """The line through beat times by least squares over whole numbers, round(dt / median dt) apart.
 
     beats: ascending. Raises AnalysisError `music-no-beats` for fewer than four.
     """

@@ -79,7 +79,7 @@ def beam_path(
     max_run: int = MAX_RUN,
     width: int = WIDTH,
 ) -> list[int]:
-    """Bars (M) of least cost found by a beam of states by (cost to 9 decimals, path). Dance.md 10.
+    """Bars (M) of least cost found by a beam of states by (cost to 9 decimals, path).
 
     A step to B costs its edge and repeat_cost * sum over earlier visits of B of forgetting ** (steps since - 1). At
     most `max_run` bars in source order, unless a state has no other way. reach: (M, B), no dead ends inside.

@@ -30,7 +30,7 @@ BONES_DIFFER = 0.02
 
 @dataclass(frozen=True)
 class Search:
-    """How beats and bars are looked for. Fields as in dance.md 1 to 6.
+    """How beats and bars are looked for. docs/analyses/dance.md describes the fields.
 
     locate: whether beats move from the minimum to the middle of the rest. source_bpm: the tempo the dancer heard, None
     if unknown. own_beats: seconds, set by a person: nothing is looked for. tempo: of the motion (robust), or of its

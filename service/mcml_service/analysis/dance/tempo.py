@@ -1,6 +1,6 @@
 """The tempo of a motion itself, of one clip or of several to the same music: periodicity of rests, braking and bounce.
 
-Dance.md 4. It does not rest on beats, so it does not depend on where they were found, nor on the frame rate.
+It does not rest on beats, so it does not depend on where they were found, nor on the frame rate.
 """
 
 from __future__ import annotations

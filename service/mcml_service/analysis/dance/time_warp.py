@@ -34,7 +34,7 @@ def frame_count(grid: Array, fps: float) -> int:
 
 
 def motion_grid(grid: Array, pulse: Fraction) -> Array:
-    """Times of motion beats, 4 M + 1: every pulse-th music beat, midpoints added for one half. Dance.md 9."""
+    """Times of motion beats, 4 M + 1: every pulse-th music beat, midpoints added for one half."""
     if pulse == Fraction(1, 2):
         halves = np.empty(2 * len(grid) - 1)
         halves[::2] = grid
@@ -80,7 +80,7 @@ def segments(
     warp: Warp = "beats",
     play_on: bool = False,
 ) -> list[Segment]:
-    """Runs of natural pairs with the knots of their time maps. Dance.md 9.
+    """Runs of natural pairs with the knots of their time maps.
 
     path: (M,) bars. natural: (M - 1,) whether the step to the next bar is natural. bars: (B, 4), entries, leaves: (B,)
     source frames. grid: (4 M + 1,) motion beats. warp: "uniform" keeps the first and last knot of each bar (Choi 2024).

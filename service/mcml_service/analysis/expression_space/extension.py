@@ -1,4 +1,4 @@
-"""Takes added to a space that is there, without building it again (expression.md 9.7)."""
+"""Takes added to a space that is there, without building it again."""
 
 from __future__ import annotations
 

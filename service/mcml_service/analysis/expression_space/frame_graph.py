@@ -1,4 +1,4 @@
-"""The graph of frames: which expression one may go to from which (expression.md 2)."""
+"""The graph of frames: which expression one may go to from which."""
 
 from __future__ import annotations
 

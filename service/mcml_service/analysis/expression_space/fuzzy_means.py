@@ -1,4 +1,4 @@
-"""Fuzzy c-means. Bezdek (1981); expression.md 5.2, 5.5."""
+"""Fuzzy c-means. J. C. Bezdek, Pattern Recognition with Fuzzy Objective Function Algorithms (1981)."""
 
 from __future__ import annotations
 

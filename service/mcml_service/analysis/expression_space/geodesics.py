@@ -1,4 +1,4 @@
-"""Lengths of shortest paths over a graph: Floyd's algorithm in blocks, Dijkstra's by SciPy (expression.md 3)."""
+"""Lengths of shortest paths over a graph: Floyd's algorithm in blocks, Dijkstra's by SciPy."""
 
 from __future__ import annotations
 

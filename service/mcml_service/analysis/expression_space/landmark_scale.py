@@ -1,4 +1,4 @@
-"""Spaces of up to 100,000 frames: reduced states and distances to landmarks (expression.md 9.2 to 9.4)."""
+"""Spaces of up to 100,000 frames: reduced states and distances to landmarks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Levels of detail: which frames stand for all others (expression.md 5)."""
+"""Levels of detail: which frames stand for all others."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Links: between which candidates one may move directly (expression.md 6)."""
+"""Links: between which candidates one may move directly."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Paths through a space: key frames, the walk of captured frames between them, refinement (expression.md 7)."""
+"""Paths through a space: key frames, the walk of captured frames between them, refinement."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Frames on a plane: classical scaling of geodesics, and of landmarks (expression.md 4, 9.4).
+"""Frames on a plane: classical scaling of geodesics, and of landmarks.
 
 Torgerson (1952), de Silva and Tenenbaum (2004).
 """

@@ -1,4 +1,4 @@
-"""A path as a moving face: markers at constant speed along the walk (expression.md 8)."""
+"""A path as a moving face: markers at constant speed along the walk."""
 
 from __future__ import annotations
 

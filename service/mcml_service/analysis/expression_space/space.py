@@ -1,4 +1,4 @@
-"""A space of expressions, built stage by stage (expression.md 2 to 6, 9)."""
+"""A space of expressions, built stage by stage."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""States of faces: the distances of all pairs of markers, and how far two states are apart (expression.md 1.2, 1.4)."""
+"""States of faces: the distances of all pairs of markers, and how far two states are apart."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ class Frames:
 
 
 def frames_of(motions: Sequence[Motion], options: Options) -> Frames:
-    """The frames of takes (expression.md 1.1, 1.3, 1.4).
+    """The frames of takes.
 
     Raises AnalysisError `no-markers`, `marker-sets-disjoint`, `collinear-markers`, `not-finite`, `too-few-frames`.
     """

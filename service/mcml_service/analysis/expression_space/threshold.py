@@ -1,4 +1,4 @@
-"""How near two expressions have to be for a step (expression.md 2.2)."""
+"""How near two expressions have to be for a step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What thresholds do to a set of distances: geodesics of the graph that each makes (expression.md 2.2)."""
+"""What thresholds do to a set of distances: geodesics of the graph that each makes."""
 
 from __future__ import annotations
 
