@@ -100,7 +100,7 @@ def test_nobody_comes_without_an_invitation_unless_that_is_said(database: Databa
     with visitor(database, issuer) as client:
         refused = signed_in(client, "lee")
         assert refused.status_code == 403
-        assert "Nobody has invited you here" in refused.text
+        assert "You have no invitation" in refused.text
         page = client.get("/login", params={"invitation": code}).text
         (way,) = re.findall(r'href="(/login/openid[^"]*)"', page)
         assert parse_qs(urlsplit(way).query)["invitation"] == [code]
@@ -242,7 +242,7 @@ def test_a_provider_that_does_not_answer_is_told(database: Database) -> None:
     with visitor(database, "http://127.0.0.1:9") as client:
         answer = client.get(START)
         assert answer.status_code == 403
-        assert "does not answer" in answer.text
+        assert "unreachable" in answer.text
     with visitor(database, "http://127.0.0.1:9", openid_issuer=None) as client:
         assert client.get(START).status_code == 404
 

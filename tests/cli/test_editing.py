@@ -77,7 +77,7 @@ def test_elements(run: Run, walk: str) -> None:
 @pytest.mark.parametrize(
     ("label", "right"),
     [
-        ("walk:0-2", "Frames are counted from 1"),
+        ("walk:0-2", "Frames are numbered from 1"),
         ("walk:5-2", "begins at frame 5 and ends at 2"),
         ("jump:2", "such as jump:2-2"),
         ("jump:0", "NAME:FIRST-LAST"),

@@ -131,7 +131,7 @@ def test_accepts_every_spelling(change) -> None:  # type: ignore[no-untyped-def]
         ((":documentation", ":namespace"), "section :namespace is kept"),
         (("     id 3\n", "     colour red\n"), "bone '?': 'colour' is unknown and ignored"),
         (("   order TX TY TZ RX RY RZ\n", ""), "the root states no order"),
-        (("orientation 0 0 0", "orientation 0 90 0"), "turned at rest"),
+        (("orientation 0 0 0", "orientation 0 90 0"), "rotated in the rest pose"),
         (("dof rx ry rz", "dof rz ry rx"), "dof order ZYX and axis order XYZ differ; dof is taken"),
     ],
 )

@@ -127,7 +127,7 @@ def test_accepts_every_spelling(change) -> None:  # type: ignore[no-untyped-def]
     ("change", "message"),
     [
         (("[EndOfFile]\n", ""), "no [EndOfFile]"),
-        (("[EndOfFile]", "#second\n[m:Hand]\n0 1 1 1 1 1 1 1\n[EndOfFile]"), "1 segments stand again"),
+        (("[EndOfFile]", "#second\n[m:Hand]\n0 1 1 1 1 1 1 1\n[EndOfFile]"), "1 segments occur again"),
         (("ScaleFactor 1.00", "ScaleFactor 2"), "ScaleFactor is 2"),
         (("EulerRotationOrder ZYX\n", ""), "states no EulerRotationOrder: ZYX"),
         (("DataFrameRate 30\n", ""), "states no frame rate"),

@@ -148,7 +148,7 @@ def test_gaps_are_nan() -> None:
     _, labels, values = table(torn)
     assert np.flatnonzero(np.isnan(values[:, labels.index("knee_flexion_l")])).tolist() == [4]
     assert np.isfinite(values[:, labels.index("knee_flexion_r")]).all()
-    assert any("stand as nan" in notice.what for notice in torn.notices)
+    assert any("written as nan" in notice.what for notice in torn.notices)
 
 
 def test_empty_clips_and_hostile_names() -> None:

@@ -56,8 +56,8 @@ def test_content_first_name_second(name: str, content: bytes, expected: tuple[st
         ("a.bin", b"glTF\x02\0\0\0", UnsupportedError, "glTF files are written, not read"),
         ("a.usd", b"PXR-USDC\0\0", UnsupportedError, "USD files are written"),
         ("a.usda", b"#usda 1.0\n", UnsupportedError, "USD files are written"),
-        ("a.xyz", b"1;2;3\n", UnsupportedError, "none of the formats"),
-        ("a.csv", b"1\n2\n", UnsupportedError, "none of the formats"),
+        ("a.xyz", b"1;2;3\n", UnsupportedError, "none of the supported formats"),
+        ("a.csv", b"1\n2\n", UnsupportedError, "none of the supported formats"),
     ],
 )
 def test_says_what_a_file_is_instead(name: str, content: bytes, kind: type[Exception], message: str) -> None:

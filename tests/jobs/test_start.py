@@ -114,7 +114,7 @@ def test_clips_of_several_skeletons_are_brought_onto_one(client: TestClient) -> 
     text = client.get(f"{API}/documents/{items[1]['id']}/export?format=bvh").content
     # The same dancer with another name for a hand and longer legs.
     for name in (b"LeftForeArm", b"left_low_arm", b"LeftHand", b"left_hand"):
-        text = text.replace(name, b"Forearm_L" if b"rm" in name else b"Palm_L")
+        text = text.replace(name, b"Strut_L" if b"rm" in name else b"Paddle_L")
     files = {"other.bvh": text}
     made: Any = upload(client, files, project="dances")
     other = made["documents"][0]["id"]

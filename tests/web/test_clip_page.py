@@ -34,7 +34,7 @@ def test_a_label_is_drawn_within_another_and_its_name_is_typed(visit: Visit, stu
     dragged(page, outer.bounding_box(), 0.6, 10)
     page.keyboard.up("Shift")
     page.keyboard.type("still")
-    expect(page.get_by_role("combobox", name="Label")).to_have_value("still")
+    expect(page.get_by_role("combobox", name="Motion name")).to_have_value("still")
     page.keyboard.press("Enter")
     expect(page.get_by_role("button", name=re.compile("^still, "))).to_be_visible()
     expect(outer).to_be_visible()
@@ -71,7 +71,7 @@ def test_toasts_lie_over_no_button(visit: Visit, studio: Served) -> None:
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     for _ in range(3):
         page.get_by_role("button", name="Share").click()
-        page.get_by_role("menuitem", name="Copy link").click()
+        page.get_by_role("menuitem", name="Copy the address").click()
     toasts = page.locator(".toast")
     expect(toasts).to_have_count(3)
     covered = page.evaluate(
@@ -95,7 +95,7 @@ def test_the_one_reason_for_a_missing_quantity_stands_with_what_mends_it(visit: 
     page = visit.open(f"/clips/{uuid}?tab=body&quantity=speed:Root")
     ready(page)
     expect(page.get_by_text("Frame rate unknown")).to_be_visible()
-    page.get_by_role("tabpanel").get_by_role("button", name="Set frame rate").click()
+    page.get_by_role("tabpanel").get_by_role("button", name="Give the frame rate").click()
     page.get_by_label("Frame rate").fill("60")
     page.get_by_label("Frame rate").press("Enter")
     expect(page.locator(".passport")).to_contain_text("60 Hz")
@@ -115,5 +115,5 @@ def test_what_others_saved_is_told_without_requests(visit: Visit, studio: Served
     page.get_by_label("Description").fill("mine")
     page.get_by_label("Description").press("Tab")
     told = page.get_by_role("alert")
-    expect(told).to_contain_text("Someone else changed this in the meantime.")
+    expect(told).to_contain_text("Someone else changed this meanwhile.")
     expect(told).not_to_contain_text("request")

@@ -29,7 +29,7 @@ REFUSED = {
     "empty.bvh": (b"", "empty"),
     "empty.zip": (b"", "empty"),
     "model.fbx": (b"Kaydara FBX Binary  \x00\x1a\x00", "FBX"),
-    "notes.txt": (b"take 3 was the best", "none of the formats"),
+    "notes.txt": (b"take 3 was the best", "none of the supported formats"),
     "picture.jpg": (b"\xff\xd8\xff\xe0\x00\x10JFIF\x00", "image"),
     "facts.json": (b"{}", "JSON"),
     "page.bvh": (b"<!doctype html><html></html>", "web page"),
@@ -63,7 +63,7 @@ def test_each_dropped_file_has_a_row_with_what_became_of_it(visit: Visit, studio
     expect(rows).to_have_count(count)
     for name, (_, why) in REFUSED.items():
         row = rows.filter(has=page.get_by_title(name, exact=True))
-        expect(row).to_contain_text("import failed")
+        expect(row).to_contain_text("refused")
         expect(row.locator(".refusal")).to_contain_text(why)
         expect(row.locator(".refusal p")).not_to_have_count(0)
     same = rows.filter(has_text="Equal to a stored clip")

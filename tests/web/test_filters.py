@@ -61,7 +61,7 @@ def test_lengths_are_chosen_by_drag_by_key_and_by_fields(page: Any) -> None:
 def test_filters_are_kept_chosen_shared_and_taken_back(page: Any, open_studio: Served, visit_of: Any) -> None:
     page.goto(f"{open_studio.url}/library?sort=name&length=0.1..&q=of_3")
     expect(page.get_by_role("gridcell")).to_have_count(3)
-    page.get_by_role("button", name="Save filter").click()
+    page.get_by_role("button", name="Save this filter").click()
     page.get_by_role("dialog").get_by_role("textbox", name="Name").fill("long ones")
     page.keyboard.press("Enter")
     saved = page.get_by_role("region", name="Saved filters").get_by_role("button", name="long ones", exact=True)
@@ -80,7 +80,7 @@ def test_filters_are_kept_chosen_shared_and_taken_back(page: Any, open_studio: S
 
 
 def test_any_column_orders_the_library(page: Any) -> None:
-    cards, heads = page.get_by_role("gridcell").locator("strong"), page.get_by_role("group", name="Sort by")
+    cards, heads = page.get_by_role("gridcell").locator("strong"), page.get_by_role("group", name="Order")
     by_name = ["of_3", "of_30", "of_300", "of_3000"]
     page.get_by_role("button", name=re.compile("^Order: Name")).click()
     page.get_by_role("menuitemcheckbox", name="Length").click()

@@ -21,14 +21,14 @@ def demo_studio(demo_library: Path, tmp_path: Path, request: pytest.FixtureReque
 
 def test_the_first_start(demo_studio: Served, visit_of: Any) -> None:
     page = visit_of(demo_studio).open("/")
-    welcome = page.get_by_role("region", name="Your motion library")
-    expect(welcome.get_by_role("img", name=re.compile("^dance_1 is playing"))).to_be_visible()
+    welcome = page.get_by_role("region", name="Motion, read and written")
+    expect(welcome.get_by_role("img", name=re.compile("^dance_1 plays"))).to_be_visible()
     expect(page.get_by_role("gridcell").first).to_be_visible()
     welcome.get_by_role("link", name=re.compile("^Try a query")).click()
-    expect(page.get_by_role("status").filter(has_text=re.compile(r"[1-9]\d* frames in \d+ ranges"))).to_be_visible()
+    expect(page.get_by_role("status").filter(has_text=re.compile(r"[1-9]\d* frames in \d+ runs"))).to_be_visible()
     page.go_back()
     welcome.get_by_role("link", name=re.compile("^Make a motion")).click()
-    expect(page.get_by_role("group", name="Segments").get_by_role("button", name="Segment")).to_have_count(2)
+    expect(page.get_by_role("group", name="Pieces").get_by_role("button", name="Piece")).to_have_count(2)
     expect(page.get_by_role("status").filter(has_text="in 2 pieces")).to_be_visible()
     page.goto(demo_studio.url)
     with page.expect_file_chooser():
@@ -38,7 +38,7 @@ def test_the_first_start(demo_studio: Served, visit_of: Any) -> None:
     expect(page.get_by_role("status").filter(has_text="clips")).to_be_visible()
     expect(welcome).to_have_count(0)
     page.goto(demo_studio.url)
-    welcome.get_by_role("button", name="Do not show again").click()
+    welcome.get_by_role("button", name="Do not show this again").click()
     expect(welcome).to_have_count(0)
     page.reload()
     expect(page.get_by_role("gridcell").first).to_be_visible()
@@ -48,7 +48,7 @@ def test_the_first_start(demo_studio: Served, visit_of: Any) -> None:
 @pytest.mark.parametrize("demo_studio", ["open"], indirect=True)
 def test_own_clips_end_it(demo_studio: Served, visit_of: Any) -> None:
     page = visit_of(demo_studio).open("/")
-    welcome = page.get_by_role("region", name="Your motion library")
+    welcome = page.get_by_role("region", name="Motion, read and written")
     expect(welcome).to_be_visible()
     demo_studio.upload("mine.bvh", walk(10))
     expect(welcome).to_have_count(0)

@@ -18,9 +18,9 @@ from tests import fuzz
 from tests.analysis.dance.motions import generated
 from tests.analysis.expression.face_motions import motions
 from tests.web.conftest import Served, serve, walk
+from tests.web.test_blender import keep_model
 from tests.web.test_faces import keep_space
 from tests.web.test_journeys import ready
-from tests.web.test_reach import keep_model
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect
 AXE = WEB / "node_modules/axe-core/axe.min.js"
@@ -70,11 +70,11 @@ def filled(sqlite_template: Path, tmp_path_factory: pytest.TempPathFactory) -> I
                 "result-table": f"/results/{result}?part=bars",
                 "faces": f"/faces/{space}?level=1&keys=3",
                 "faces-start": "/faces",
-                "reach-empty": "/reach?project=demo-reach",
-                "reach": f"/reach/{model}?near=side",
-                "reach-gap": f"/reach/{model}?near=alone&age=45",
-                "reach-examples": f"/reach/{model}?tab=examples",
-                "reach-fit": f"/reach/{model}?tab=fit",
+                "blender-empty": "/reach?project=demo-reach",
+                "blender": f"/reach/{model}?near=side",
+                "blender-gap": f"/reach/{model}?near=alone&age=45",
+                "blender-examples": f"/reach/{model}?tab=examples",
+                "blender-fit": f"/reach/{model}?tab=fit",
                 "dance-start": "/dance",
                 "settings": "/settings",
                 "settings-project": "/settings/projects?project=Gait",
@@ -98,7 +98,7 @@ PAGES = [
     "library", "list", "nothing", "tree", "graph", "body", "structure", "text", "history", "info", "xpath",
     "xpath-empty",
     "composer", "composer-empty", "retarget", "retarget-empty", "analyses", "analysis", "result",
-    "result-table", "reach-empty", "reach", "reach-gap", "reach-examples", "reach-fit",
+    "result-table", "blender-empty", "blender", "blender-gap", "blender-examples", "blender-fit",
     "faces", "faces-start", "dance-start", "settings",
 ]  # fmt: skip
 
@@ -179,9 +179,9 @@ def test_pages(filled: Any, visit_of: Any, request: pytest.FixtureRequest, schem
 
 def nothing_found(page: Any) -> None:
     page.keyboard.press("Control+k")
-    palette = page.get_by_role("dialog", name="Search everything")
+    palette = page.get_by_role("dialog", name="Find anything")
     palette.get_by_role("combobox").fill("zzzz")
-    expect(palette.get_by_role("status")).to_have_text("No results.")
+    expect(palette.get_by_role("status")).to_have_text("Nothing is called so.")
     expect(palette.get_by_role("option")).to_have_count(0)
 
 
@@ -193,7 +193,7 @@ def files_above(page: Any) -> None:
           document.body.dispatchEvent(new DragEvent("dragenter", { dataTransfer: data, bubbles: true }));
         }"""
     )
-    expect(page.get_by_role("region", name="Drop to import")).to_be_visible()
+    expect(page.get_by_role("region", name="Drop to add")).to_be_visible()
 
 
 def refused(page: Any) -> None:

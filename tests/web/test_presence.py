@@ -40,7 +40,7 @@ def test_two_people_see_each_other(visit_of: Any, studio: Served) -> None:
     with sam.expect_response(lambda answer: answer.request.method == "DELETE"):
         sam.locator(".rail").get_by_role("link", name="Library").click()
     kim.evaluate("document.dispatchEvent(new Event('visibilitychange'))")
-    expect(kim.get_by_role("list", name="Other people who have this clip open")).to_have_count(0)
+    expect(kim.get_by_role("list", name="Others who have this clip open")).to_have_count(0)
     expect(kim.get_by_text("is editing this clip")).to_have_count(0)
 
 

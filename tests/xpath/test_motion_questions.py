@@ -107,7 +107,7 @@ def test_what_is_not_there_is_told(engine: Queries, text: str, what: str) -> Non
     ],
 )
 def test_the_best_are_those_of_the_scope(engine: Queries, text: str, per: str | None) -> None:
-    with pytest.raises(QueryError, match="of the whole scope"):
+    with pytest.raises(QueryError, match="over the whole scope"):
         engine.answer(QueryRequest(q=text, per=per))
 
 

@@ -248,10 +248,13 @@ def test_variables_of_the_request(engine: Queries) -> None:
 @pytest.mark.parametrize(
     ("text", "what"),
     [
-        ("mo:top(1, //frame[. is .])", "not with what has no columns"),
-        ("//frame[some $x in (1, 2) satisfies mo:rate($x * mo:time()) > 3]", "mo:rate looks at the frames around"),
-        ("//frame[mo:rate(xs:double(@id)) > 1]", "mo:rate looks at the frames around"),
-        ("//frame[mo:rate(round-half-to-even(mo:time())) > 1]", "mo:rate looks at the frames around"),
+        ("mo:top(1, //frame[. is .])", "beside functions on document trees"),
+        (
+            "//frame[some $x in (1, 2) satisfies mo:rate($x * mo:time()) > 3]",
+            "mo:rate also reads neighbouring frames around",
+        ),
+        ("//frame[mo:rate(xs:double(@id)) > 1]", "mo:rate also reads neighbouring frames around"),
+        ("//frame[mo:rate(round-half-to-even(mo:time())) > 1]", "mo:rate also reads neighbouring frames around"),
         ("//frame[. is .][(1 to 3)[. < mo:time()]]", "with a value as context"),
         ("//frame[. is .][mo:runs(frame_bone, 0)]", "Runs are of frames"),
         ("//frame[. is .][mo:height('Head', 'Root') > 1]", "takes 1 argument"),
@@ -275,7 +278,7 @@ def test_what_saxon_has_no_answer_to_is_refused(engine: Queries, text: str, what
 def test_saxon_is_given_no_more_numbers_than_it_may_see_elements(engine: Queries) -> None:
     text = "//frame[. is .][1]/(for $a in //bone/name, $b in //bone/name return mo:distance(string($a), string($b)))"
     limits = Limits(10, 31 * 26)
-    with pytest.raises(LimitError, match="more numbers of a document") as caught:
+    with pytest.raises(LimitError, match="more numbers of one document") as caught:
         engine.answer(QueryRequest(q=text, document=[twin(engine).uuid]), limits)
     assert caught.value.details["code"] == "query-too-large"
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from mcml_schemas.querying.queries import QueryRequest
+from mcml_service.clips.bodies import MADE
 from mcml_service.clips.derive import derive_missing
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
@@ -120,7 +121,9 @@ def test_the_newest_columns_come_first_and_old_ones_are_left_out() -> None:
     assert ("a", 3) not in columns
     assert ("Root", 0) in columns
     assert len(columns) == len(set(columns))
-    quantities = wanted_quantities({'bodies ["2","speed","left_hand"]': int(now), 'bodies ["1","height","x"]': 1}, now)
+    quantities = wanted_quantities(
+        {f'bodies ["{MADE}","speed","left_hand"]': int(now), 'bodies ["1","height","x"]': 1}, now
+    )
     assert ("speed", "left_hand") in quantities
     assert ("height", "x") not in quantities
 

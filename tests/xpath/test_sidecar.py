@@ -233,7 +233,7 @@ def test_without_a_folder_to_write_memory_serves(library: Database, tmp_path: Pa
 
 def test_the_doctor_says_where_nothing_can_be_kept(library: Database, tmp_path: Path) -> None:
     (tmp_path / "file").write_bytes(b"")
-    cases = (("", "store.db-cache", 0), ("none", "memory alone", 0), (str(tmp_path / "file" / "x"), "LACK", 1))
+    cases = (("", "store.db-cache", 0), ("none", "memory only", 0), (str(tmp_path / "file" / "x"), "LACK", 1))
     for folder, said, code in cases:
         environment = {**os.environ, "MCML_CACHE_DIR": folder, "COLUMNS": "400"}
         words = [sys.executable, "-m", "mcml_service.cli", "doctor", "--database", library.url]

@@ -62,7 +62,7 @@ def test_operators_that_associate_are_one_node() -> None:
         ("for $x in a", 11, ""),
         ("matches('a', doc('b'))", 14, "docs/xpath.md"),
         ("for $x in y:a return 1", 12, "no namespaces"),
-        ("$x", 1, "with the request"),
+        ("$x", 1, "in the request"),
         ("sort(//bone/name, function($n) { $n })", 19, "third argument"),
         ("math:squrt(2)", 6, "math:sqrt"),
         ("'abc", 1, "not closed"),

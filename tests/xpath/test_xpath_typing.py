@@ -97,7 +97,7 @@ def test_names_that_reach_nothing_get_the_nearest() -> None:
     assert hint("//fram") == "MCML has no element fram; did you mean frame?"
     assert hint("//frame_bone/@rx") == "MCML has no attribute @rx; did you mean @Rx?"
     assert hint("//frame/@Rx") == "frame has no attribute @Rx; it is one of frame_bone"
-    assert hint("/mcml/frame") == "mcml holds no frame; it stands in motion"
+    assert hint("/mcml/frame") == "mcml holds no frame; it is in motion"
     assert hint("count(//frame[motionname='walk'])") == "MCML has no element motionname; did you mean motion_name?"
     assert hint("//@motion_name") == "motion_name is an element: leave the @ out"
     assert hint("//frame[Rx > 5]") == "Rx is an attribute: write @Rx"

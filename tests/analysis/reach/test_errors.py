@@ -332,7 +332,7 @@ def test_two_values_and_two_people_are_told() -> None:
     motions, _ = generated()
     ages = [labelled(motion, age="23" if place % 2 else "67") for place, motion in enumerate(motions)]
     codes = dict(fit(ages, options_of(attributes=("age",))).warnings)
-    assert "age has two values in the clips, 23 and 67" in codes["two-values"]
+    assert "age has only two values in the clips, 23 and 67" in codes["two-values"]
     assert "Add clips with other values of age" in codes["two-values"]
     people = sorted({motion.properties["subject"][0] for motion in motions})
     pair = [motion for motion in motions if motion.properties["subject"][0] in people[:2]]
@@ -348,5 +348,5 @@ def test_a_fit_that_two_values_forbid_says_so() -> None:
     with pytest.raises(AnalysisError) as error:
         fit(two, options_of(attributes=("age",), duplicates="mean"))
     assert error.value.code == "too-few-examples"
-    assert "age has two values" in error.value.what
+    assert "age has only two values" in error.value.what
     assert error.value.details["reasons"] == ["two-values"]

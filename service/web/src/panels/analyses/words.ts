@@ -2,13 +2,13 @@ import { wordsOf } from "../../words/table";
 
 export const a = wordsOf(
   {
-    intro: "Run analyses of clips, and use their results.",
-    window: "Opens in {name}.", clipsWord: "Clips", parameters: "Options", nameOfResult: "Result name",
-    needs: "Takes {least} to {most} clips.", tooFew: "Choose at least {n} clip.|Choose at least {n} clips.", start: "Run {name}", running: "{stage}",
-    recent: "Results, newest first", noResults: "No results yet.", parts: "Parts", operations: "Actions", apply: "Apply", doneWith: "Done.",
-    madeFrom: "Made from {n} clip|Made from {n} clips", deleteResult: "Delete result", resultDeleted: "Result deleted", storedAs: "Saved as a clip", playIt: "Generated motion",
-    moreRows: "and {n} more row|and {n} more rows", noArray: "This part has no values to plot.", keptAs: "Saved as a result", saveClip: "Save as clip", clipName: "Clip name",
-    allValues: "Values", download: "Download as {format}", noPictures: "No plot available.", by: "{analysis}, {when}",
+    intro: "What the repository can find in clips, and make of them. Choose one; its form comes of what it takes.",
+    window: "It has a window of its own: {name}.", clipsWord: "Clips", parameters: "Options", nameOfResult: "Name of the result",
+    needs: "It takes {least} to {most} clips.", tooFew: "Choose at least {n} clip.|Choose at least {n} clips.", start: "Run {name}", running: "{stage}",
+    recent: "Results, the newest first", noResults: "No results yet.", parts: "Parts", operations: "What can be done with it", apply: "Do it", doneWith: "Done.",
+    madeFrom: "Made from {n} clip|Made from {n} clips", deleteResult: "Delete the result", resultDeleted: "Result deleted", storedAs: "Stored as a document", playIt: "What it made",
+    moreRows: "and {n} more row|and {n} more rows", noArray: "This part names no values to draw.", keptAs: "Kept as a result", saveClip: "Store the clip as a document", clipName: "Name of the clip",
+    allValues: "Values", download: "Save the picture as {format}", noPictures: "No picture can be drawn of it.", by: "{analysis}, {when}",
   },
   {
     intro: "저장소가 클립에서 찾고 만들 수 있는 것입니다. 하나를 고르면 필요한 양식이 나옵니다.",
