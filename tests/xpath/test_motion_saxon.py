@@ -251,10 +251,10 @@ def test_variables_of_the_request(engine: Queries) -> None:
         ("mo:top(1, //frame[. is .])", "beside functions on document trees"),
         (
             "//frame[some $x in (1, 2) satisfies mo:rate($x * mo:time()) > 3]",
-            "mo:rate also reads neighbouring frames around",
+            "mo:rate also reads neighbouring frames",
         ),
-        ("//frame[mo:rate(xs:double(@id)) > 1]", "mo:rate also reads neighbouring frames around"),
-        ("//frame[mo:rate(round-half-to-even(mo:time())) > 1]", "mo:rate also reads neighbouring frames around"),
+        ("//frame[mo:rate(xs:double(@id)) > 1]", "mo:rate also reads neighbouring frames"),
+        ("//frame[mo:rate(round-half-to-even(mo:time())) > 1]", "mo:rate also reads neighbouring frames"),
         ("//frame[. is .][(1 to 3)[. < mo:time()]]", "with a value as context"),
         ("//frame[. is .][mo:runs(frame_bone, 0)]", "Runs are of frames"),
         ("//frame[. is .][mo:height('Head', 'Root') > 1]", "takes 1 argument"),
