@@ -13,7 +13,15 @@ from typing import Any
 
 from elementpath import XPathContext
 from elementpath.xpath31 import XPath31Parser
-from elementpath.xpath_nodes import AttributeNode, ElementNode, NamespaceNode, XPathNode
+from elementpath.xpath_nodes import (
+    AttributeNode,
+    CommentNode,
+    ElementNode,
+    NamespaceNode,
+    ProcessingInstructionNode,
+    TextNode,
+    XPathNode,
+)
 from elementpath.xpath_tokens import XPathArray, XPathToken
 
 from mcml.errors import LimitError
@@ -51,7 +59,22 @@ class Context(XPathContext):
     """The dynamic context of an expression."""
 
     def iter_followings(self) -> Iterator[Any]:
-        """The following axis (XPath 3.1 §3.3.2.1): what is in an element follows its attributes and namespaces."""
+        """Yield the following axis (XPath 3.1 §3.3.2.1).
+
+        The content of an element follows its attributes and namespaces. Texts and comments have followers too.
+        """
+        text = self.item
+        if isinstance(text, TextNode | CommentNode | ProcessingInstructionNode) and text.parent is not None:
+            status = self.item, self.axis
+            root: Any = text.parent
+            while isinstance(root.parent, ElementNode) and root is not self.root:
+                root = root.parent
+            for item in root.iter_descendants(with_self=False):
+                if item.position > text.position:
+                    self.item, self.axis = item, "following"
+                    yield item
+            self.item, self.axis = status
+            return
         if isinstance(self.item, AttributeNode | NamespaceNode) and isinstance(self.item.parent, ElementNode):
             status = self.item, self.axis
             parent = self.item.parent
