@@ -110,14 +110,14 @@ def landmark_by_words(name: str) -> str | None:
     words = marker_words()
     if words.get(whole) in _MIDDLE:
         return words[whole]
-    for side, rest in _sided(pieces, whole, is_word=whole in words):
+    for side, rest in _split_sides(pieces, whole, is_word=whole in words):
         landmark = words.get(rest)
         if landmark is not None and landmark not in _MIDDLE:
             return f"{_SIDES[side]}_{landmark}"
     return None
 
 
-def _sided(pieces: Sequence[str], whole: str, *, is_word: bool) -> list[tuple[str, str]]:
+def _split_sides(pieces: Sequence[str], whole: str, *, is_word: bool) -> list[tuple[str, str]]:
     """(side, the rest without it) of a name, the clearest reading first. A word says no side by its letters: heel."""
     found: list[tuple[str, str]] = []
     if len(pieces) > 1:

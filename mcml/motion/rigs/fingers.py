@@ -38,7 +38,7 @@ def find_fingers(
     for joint, parent in enumerate(tree.parents):
         below[joint] = parent >= 0 and (parent in fingers or below[parent])
     first = [joint for joint in some if not below[joint]]
-    numbered = _numbered(tree, readings, first, has_thumb=1 in named)
+    numbered = _number_fingers(tree, readings, first, has_thumb=1 in named)
     for number, joint in numbered.items():
         named.setdefault(number, joint)
     result = {_NAMES[number]: (joint, 0.95, "word") for number, joint in sorted(named.items()) if 1 <= number <= 5}
@@ -48,7 +48,7 @@ def find_fingers(
     return result
 
 
-def _numbered(tree: Tree, readings: Sequence[Reading], first: Sequence[int], has_thumb: bool) -> dict[int, int]:
+def _number_fingers(tree: Tree, readings: Sequence[Reading], first: Sequence[int], has_thumb: bool) -> dict[int, int]:
     """Finger → joint of fingers that have numbers: with a 0 or a thumb among them 1 is the second, else the first."""
     numbers: dict[int, int] = {}
     for joint in first:

@@ -162,7 +162,8 @@ def _find_limbs(rig: _Rig) -> None:
         rig.told += drop_unlike(rig.tree, rig.readings, left, right)
     for limb in rig.limbs.values():
         taken = {joint for joint, _, _ in limb.joints.values()}
-        fill_gap(rig.tree, limb, lambda joint, taken=taken: joint not in taken and not rig.out[joint])  # type: ignore[misc]
+        free = {joint for joint, is_out in enumerate(rig.out) if not is_out} - taken
+        fill_gap(rig.tree, limb, free.__contains__)
     for name, reading in zip(rig.tree.names, rig.readings, strict=True):
         if reading.both_sides and reading.limb:
             rig.told.append(f"{name} says left and right: not mapped")
@@ -208,10 +209,11 @@ def _find_by_shape(rig: _Rig, poses: Sequence[Array]) -> None:
     )
     order = _left_first(rig, kinds, slots, head, poses)
     for kind in missing:
-        if order.get(kind) is None:
+        side_order = order.get(kind)
+        if side_order is None:
             rig.told.append(f"{kind}s found by their place, but no toes or names tell left from right: not mapped")
             continue
-        sure, is_first_left = order[kind]  # type: ignore[misc]
+        sure, is_first_left = side_order
         for side, chain in zip(_BOTH, slots[kind] if is_first_left else slots[kind][::-1], strict=True):
             limb = rig.limbs[side, kind]
             limb.joints = {slot: (joint, sure, "rest pose") for joint, slot in chain.items()}

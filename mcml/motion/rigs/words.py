@@ -146,16 +146,18 @@ def _known(pieces: Sequence[Sequence[tuple[str, bool]]], words: Vocabulary) -> l
     result = []
     for name in pieces:
         texts: list[tuple[str, bool]] = []
-        for text, glued in _joined(name, words, flags[0]):
+        for text, glued in _join_words(name, words, flags[0]):
             if text not in cuts:
                 cuts[text] = words.cut(text)
             for place, word in enumerate(cuts[text]):
                 texts.append((word, glued or place > 0))
-        result.append(_sided(texts, words, flags))
+        result.append(_split_sides(texts, words, flags))
     return result
 
 
-def _joined(name: Sequence[tuple[str, bool]], words: Vocabulary, joint_is_noise: bool) -> Iterable[tuple[str, bool]]:
+def _join_words(
+    name: Sequence[tuple[str, bool]], words: Vocabulary, joint_is_noise: bool
+) -> Iterable[tuple[str, bool]]:
     """Pieces that make one word together, such as Up Leg or collar bone, as that word."""
     place = 0
     while place < len(name):
@@ -173,7 +175,7 @@ def _joined(name: Sequence[tuple[str, bool]], words: Vocabulary, joint_is_noise:
         place += taken
 
 
-def _sided(texts: Sequence[tuple[str, bool]], words: Vocabulary, flags: tuple[bool, bool, bool, bool]) -> Words:
+def _split_sides(texts: Sequence[tuple[str, bool]], words: Vocabulary, flags: tuple[bool, bool, bool, bool]) -> Words:
     """Words with what they name. Single letters are read by what stands beside them: LU Arm is a left upper arm, and
     where another word tells the side, the l of `larm` is lower."""
     _, le_and_ri, lf_and_rt, upper_too = flags
