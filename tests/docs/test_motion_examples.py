@@ -179,7 +179,7 @@ def test_every_function_is_explained_with_its_unit() -> None:
 
 
 def test_the_angles_that_are_named_are_there() -> None:
-    table = TEXT[TEXT.index("| angle | from |") : TEXT.index("While an expression is typed")]
+    table = TEXT[TEXT.index("| angle | computed from |") : TEXT.index("While you type")]
     named = re.findall(r"`([a-z-]+-[a-z-]+)`", table)
     assert len(named) > 15
     for name in named:
