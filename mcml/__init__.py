@@ -6,8 +6,8 @@
 ...     print(walk.name, len(walk), walk.frames("Root").shape)
 walk 240 (240, 6)
 
-`open` finds a repository, `read` a motion in files, `convert` makes a file of another format of them. What is wrong is
-an `Error`: what, where, and how to mend it.
+`open` opens a repository, `read` reads a motion from files, `convert` converts files to another format. Errors are of
+type `Error` and have the problem, the place and the remedy.
 """
 
 from __future__ import annotations

@@ -12,11 +12,11 @@ from mcml_schemas.documents import FileProblem
 
 @dataclass
 class Content:
-    """An answer that is no model: bytes as they are made.
+    """An answer of bytes, which are produced while they are sent.
 
-    name: of the file that it would be. size: bytes, where known. facts: what is told beside it, by name. notices: what
-    the user should know of it; more may come while it is read. shown: a browser may show it. seek: the same from a byte
-    on, where that is not to read all before it. live: each block is worth being sent at once.
+    name: file name. size: number of bytes, if known. facts: additional information, by name. notices: messages for the
+    user; reading the blocks may add more. shown: whether a browser may show it. seek: returns the blocks from a byte
+    offset on, if this is faster than reading all before it. live: whether to send each block at once.
     """
 
     blocks: Iterator[bytes | memoryview]

@@ -1,7 +1,4 @@
-"""What can go wrong, in one short tree. Knows no HTTP.
-
-Every error says what is wrong, where, and how to mend it.
-"""
+"""All errors, in one short hierarchy, independent of HTTP. Every error has the problem, the place, and the remedy."""
 
 from __future__ import annotations
 
@@ -81,7 +78,7 @@ def kind_of(name: str) -> type[McmlError] | None:
 
 
 class FormatError(McmlError):
-    """A file is not what its format's specification says."""
+    """A file breaks the specification of its format."""
 
 
 class UnsupportedError(McmlError):
@@ -129,7 +126,7 @@ class StoreError(McmlError):
 
 
 class DamageError(StoreError):
-    """What the store holds is not what was written: a checksum differs."""
+    """Stored data is damaged: a checksum differs."""
 
 
 class UnavailableError(StoreError):
@@ -197,10 +194,10 @@ class AccessError(McmlError):
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """One line of a receipt: what a reader guessed, repaired or could not keep, and why.
+    """One line of a receipt: a guess, repair or loss of a reader, with its reason.
 
-    kind: "guess" (a value the file does not state), "repair" (the file was mended), "warning" (something the
-    user should know) or "note".
+    kind: "guess" (a value that the file does not state), "repair" (a fix of the file), "warning" (important for the
+    user) or "note".
     """
 
     kind: str

@@ -9,11 +9,10 @@ import numpy as np
 
 
 class Frames(np.ndarray):
-    """Frames of frames: (frames, columns) of channels, or (frames, bones, 3 or 4) of positions or rotations.
-
-    columns: what the second axis is: BONE.CHANNEL, or bones. times: (frames,) seconds from the first frame, NaN where
-    the rate is unknown. ids: of the frames. units: of the columns, where quantities of the body were asked; "" of
-    channels. What is made of it by NumPy is a plain array, without them.
+    """An array of frames: (frames, columns) of channels, or (frames, bones, 3 or 4) of positions or rotations. columns:
+    labels of the second axis: BONE.CHANNEL, or bones. times: (frames,) seconds from the first frame, NaN where
+    the rate is unknown. ids: of the frames. units: of the columns, for quantities of the body; "" for channels. Results
+    of NumPy functions are plain arrays without these attributes.
     """
 
     columns: list[str]
@@ -25,7 +24,7 @@ class Frames(np.ndarray):
     def of(
         cls, values: np.ndarray, columns: list[str], times: np.ndarray, ids: list[str], units: Sequence[str] = ()
     ) -> Frames:
-        """The values with what they are."""
+        """Return the values with their labels."""
         made = np.asarray(values).view(cls)
         made.columns, made.times, made.ids, made.units = columns, times, ids, list(units)
         return made

@@ -1,4 +1,4 @@
-"""What every format keeps: a subclass with samples gets all of it tested."""
+"""The contract of formats: a subclass with samples tests all of it."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def frames(clip: ClipStream) -> list[tuple[object, tuple[tuple[int, tuple[tuple[
 
 
 def check_block(block: FrameBlock) -> None:
-    """A block is what `FrameBlock` promises: finite exactly where a frame's shape has the channel."""
+    """Check that a block keeps the contract of `FrameBlock`: finite exactly where a frame's shape has the channel."""
     assert block.values.shape == (len(block.ids), len(block.columns))
     assert len(set(block.columns)) == len(block.columns)
     for row in range(len(block)):
@@ -64,7 +64,9 @@ def check_block(block: FrameBlock) -> None:
 
 
 class FormatContract:
-    """name: of the format in the catalogue. samples: small files by what they show; each must read."""
+    """The contract of a format. name: of the format in the catalogue. samples: small files, by their feature; each
+    must be readable.
+    """
 
     name: str
     samples: Mapping[str, Files]
@@ -214,7 +216,7 @@ class FormatContract:
             read_frames = frames(clip)
         except McmlError:
             return
-        # What was read can be written and read again with the same values, unless its unit or its rate was spoilt.
+        # A clip that was read can be written and read again with the same values, unless its unit or rate was damaged.
         try:
             files = written(self.format, clip)
         except ConversionError as error:

@@ -1,4 +1,4 @@
-"""What a server can be asked: operations.json, which `make docs` makes from the declarations of the service."""
+"""The operations of a server: operations.json, which `make docs` generates from the declarations of the service."""
 
 from __future__ import annotations
 
@@ -17,8 +17,9 @@ PATH = Path(__file__).with_name("operations.json")
 
 @dataclass(frozen=True)
 class Argument:
-    """wire: what a request calls it. place: "path", "query", "header", "body" (JSON), "form", "file" or "content"
-    (bytes that are the body, of one of the media types)."""
+    """wire: its name in requests. place: "path", "query", "header", "body" (JSON), "form", "file" or "content" (bytes
+    that are the body, of one of the media types).
+    """
 
     wire: str
     place: str

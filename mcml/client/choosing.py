@@ -1,4 +1,4 @@
-"""Documents by what people call them: an id, its beginning, a name; or all that fulfil conditions."""
+"""Find documents by id, beginning of an id, or name; or all that match conditions."""
 
 from __future__ import annotations
 

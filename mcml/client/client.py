@@ -19,15 +19,14 @@ POLL_SECONDS = 0.4
 
 
 class Client(ABC):
-    """Whoever has one can do all that the repository offers: every operation by its name."""
+    """Access to a repository: every operation by its name."""
 
     @abstractmethod
     def call(self, name: str, /, *, progress: FileProgress | None = None, **given: Any) -> Any:
-        """The answer of an operation: a model of `mcml_schemas`, Content (bytes as they come), or None.
+        """Call an operation; return a model of `mcml_schemas`, Content (bytes), or None.
 
-        name: as the API's description calls it, such as "list_documents". given: its arguments; what is None is left
-        out. progress: told while files are read.
-        Raises McmlError: what is wrong, where, and how to mend it.
+        name: as in the API description, such as "list_documents". given: its arguments; None values are left out.
+        progress: called while files are read. Raises McmlError, with the problem, the place and the remedy.
         """
 
     def every(self, name: str, /, *, limit: int | None = None, **given: Any) -> Any:
@@ -53,7 +52,7 @@ class Client(ABC):
 
     @abstractmethod
     def close(self) -> None:
-        """Let go of what is held; nothing that was done is lost without."""
+        """Release resources. Completed work is kept in any case."""
 
     def __enter__(self) -> Client:
         return self
@@ -63,7 +62,7 @@ class Client(ABC):
 
 
 def follow(client: Client, job: Job, progress: JobProgress) -> Job:
-    """Look at a job now and then, until it has ended. Who interrupts this ends the job."""
+    """Poll a job until it has ended. An interruption cancels the job."""
     current: Job = client.call("get_job", id=job.id)
     try:
         while current.state in ("waiting", "running"):

@@ -22,7 +22,7 @@ EXTENSIONS = {".mcml", ".xml", *ARCHIVES}.union(
 PAIRED = (".asf", ".amc")
 
 MOST_FILES, MOST_BYTES = 512, 128 << 20
-"""Of one call: its files are open together, and what became of them is told when all are stored."""
+"""Limit for one call: its files are open together, and its results arrive when all are stored."""
 
 Told: TypeAlias = Callable[[int, int, str], None]
 """How far an import is: files done, of how many, the name of the one that is read."""
@@ -31,10 +31,10 @@ Told: TypeAlias = Callable[[int, int, str], None]
 def import_paths(
     client: Client, paths: list[Path], options: dict[str, Any], told: Told | None = None
 ) -> Iterator[UploadResult]:
-    """What becomes of files, of folders with all that is in them, and of zips: a result for each call.
+    """Upload files, folders with all their files, and zips; return a result for each call.
 
-    options: of the operation upload_documents; files that are stored already are skipped unless they say otherwise.
-    Raises UnsupportedError for a path that does not exist, and where there is nothing that can be read.
+    options: of the operation upload_documents; by default, existing files are skipped. Raises UnsupportedError for a
+    path that does not exist, or without readable files.
     """
     # A name is for the one document of a call.
     groups = list(groups_of(paths, MOST_FILES if options.get("name") is None else 1))
@@ -53,7 +53,7 @@ def import_paths(
 
 
 class _Teller:
-    """Makes of what is told of one call how far all of them are."""
+    """Turns the progress of one call into the progress of all calls."""
 
     def __init__(self, told: Told | None, done: int, of: int) -> None:
         self._told, self._done, self._of = told, done, of
@@ -66,7 +66,7 @@ class _Teller:
 
 
 def _upload(client: Client, paths: list[Path], options: dict[str, Any], progress: Callable[..., None]) -> UploadResult:
-    """What became of some files in one call."""
+    """Upload files in one call and return the result."""
     with opened_files(paths) as files:
         try:
             result: UploadResult = client.call("upload_documents", file=files, progress=progress, **options)

@@ -14,7 +14,7 @@ FEWEST_SECONDS = 0.5
 
 
 class Pace:
-    """Told how many things are done, of how many. things: what they are. clock: seconds."""
+    """Reports progress as a number of finished things out of a total. things: their name. clock: seconds."""
 
     def __init__(self, things: str = "files", clock: Callable[[], float] = time.monotonic) -> None:
         self._things = things

@@ -34,10 +34,10 @@ STORES = "mcml.stores"
 
 
 def open(where: str | PathLike[str], token: str | None = None) -> Repository:
-    """A repository: the address of a server (http://…), a file of SQLite, or an SQLAlchemy URL of PostgreSQL.
+    """Open a repository: the address of a server (http://…), an SQLite file, or an SQLAlchemy URL of PostgreSQL.
 
-    token: where a server wants one. A file that is not there becomes an empty repository; ":memory:" is one that is
-    gone when it is closed. Whoever may open a file may do everything with it.
+    token: if the server needs one. A file that does not exist becomes an empty repository; ":memory:" exists until it
+    is closed. Anybody who can open the file has all rights.
     """
     address = str(where)
     if address.startswith(_URLS):
@@ -74,7 +74,7 @@ class Run:
 
 @dataclass
 class Imported:
-    """What became of files. documents: those that are stored now. problems: of files that are not."""
+    """The result of an import. documents: stored documents. problems: of files that were not stored."""
 
     documents: list[Document]
     problems: list[FileProblem]
@@ -151,7 +151,7 @@ class Repository:
 
 
 class Query:
-    """A question; each answer asks anew."""
+    """A query; each method that returns an answer runs it again."""
 
     def __init__(self, client: Client, expression: str, asked: dict[str, Any]) -> None:
         self._client = client
@@ -196,11 +196,11 @@ class Query:
         return int(sum(number.values()) if isinstance(number, dict) else number)
 
     def to_pandas(self, **quantities: str) -> Any:
-        """A DataFrame of its frames, nodes or values: document, frame, time (seconds since frame 1, NaN where unknown),
-        and what was asked. Needs pandas.
+        """Return a DataFrame of its frames, nodes or values: document, frame, time (seconds since frame 1, NaN where
+        unknown), and the values. Needs pandas.
 
-        Of values there is a column `value`; of nodes kind, address and value. quantities: columns more, each an
-        expression that is asked of every frame: repo.xpath("//frame").to_pandas(speed="mo:speed('right_hand')").
+        Values have a column `value`; nodes have kind, address and value. quantities: additional columns, each an
+        expression evaluated for every frame: repo.xpath("//frame").to_pandas(speed="mo:speed('right_hand')").
         """
         import pandas as pd
 

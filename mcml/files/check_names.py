@@ -1,4 +1,4 @@
-"""Names and times from outside: what every database can hold, find again and put into a header of HTTP."""
+"""Check names and times from outside: every database must store and find them, and HTTP headers must hold them."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def name_of_file(text: str) -> str:
 
 
 def check_frame_time(given: str | float | Fraction) -> str:
-    """Seconds a frame as MCML writes them. DocumentError for what is no such time.
+    """Return the seconds of a frame as MCML writes them. Raises DocumentError for an invalid time.
 
     given: a number, or a text such as 0.0083333 or 1/120. A decimal text stays as it is; all else becomes the
     shortest one that is the same number.
@@ -79,7 +79,7 @@ def _decimal(number: float) -> str | None:
 
 
 def check_head(document: Element, head: ClipHead, max_joints: int) -> None:
-    """What the head of an uploaded document must keep to beyond its definition. DocumentError, LimitError."""
+    """Check the rules for the head of an uploaded document beyond its definition. Raises DocumentError, LimitError."""
     if len(head.skeleton) > max_joints:
         raise LimitError(f"The skeleton has {len(head.skeleton)} joints, the limit is {max_joints}.")
     for joint in head.skeleton.joints:

@@ -42,9 +42,9 @@ def convert_files(
     up: str | None = None,
     stem: str = "motion",
 ) -> Iterator[Converted]:
-    """The one clip among the files in another format. Raises what readers and writers raise.
+    """Convert the only clip among the files to another format. Raises the errors of readers and writers.
 
-    frame_time, unit, up: what the files do not say of themselves; nothing is scaled or turned.
+    frame_time, unit, up: values that the files do not state; nothing is scaled or rotated.
     """
     known = targets()
     if target not in known or target == "csv":
@@ -92,9 +92,9 @@ def format_of(file_name: str) -> str:
 
 
 def files_to_write(path: Path, target: str) -> list[tuple[Path, str]]:
-    """The files that an export to a path makes, each with what to export: ASF and AMC where the name is of one of them.
+    """Return the files of an export to a path, each with its target: ASF and AMC if the name has one of these endings.
 
-    target: as `targets` names it. Raises UnsupportedError for a name that ends as files of another format do.
+    target: as `targets` names it. Raises UnsupportedError for a name with the ending of another format.
     """
     extension = path.suffix.lower()
     name, part = targets().get(target, (target, None))

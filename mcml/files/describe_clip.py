@@ -1,4 +1,4 @@
-"""The receipt of an import: what was found in the file, what was guessed and why, what was mended."""
+"""Receipts of imports: the content of a file, guesses with their reasons, and repairs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from mcml.motion.skeleton import Array, Convention, Skeleton
 
 
 def unit_facts(head: ClipHead, extent: Array) -> dict[str, Any]:
-    """{value, stated, why}: the length unit that the clip states, or None and what its size looks like.
+    """Return {value, stated, why}: the length unit that the clip states, or None and a guess from its size.
 
     extent: of the rest pose along X, Y, Z.
     """
@@ -64,7 +64,9 @@ def up_facts(head: ClipHead, extent: Array) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class SkeletonFacts:
-    """What a receipt says of a skeleton. extent: of its rest pose along X, Y, Z. orders: joints of each one."""
+    """The facts about a skeleton in a receipt. extent: of its rest pose along X, Y, Z. orders: number of joints for
+    each rotation order.
+    """
 
     extent: Array
     channels: int

@@ -47,7 +47,7 @@ SkeletonLookup: TypeAlias = Callable[[], SourceFile | None]
 
 @contextmanager
 def gathered(files: list[SourceFile], limits: FileLimits, lookup: SkeletonLookup | None = None) -> Iterator[Gathered]:
-    """Clips among the files. lookup: finds the stored skeleton that motion without one shall use."""
+    """Group the files into clips. lookup: finds the stored skeleton for a motion without one."""
     result = Gathered()
     with ExitStack() as stack:
         parts: dict[str, dict[str, list[SourceFile]]] = {}

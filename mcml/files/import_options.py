@@ -1,4 +1,4 @@
-"""What a user says of the files to import."""
+"""Options of an import."""
 
 from __future__ import annotations
 
@@ -21,15 +21,16 @@ class Label:
 
 @dataclass(frozen=True)
 class ImportOptions:
-    """What the user says of the files. Only what is said is applied: no unit, axis or rate is assumed.
+    """Information about the files from the user. Nothing else is assumed: no unit, axis or rate.
 
     name: of the document, if there is one; default the file name's stem.
     frame_time: seconds, as `check_frame_time` takes them.
-    skeleton: uuid of a stored document whose skeleton motion without one shall use.
+    skeleton: uuid of a stored document whose skeleton is used for motion without one.
     aliases: (name in files, MCML's name) that the project adds; `import_files` looks them up.
-    movements: name anatomical movements that are found in the motion with at least this confidence, 0 to 1.
-    repair: repairs of text files that are made before they are read (`formats.repairs`).
-    on_duplicate: "new" (store again, name the twin in the receipt) or "skip" (answer the stored twin).
+    movements: label anatomical movements that are recognised in the motion with at least this confidence, 0 to 1.
+    repair: repairs of text files before they are read (`formats.repairs`).
+    on_duplicate: "new" (store again, and name the existing document in the receipt) or "skip" (return the existing
+    document).
     """
 
     project: str = "default"

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class FileLimits:
-    """Bounds of what is read at a time; the defaults suit files that one trusts.
+    """Limits of a read; the defaults suit trusted files.
 
-    size: bytes of all files together, unpacked. archive_files: in one archive. archive_ratio: of the size of what an
-    archive holds to its own. frames, values, joints: of one motion.
+    size: bytes of all files together, unpacked. archive_files: in one archive. archive_ratio: of the unpacked size to
+    the size of the archive. frames, values, joints: of one motion.
     """
 
     size: int = 2 << 30

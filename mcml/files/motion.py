@@ -30,14 +30,14 @@ from mcml.motion.skeleton import Array
 
 
 class Motion:
-    """A motion that was read from files, whole in memory.
+    """A motion from files, completely in memory.
 
     Quantities of the body (`height`, `speed`, `angle`, …) are in metres, seconds and degrees: the numbers of the `mo:`
-    functions of XPath, NaN where unit, frame time, joint or sample are unknown. `calibration` says what was guessed.
+    functions of XPath, NaN where unit, frame time, joint or sample are unknown. `calibration` marks guessed values.
 
     name: of the file. format: such as "bvh". bones: MCML's names, in the order of the skeleton; source_names: those of
-    the file. parents: of each bone, -1 at the root. frame_time: seconds a frame, None where the files do not say.
-    notices: what was guessed or repaired.
+    the file. parents: of each bone, -1 at the root. frame_time: seconds a frame, None if the files do not state it.
+    notices: guesses and repairs.
     """
 
     def __init__(self, name: str, clip: ClipStream) -> None:
@@ -72,7 +72,9 @@ class Motion:
 
     @cached_property
     def calibration(self) -> Calibration:
-        """What quantities of the body rest on: unit, up axis, floor, leg, reference pose, and where each is from."""
+        """The values that quantities of the body depend on: unit, up axis, floor, leg, reference pose, each with its
+        origin.
+        """
         return self._body.calibration
 
     def height(self, joint: str) -> Array:
@@ -134,11 +136,11 @@ def read(
     unit: str | None = None,
     up: str | None = None,
 ) -> Motion:
-    """The one motion in a file, or in several that belong together (ASF and AMC).
+    """Read the motion in a file, or in several files that belong together (ASF and AMC).
 
     encoding: of their text, if it is not UTF-8. frame_time: seconds a frame, as a number or a text such as "1/120".
-    unit: of its lengths, such as "cm"; up: "X", "Y" or "Z". They state what files do not say; nothing is converted.
-    Raises Error: what is wrong, in which line, and how to mend it.
+    unit: of its lengths, such as "cm"; up: "X", "Y" or "Z". These set values that the files do not state; nothing is
+    converted. Raises Error, with the problem, the line and the remedy.
 
     >>> read("walk.bvh").frames("Root", space="positions").shape
     (240, 1, 3)
@@ -159,11 +161,11 @@ def read(
 def convert(
     files: Files, target: str | PathLike[str], *, to: str | None = None, force: bool = False, **options: Any
 ) -> list[Path]:
-    """Write a motion in another format; the files that were written (ASF/AMC are two).
+    """Write a motion in another format; return the written files (two for ASF/AMC).
 
-    to: the format, where the name of the target does not say. force: replace files that are there.
+    to: the format, if the name of the target does not decide it. force: replace existing files.
     options: frame_time, encoding, unit, up, and names (of joints: mcml, bvh1, bvh2, asf or htr).
-    Raises Error: what cannot be read or written, or a file that is there.
+    Raises Error for files that cannot be read or written, or that exist.
 
     >>> convert("walk.bvh", "walk.mcml")
     [PosixPath('walk.mcml')]

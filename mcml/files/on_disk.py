@@ -24,7 +24,7 @@ def paths_of(files: Files) -> list[Path]:
 
 
 def name_of(path: Path) -> str:
-    """The name of a file as text. Names on disk are bytes: UTF-8, or what an older system wrote."""
+    """Return the name of a file as text. Names on disk are bytes: UTF-8, or the encoding of an older system."""
     name = os.fsencode(path.name)
     for encoding in ("utf-8", "cp949"):
         with suppress(UnicodeDecodeError):
@@ -35,7 +35,7 @@ def name_of(path: Path) -> str:
 @contextmanager
 def opened_files(files: Files) -> Iterator[list[SourceFile]]:
     """Files to be read. UnsupportedError for one that cannot be opened."""
-    # Imported late: what writes files alone needs no formats.
+    # Imported late: code that only writes files needs no formats.
     from mcml.formats.format import SourceFile
 
     with ExitStack() as stack:

@@ -1,4 +1,4 @@
-"""The clip in files: its head as elements, its frames as a stream, and what its skeleton shares with others."""
+"""The clip in files: its head as elements, its frames as a stream, and data shared with other clips of its skeleton."""
 
 from __future__ import annotations
 

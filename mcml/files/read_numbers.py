@@ -23,10 +23,10 @@ _PARTS = {"positions": "xyz", "rotations": "xyzw"}
 
 @dataclass(frozen=True)
 class Numbers:
-    """columns: what the numbers of a frame are: BONE.CHANNEL, or bones where each has a vector.
+    """Numbers of frames. columns: names of the numbers of a frame: BONE.CHANNEL, or bones if each has a vector.
 
     shape: of one frame, (columns,) or (bones, 3) or (bones, 4). blocks: (numbers (F, *shape), ids of the frames).
-    units: of the columns, where some are quantities of the body; channels have none here.
+    units: of the columns, if some are quantities of the body; channels have none here.
     """
 
     columns: list[str]

@@ -1,4 +1,4 @@
-"""What follows from a skeleton alone, worked out once for the clips that share it."""
+"""Facts that depend on the skeleton only, computed once for all clips that share it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What files are written as: formats, parts of them, and what a clip must become for each."""
+"""Targets of exports: formats, parts of formats, and the conversion of a clip for each."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def targets() -> dict[str, tuple[str, str | None]]:
 
 
 def find_target(name: str) -> tuple[str, str | None]:
-    """What `targets` says of a format that people ask for. Raises UnsupportedError, with those that there are."""
+    """Return the entry of `targets` for a requested format. Raises UnsupportedError, with the available formats."""
     known = targets()
     if name not in known:
         raise UnsupportedError(f"Unknown export format {name!r}.", remedy=f"Use one of: {', '.join(sorted(known))}.")

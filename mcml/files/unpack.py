@@ -25,7 +25,7 @@ COPY_BYTES: Final = 1 << 20
 MOST_DEPTH: Final = 3
 """Archives within each other: a tar in a gzip is two."""
 
-# What the libraries raise for bytes that are no archive; names that are no UTF-8 are a ValueError.
+# Errors of the libraries for bytes that are not an archive; names that are not UTF-8 give a ValueError.
 _BROKEN = (
     *(zipfile.BadZipFile, tarfile.TarError, zlib.error, lzma.LZMAError, struct.error),
     *(RuntimeError, ValueError, OSError, EOFError),
@@ -35,7 +35,7 @@ _TITLES = {"zip": "zip", "gz": "gzip file", "tar": "tar archive"}
 
 @dataclass
 class _Budget:
-    """What was unpacked: bytes of all files of a request, and files of one of them, with all archives in it."""
+    """Counts of unpacked data: bytes of all files of a request, and files of one upload with all its archives."""
 
     limits: FileLimits
     files: int = 0
@@ -74,7 +74,9 @@ class _Budget:
 def unpacked(
     files: list[SourceFile], limits: FileLimits, stack: ExitStack, problems: list[tuple[str, McmlError]]
 ) -> Iterator[SourceFile]:
-    """The files, and those in archives among them. problems: is given (file name, error) of what cannot be unpacked."""
+    """The files, and those in archives among them. problems: receives (file name, error) for files that cannot be
+    unpacked.
+    """
     budget = _Budget(limits)
     for file in files:
         budget.files = 0

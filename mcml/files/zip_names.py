@@ -17,10 +17,10 @@ _DOS = "cp437"
 
 
 def member_names(members: Sequence[zipfile.ZipInfo]) -> tuple[dict[int, str], tuple[Notice, ...]]:
-    """The path of each member, by where it begins in the zip, and what was guessed of them.
+    """Return the path of each member, by its offset in the zip, and the guesses about them.
 
-    Names without the flag are read together: all of one zip are in one encoding. Names of macOS are composed, as all
-    others write them; backslashes between folders become slashes.
+    Names without the UTF-8 flag are read together: all names of one zip have one encoding. Names of macOS are composed,
+    as on other systems; backslashes between folders become slashes.
     """
     names: dict[int, str] = {}
     unsaid: dict[int, bytes] = {}

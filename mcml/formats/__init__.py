@@ -1,6 +1,5 @@
-"""Motion files to clips and back. `FORMATS` is the catalogue of what is read, `WRITERS` of what is written.
-
-`find_format` tells what a file is.
+"""Motion files to clips and back. `FORMATS` is the catalogue of readers, `WRITERS` of writers. `find_format` recognises
+the format of a file.
 """
 
 from __future__ import annotations
@@ -42,9 +41,9 @@ NEEDED = {"glb": "pygltflib", "usd": "pxr", "usda": "pxr"}
 
 
 def find_format(file_name: str, first_bytes: bytes) -> tuple[Format, str]:
-    """(format, part) of a file, by its content first and its name second.
+    """Return the (format, part) of a file, by its content first and its name second.
 
-    first_bytes: the first 4 kB, or all of a shorter file. Raises FormatError and UnsupportedError, which say what the
-    file is instead, as far as that can be told.
+    first_bytes: the first 4 kB, or all of a shorter file. Raises FormatError and UnsupportedError, which name the
+    actual format if it can be recognised.
     """
     return recognise(FORMATS, file_name, first_bytes)

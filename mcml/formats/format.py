@@ -1,4 +1,4 @@
-"""What every file format offers, and what readers are given."""
+"""The interface of file formats, and the input of readers."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class FileKind:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What a reader accepts before it gives up; checked before memory is taken.
+    """Limits of a reader, checked before memory is allocated.
 
     joints: of a skeleton. depth: joints below each other. name: bytes of one name. frames, values: of a clip.
     text: characters of comments and unknown sections.
@@ -98,7 +98,7 @@ def note(notices: list[Notice], kind: str, what: str, at: Place | None = None) -
 
 @dataclass(frozen=True, slots=True)
 class ReadOptions:
-    """What the user says about a file.
+    """Information about a file from the user.
 
     encoding: Python codec for text that is not UTF-8. translation: of BVH position channels: "auto", "absolute" (they
     replace the OFFSET) or "relative" (they add to it).
@@ -113,7 +113,7 @@ class ReadOptions:
 class SourceFile:
     """A file to read. stream: seekable, read from its beginning; the caller closes it after the last block.
 
-    notices: what was guessed of the file itself, such as how its name is meant.
+    notices: guesses about the file itself, such as the encoding of its name.
     """
 
     name: str

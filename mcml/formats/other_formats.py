@@ -33,7 +33,7 @@ _BY_BEGINNING: Final = (
     (rb"\s*\{\s*\"(asset|scenes?|nodes|accessors|extensionsUsed|buffers)\"", "glTF", TO_BVH),
     (rb"\s*[\[{]\s*[\"\[{\]}]", "JSON", "Write the motion as BVH, TRC, C3D or MCML."),
 )
-"""How files begin, what their format is called, and what to do."""
+"""First bytes of files, with the name of their format and a remedy."""
 
 _BY_ROOT: Final = (
     (rb"mvnx", "MVNX (Xsens)", "Export it from MVN Analyze as BVH or C3D."),

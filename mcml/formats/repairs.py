@@ -35,7 +35,7 @@ _NO_NUMBER = re.compile(rb"(?<!\S)[+-]?(?:nan(?:\([a-z]*\))?|inf(?:inity)?|1\.#[
 
 
 def split_numbers(part: str, content: bytes) -> tuple[bytes, str]:
-    """The file with numbers that touch apart, and what was done; no words where nothing was. part: of its format."""
+    """Separate joined numbers; return the file and a description, empty if nothing changed. part: of its format."""
     count = 0
 
     def apart(text: bytes) -> bytes:
@@ -54,7 +54,7 @@ def split_numbers(part: str, content: bytes) -> tuple[bytes, str]:
 
 
 def whole_frames(part: str, content: bytes) -> tuple[bytes, str]:
-    """The file with its whole frames alone, and what was done; no words where nothing was."""
+    """Keep only whole frames; return the file and a description, empty if nothing changed."""
     if part == "bvh":
         return _whole_bvh(content)
     return _whole_amc(content) if part == "amc" else (content, "")
@@ -91,7 +91,7 @@ def _whole_amc(content: bytes) -> tuple[bytes, str]:
 
 
 def decimal_commas(part: str, content: bytes) -> tuple[bytes, str]:
-    """The file with decimal points for decimal commas, and what was done; no words where nothing was."""
+    """Replace decimal commas; return the file and a description, empty if nothing changed."""
     if part not in ("bvh", "amc", "htr", "trc"):
         return content, ""
     content, count = _DECIMAL_COMMA.subn(rb"\1.\2", content)
@@ -99,7 +99,7 @@ def decimal_commas(part: str, content: bytes) -> tuple[bytes, str]:
 
 
 def missing_samples(part: str, content: bytes) -> tuple[bytes, str]:
-    """The file with one word for samples that are no number, which reads as missing, and what was done."""
+    """Replace samples that are not numbers by the word for missing samples; return the file and a description."""
     motion = _BVH_MOTION.search(content) if part == "bvh" else None
     if motion is None:
         return content, ""
@@ -130,14 +130,14 @@ REPAIRS: Mapping[str, Repair] = {
     "three-dof": three_dof,
     "whole-frames": _of_each(whole_frames),
 }
-"""By name, in the order in which they are made: what takes the contents of files, by part of a format."""
+"""Repairs by name, in the order of their use. Each takes the contents of files, by part of a format."""
 
 ALTERNATIVES = frozenset({"stated-dof", "three-dof"})
 """Repairs of the same fault, of which one is to be chosen."""
 
 
 def repaired(files: Mapping[str, SourceFile], names: tuple[str, ...]) -> tuple[dict[str, SourceFile], list[str]]:
-    """Files, by part, with repairs made, and what was done. LimitError for files that are too large for that."""
+    """Apply repairs to files, by part; return them with descriptions. Raises LimitError for too large files."""
     contents, told = {part: _content(file) for part, file in files.items()}, []
     for name, repair in REPAIRS.items():
         if name in names:

@@ -19,11 +19,11 @@ def legal_names(
     fold_case: bool = False,
     root: str | None = None,
 ) -> list[str]:
-    """The source name of each joint; what the format cannot hold becomes `_`, names used twice get `_2`, `_3` …
+    """Return a name for each joint from its source name; illegal characters become `_`, repeated names get `_2`, `_3` …
 
     illegal: characters anywhere; illegal_first: at the beginning. reserved: words of the format, in lower case.
-    fold_case: names that differ only in case are equal. root: what the format calls a joint without parent.
-    Notices are appended once for what was changed.
+    fold_case: names that differ only in case are equal. root: the format's name for a joint without parent. Adds one
+    notice if names were changed.
     """
     names: list[str] = []
     used: set[str] = set()

@@ -86,7 +86,7 @@ def split_attribute(address: str) -> tuple[str, str | None]:
 
 
 def read_frame_address(address: str) -> FrameAddress | None:
-    """What the address of a frame, its elements and their attributes says; None for another."""
+    """Parse the address of a frame, its elements or their attributes; return None for another address."""
     match = _OF_FRAME.fullmatch(address)
     return None if match is None else FrameAddress(int(match[1]), match[2] or "", int(match[3] or 1), match[4])
 

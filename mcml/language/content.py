@@ -37,7 +37,7 @@ class Declaration:
     attributes: Mapping[str, tuple[str, ...]]
 
     def attribute_error(self, attributes: Mapping[str, str]) -> str | None:
-        """What is wrong with an element's attributes, None if nothing."""
+        """Return the error in an element's attributes, None if there is none."""
         for name, value in attributes.items():
             allowed = self.attributes.get(name)
             if allowed is None:
@@ -87,7 +87,7 @@ def _declare(element: Any) -> Declaration:
 
 @dataclass(frozen=True, slots=True)
 class _Ends:
-    """What a piece of a model begins and ends with, and whether it may be left out."""
+    """The first and last elements of a part of a content model, and whether it may be left out."""
 
     nullable: bool
     first: set[int]

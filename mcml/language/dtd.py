@@ -1,4 +1,4 @@
-"""Validation against `mcml.dtd` by libxml2: the second opinion, and the check of what the service itself makes.
+"""Validation against `mcml.dtd` by libxml2: a second check, also for documents that the service makes.
 
 Validity is local to an element: a frame is valid exactly when its attributes and the sequence of its children match.
 So a motion is valid when one frame of every distinct shape is, and a converted clip of any length is validated by its
@@ -26,7 +26,7 @@ from mcml.motion.skeleton import CHANNELS
 from mcml.resources import dtd_path
 
 MOST_FAULTS = 20
-"""That one message tells: who has more needs no list."""
+"""Limit for one message: more faults need no list."""
 
 MOST_KNOWN = 4096
 """Kinds of documents that were valid and are remembered."""
@@ -84,9 +84,8 @@ def validate_by_shapes(document: Element, shapes: Iterable[tuple[Shape, int]], n
 
 
 def validate_often(document: Element, shapes: Iterable[tuple[Shape, int]], names: Sequence[str]) -> None:
-    """As `validate_by_shapes`, for many documents that differ in what validity does not depend on: file names, mostly.
-
-    One that is like another that was valid is not made, parsed and validated again.
+    """As `validate_by_shapes`, for many documents that differ only in parts without effect on validity, mostly file
+    names. A document equal to a valid one in all other parts is not serialised, parsed and validated again.
     """
     shapes = list(shapes)
     alike = hashlib.sha256(repr((_likeness(document), shapes, tuple(names))).encode("utf-8", "backslashreplace"))

@@ -1,4 +1,4 @@
-"""Elements of the head of a document (everything but its frames), and what they say of a clip.
+"""Elements of the head of a document (everything except its frames), and the head of a clip.
 
 `from_head` and `to_head` are inverse: a clip's head as elements of `mcml.dtd`, and back.
 """
@@ -59,13 +59,12 @@ def mcml_element(header: Element, skeleton: Iterable[Element]) -> Element:
 
 
 def to_head(document: Element, frame_time: str | None = None, skeleton: Skeleton | None = None) -> ClipHead:
-    """What a document's header, root and skeleton say of its clip.
+    """Read a clip's head from the header, root and skeleton of a document.
 
     document: an `mcml` element that is valid (`mcml.language.dtd`), with or without its motion.
-    frame_time: text of motion/frametime; taken from the motion if the element has one. skeleton: what its root and
-    skeleton say, where that is known.
-    Whatever a hand-written document leaves out gets the default that docs/mcml.md lists.
-    Raises DocumentError with the address of the element that makes no sense.
+    frame_time: text of motion/frametime; taken from the motion if the element has one. skeleton: the skeleton, if it is
+    already known. Parts that a hand-written document leaves out get the defaults in docs/mcml.md. Raises DocumentError
+    with the address of the invalid element.
     """
     header = header_of(document)
     fields = _read_fields(header)

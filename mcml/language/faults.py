@@ -1,7 +1,7 @@
-"""Frames that are to be put into a document: read as its motion, or every fault with its address there.
+"""Check frames before they are inserted into a document: read them as its motion, or list every fault with its address.
 
-A reader stops at the first fault and knows its line. Whoever puts elements into a document knows addresses, and wants
-all faults at once: so what was refused is read again in parts, down to single attributes.
+A reader stops at the first fault and knows its line. A person who inserts elements works with addresses, and needs all
+faults at once. So refused frames are read again in parts, down to single attributes.
 """
 
 from __future__ import annotations
@@ -31,9 +31,8 @@ def read_frames(head: Element, frames: Sequence[Element]) -> list[FrameBlock]:
 
 
 def all_faults(head: Element, frames: Sequence[Element], at: int, first: DocumentError) -> DocumentError:
-    """The error for frames of which the first goes to position `at`: each fault with its address, in their order.
-
-    first: what was found without addresses; it counts where no part of a frame has a fault of its own.
+    """Return the error for frames that are inserted at position `at`: each fault with its address, in order. first: the
+    error without addresses; it is used if no part of a frame has a fault.
     """
     found: list[tuple[str, str]] = []
     for number, frame in enumerate(frames):
@@ -46,7 +45,7 @@ def all_faults(head: Element, frames: Sequence[Element], at: int, first: Documen
 
 
 def _faults(head: Element, frame: Element, address: str) -> Iterator[tuple[str, str]]:
-    """(address, fault) of a frame: of its attributes, of each child, else of what they are together."""
+    """Yield (address, fault) of a frame: of its attributes, of each child, or else of the whole frame."""
     whole = _fault(head, frame)
     if whole is None:
         return
@@ -72,7 +71,7 @@ def _child_faults(head: Element, frame: Element, child: Element, address: str) -
             if fault is not None:
                 found.append((address_attribute(address, name), fault))
             if name == NAME and fault is not None:
-                # Nothing else can be told of a bone that is not there.
+                # Nothing else can be checked for an unknown bone.
                 break
     return found or [(address, whole)]
 

@@ -43,7 +43,7 @@ class JointName:
 
 
 MCML, MARKERS = "mcml", "markers"
-"""What joints are, beside the verdicts of a recognition: named in MCML already, or points."""
+"""Kinds of joints other than the verdicts of a recognition: already named in MCML, or points."""
 _ROOTS = frozenset({"root", "pelvis", "hip"})
 """Parts that a joint is called which may move the figure."""
 _NEARLY_ALL = 0.8
@@ -57,8 +57,9 @@ _FOREIGN = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class SureName:
-    """A joint that got a name. source: its own name. name: MCML's. confidence: 0 to 1. how: by what it was recognised:
-    "word", "tree", "rest pose", or "alias" for a project's own."""
+    """A joint with a recognised name. source: its own name. name: MCML's. confidence: 0 to 1. how: the evidence:
+    "word", "tree", "rest pose", or "alias" for a project's own.
+    """
 
     source: str
     name: str
@@ -68,11 +69,10 @@ class SureName:
 
 @dataclass(frozen=True, slots=True)
 class NamingReport:
-    """What naming did, for the receipt.
-
-    kind: what the joints are: PERSON, PART, NOBODY or UNKNOWN (`mcml.motion.rigs.recognise`), MCML or MARKERS.
-    named: joints with a name of MCML's. unmapped: (source name, name kept, why). refused: why it is no person.
-    told: sentences about what is missing, doubtful or contradicts itself. landmarks: of markers, by their own names.
+    """The result of naming, for the receipt. kind: kind of the joints: PERSON, PART, NOBODY or UNKNOWN
+    (`mcml.motion.rigs.recognise`), MCML or MARKERS.
+    named: joints with a name of MCML's. unmapped: (source name, kept name, reason). refused: reason why it is not a
+    person. told: sentences about missing joints, doubts and contradictions. landmarks: of markers, by their own names.
     """
 
     kind: str
@@ -193,13 +193,13 @@ def named(
     root: int | None = None,
     recognition: Recognition | None = None,
 ) -> tuple[Skeleton, NamingReport]:
-    """The skeleton with `name`, `mapped` and `confidence` of every joint set, and why joints stay unmapped.
+    """Set `name`, `mapped` and `confidence` of every joint; return the skeleton and the reasons for unmapped joints.
 
     Source names stay as they are. extra: a team's own rows, (name in the source, name to give), which come first. Never
     fails: a joint without a name of MCML's keeps its source name, with `#2` if that is taken.
 
-    root: which of several `root_candidates` moves the figure; None: the first. recognition: what the rig is, where
-    poses of the motion were needed to say so; None: what its names and its rest pose say.
+    root: which of several `root_candidates` moves the figure; None: the first. recognition: the recognised rig, if
+    poses of the motion were needed; None: recognise it by names and rest pose.
     """
     if _is_markers(skeleton):
         told, landmarks = _told_of_markers(skeleton)
@@ -310,7 +310,7 @@ def _key(name: str) -> str:
 
 
 def alias_key(name: str) -> str:
-    """What of a name counts where names are compared: no namespace, prefix of a rig, case or punctuation."""
+    """Return the part of a name that is compared: without namespace, rig prefix, case and punctuation."""
     return _key(name)
 
 

@@ -1,9 +1,9 @@
 r"""Text that XML cannot hold as it is, and lists in attributes.
 
 XML 1.0 has no control characters but tab, line feed and carriage return, and no surrogates. MCML trims the text of
-leaves and separates list items by white space. What would be lost is written `\u{HEX}`: those characters, white
-space at either end of a text, white space within a list item, and the backslash of a literal `\u{`. An empty list
-item is `\u{}`. A backslash elsewhere stays as it is, so that `F:\VICON\data` remains readable.
+leaves and separates list items by white space. Lost characters are written as `\u{HEX}`: those characters, white space
+at either end of a text, white space within a list item, and the backslash of a literal `\u{`. An empty list item is
+`\u{}`. A backslash elsewhere stays as it is, so that `F:\VICON\data` remains readable.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def escape(text: str) -> str:
 
 
 def unescape(text: str) -> str:
-    r"""The inverse of `escape`; leaves alone what is no escape, and what would be half of a surrogate pair.
+    r"""The inverse of `escape`; does not change invalid escapes and halves of surrogate pairs.
 
     >>> unescape(r"\u{20}a\u{zz}\n")
     ' a\\u{zz}\\n'

@@ -28,8 +28,8 @@ class BodyPart:
     """A part of the body.
 
     sided: whether its names need left, right or both; if not, they must not have one. joints: of Table 1, `*` for
-    the side. movements: what it can do. instead: a movement said of this part that is stored under another
-    (part, movement). near: parts to look at for a name that was perhaps meant.
+    the side. movements: its possible movements. instead: movements of this part that are stored under another (part,
+    movement). near: parts to search for a suggested name.
     """
 
     name: str

@@ -28,8 +28,8 @@ _DECLARED = re.compile(rb"""<\?xml\s[^>]*?encoding\s*=\s*["']([A-Za-z][A-Za-z0-9
 _READABLE = re.compile(
     r"utf-(8|16|32)(-[bl]e)?|ascii|iso8859-\d+|cp\d+|euc_\w+|shift_jis\w*|gb\w+|big5\w*|koi8-\w|johab"
 )
-# Possessive: what was read as white space, a comment or an instruction is never read another way, or a long run of
-# white space would take for ever.
+# Possessive: white space, a comment or an instruction is never matched another way, or a long run of white space would
+# take for ever.
 _MISC = rb"(?:\s++|<!--(?>.*?-->)|<\?(?>.*?\?>))*+"
 _DOCTYPE = re.compile(rb"\A(" + _MISC + rb")(<!DOCTYPE\s+mcml\s+SYSTEM\s+(?:\"mcml\.dtd\"|'mcml\.dtd')\s*>)", re.DOTALL)
 _ANY_DOCTYPE = re.compile(rb"\A" + _MISC + rb"<!DOCTYPE", re.DOTALL)
@@ -37,10 +37,9 @@ _ROOT = re.compile(rb"<[A-Za-z_:\x80-\xff]")
 
 
 def utf8_chunks(stream: BinaryIO, max_bytes: int, encoding: str | None = None) -> Iterator[bytes]:
-    """The document from the stream's position on, as UTF-8 without BOM and without the allowed DOCTYPE.
-
-    encoding: what the upload says, for a document that does not say it itself. Lines stay where they are.
-    Raises LimitError beyond max_bytes, DocumentError where the bytes are not in the encoding stated.
+    """Yield the document from the stream's position on, as UTF-8 without BOM and without the allowed DOCTYPE. encoding:
+    the encoding stated by the upload, for a document that does not state it. Lines stay where they are. Raises
+    LimitError beyond max_bytes, DocumentError if the bytes are not in the stated encoding.
     """
     chunks = _limited(stream, max_bytes)
     head = b""
@@ -80,9 +79,9 @@ def refused_doctype(line: int | None, why: str) -> DocumentError:
 
 
 def encoding_of(head: bytes, encoding: str | None = None) -> str:
-    """Name of the codec of a document that begins so: by BOM, its XML declaration, what the upload says, else UTF-8.
+    """Return the codec of a document with this beginning: by BOM, its XML declaration, the upload, else UTF-8.
 
-    Raises DocumentError for a name that is no text encoding.
+    Raises DocumentError for a name that is not a text encoding.
     """
     for mark, name in _BOMS:
         if head.startswith(mark):

@@ -26,7 +26,7 @@ from mcml.language.vocabulary import BONE, DOF, FRAME, FRAMES, FRAMETIME, MCML, 
 from mcml.motion.clip import ClipStream, FrameBlock
 
 ELEMENT_SIZE = 100
-"""What an element of the head costs beside its text, in characters: many empty ones fill the memory as well."""
+"""Size of an element of the head besides its text, in characters: many empty elements also fill the memory."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,8 @@ class McmlDocument:
 
     document: the `mcml` element without its motion, texts trimmed, otherwise as written.
     clip: its head, and its frames in blocks. They are checked while they are read: the document is known to be valid
-    once `clip.blocks()` came to its end. `blocks` starts anew each time if the stream can seek, else it works once.
+    once `clip.blocks()` came to its end. `blocks` starts from the beginning each time if the stream can seek, else it
+    works once.
     """
 
     document: Element
@@ -58,7 +59,7 @@ class McmlDocument:
 
     @property
     def notices(self) -> list[Notice]:
-        """What was dropped or guessed; complete once the blocks were read to the end."""
+        """Losses and guesses; complete once the blocks were read to the end."""
         return self.clip.notices
 
 
@@ -280,7 +281,7 @@ class _Pass:
         self._handle(reader.start, end, reader.text)
 
     def _begin_frames(self, motion: Element) -> FrameReader:
-        """The head is complete: what it says is checked, and its joints are known to the frames."""
+        """Check the complete head, and pass its joints to the reader of frames."""
         frames = motion.leaf(FRAMES) or ""
         self.frame_time = motion.leaf(FRAMETIME)
         motion_lines = {f"/mcml/{MOTION}/{child.tag}": self._lines[id(child)] for child in motion.children}

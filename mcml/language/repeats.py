@@ -41,8 +41,9 @@ class Pattern:
 
 
 def pattern_of(raw: bytes, shape: Shape, motion_names: tuple[str, ...]) -> Pattern | None:
-    """The pattern of a frame from its bytes (white space before `<frame` among them, `</frame>` not) and what the
-    parser made of them; None where the bytes are not in the plain form that patterns can hold."""
+    """Return the pattern of a frame from its bytes (with white space before `<frame`, without `</frame>`) and the
+    parsed frame; None if the bytes are not in the plain form that patterns support.
+    """
     if b"'" in raw or b"<!" in raw or b"<?" in raw or len(shape) < 2:
         return None
     parts = raw.decode().split('"')
@@ -83,10 +84,10 @@ def pattern_of(raw: bytes, shape: Shape, motion_names: tuple[str, ...]) -> Patte
 
 
 def match(raw: bytes, pattern: Pattern) -> tuple[str, tuple[str, ...]] | None:
-    """Id and number texts of a frame that differs from the pattern in those only, else None.
+    """Return the id and number texts of a frame that differs from the pattern only in those, else None.
 
-    The numbers consist of the letters of numbers, so that they are what an XML parser would make of them; whether
-    they are numbers is for the reader to say.
+    The numbers consist of the letters of numbers, so an XML parser would read the same texts; the reader checks that
+    they are numbers.
     """
     try:
         parts = raw.decode().split('"')

@@ -1,4 +1,4 @@
-"""The names of `mcml.dtd`, once, and what the code must know of its content models.
+"""The names of `mcml.dtd`, and the parts of its content models that the code needs.
 
 `tests/mcml/test_vocabulary.py` compares this file with the DTD.
 """
@@ -69,4 +69,4 @@ CHANNEL_OF: Final = {channel.lower(): channel for channel in CHANNELS} | {"l": "
 """Channel by its lower-case spelling; ASF calls the stretch of a bone `l`."""
 
 DEFAULT_ROOT_NAME: Final = "Root"
-"""What frames call a root that states no name (Table 1, row 1)."""
+"""Name in frames of a root that states no name (Table 1, row 1)."""

@@ -114,7 +114,7 @@ def write_element(element: Element, *, pretty: bool = False, depth: int = 0) -> 
         end = "\n" if pretty and level > depth else ""
         text = current.text.translate(_TEXT) if current.text else ""
         if current.children:
-            # Text beside children is no MCML, but what is invalid must stay so to be refused.
+            # Text beside children is invalid MCML. It is written anyway, so that the document is refused.
             parts.append(f"{indent}{_start_tag(current)}>{text}" + ("\n" if pretty else ""))
             stack.append((f"{indent}</{current.tag}>{end}", level))
             stack.extend([(child, level + 1) for child in reversed(current.children)])
@@ -137,7 +137,7 @@ def write_frames(
 ) -> Iterator[bytes]:
     """Frames first … last - 1 (from 0) of a block as `frame` elements. Raises DocumentError for NaN and infinity.
 
-    before: what stands before each frame of the block, if anything. after: what stands after each.
+    before: bytes before each frame of the block. after: bytes after each frame.
     """
     heads = _frame_heads(block.ids, block.motion_names, layout, before)
     step = max(1, VALUES_AT_A_TIME // max(1, len(block.columns)))

@@ -1,1 +1,1 @@
-"""What a motion is: skeletons, clips, rotations, kinematics. Arrays and plain data; no files, HTTP or SQL."""
+"""Motions: skeletons, clips, rotations, kinematics. Arrays and plain data; no files, HTTP or SQL."""

@@ -24,14 +24,14 @@ Shape: TypeAlias = tuple[tuple[int, int], ...]
 
 @dataclass(frozen=True)
 class SourcePart:
-    """One file of the source (BVH: one; ASF/AMC: two), for what its format writes beside motion.
+    """One file of the source (BVH: one; ASF/AMC: two), with the data of its format other than motion.
 
     part: the format's part name ("bvh", "asf", "amc", "htr"). name: file name without folders.
     encoding: Python codec name. keywords: header keywords in the file's order and spelling ("FileType" …).
     flags: AMC's `:FULLY-SPECIFIED`, `:DEGREES` lines, verbatim, in order.
-    comments: comment lines verbatim, without line end. sections: (keyword line, verbatim text) of sections that the
-    model has no place for, such as ASF's `:documentation` and `:skin`.
-    missing: how the source writes a missing sample (HTR: "9999999"), "" if it has none.
+    comments: comment lines verbatim, without line end. sections: (keyword line, verbatim text) of sections without a
+    place in the model, such as ASF's `:documentation` and `:skin`.
+    missing: the text of a missing sample in the source (HTR: "9999999"), "" if it has none.
     """
 
     part: str
@@ -61,7 +61,7 @@ class ReferencePose:
 
     @classmethod
     def from_json(cls, values: Sequence[Sequence[float]]) -> ReferencePose:
-        """What `to_json` made."""
+        """Read the output of `to_json`."""
         return cls(tuple(tuple(one[:3]) for one in values), tuple(tuple(one[3:]) for one in values))
 
 
@@ -86,25 +86,25 @@ class Reference:
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> Reference:
-        """What `to_json` made."""
+        """Read the output of `to_json`."""
         pose = None if values["pose"] is None else ReferencePose.from_json(values["pose"])
         return cls(**{**values, "pose": pose})
 
 
 @dataclass(frozen=True)
 class ClipHead:
-    """All of a clip but its frames.
+    """A clip without its frames.
 
     fields: header values as lexemes, by MCML's header element names: filetype datatype filename version skeleton_name
         num_segments num_frames dataframe_rate euler_rotation_order calibration_unit global_axis_of_gravity
         bone_length_axis scale_factor; and units_mass units_length units_angle (the attributes of `units`).
-        Only what the source states.
+        Only values that the source states.
     format: the catalogue name of the source format ("bvh", "asf-amc", "htr", …).
-    frame_time: seconds a frame as the file writes it, None where the source has none (AMC, and HTR with its rate).
-    number_style: "shortest", "fixed:N" or "general:N": how the source writes motion numbers; only for writing the
-        source format again, and only where it gives the same double.
+    frame_time: seconds a frame as the file writes it, None if the source has none (AMC, and HTR with its rate).
+    number_style: "shortest", "fixed:N" or "general:N": the source's format of motion numbers; used only for writing the
+    source format again, and only if it gives the same double.
     description, properties: set by people; properties are (name, value, unit or "").
-    reference: what is known of the skeleton's reference pose from elsewhere, such as its other clips.
+    reference: the skeleton's reference pose, if known from elsewhere, such as its other clips.
     """
 
     format: str
@@ -156,7 +156,7 @@ class ClipStream:
     """A clip whose frames are read in blocks, each time `blocks()` is called, from the first frame on.
 
     frames: the number of frames if it is known before reading, else None.
-    notices: what the reader guessed or repaired; complete once the blocks were read to the end.
+    notices: guesses and repairs of the reader; complete once the blocks were read to the end.
     """
 
     head: ClipHead

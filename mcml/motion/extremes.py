@@ -1,4 +1,4 @@
-"""Numbers near the largest double: what is computed from them may be beyond it, and is refused rather than kept."""
+"""Numbers near the largest double: results computed from them may overflow, and are refused."""
 
 from __future__ import annotations
 

@@ -132,10 +132,11 @@ def clean_feet(
     writer: HubWriter,
     clean: bool,
 ) -> tuple[Array, tuple[FootReport, ...]]:
-    """Rotations (n, J, 4) with standing feet held, and what was done.
+    """Lock planted feet; return rotations (n, J, 4) and a report.
 
-    positions: (n, Js, 3) of the source, in which feet stand; leg: the length of its legs. translations, rotations: of
-    the target, hub form. writer: knows what its joints can hold. clean: else nothing is changed, only reported.
+    positions: (n, Js, 3) of the source, which decide the contacts; leg: the length of its legs. translations,
+    rotations: of
+    the target, hub form. writer: knows the channels of its joints. clean: if false, nothing is changed, only reported.
     """
     reports = []
     for foot in feet:

@@ -21,7 +21,7 @@ Rows = NDArray[np.intp]
 
 @dataclass(frozen=True)
 class Edited:
-    """Frames after an operation, and what the skeleton's channels could not hold of it."""
+    """Frames after an operation, and the loss if the skeleton's channels cannot represent it."""
 
     block: FrameBlock
     shortfall: Shortfall

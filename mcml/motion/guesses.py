@@ -1,4 +1,6 @@
-"""What a clip that does not say its unit or its up axis is likely to mean. Guesses are told, and never written."""
+"""Guess the unit or the up axis of a clip that does not state them. Guesses are reported, but never written to
+files.
+"""
 
 from __future__ import annotations
 
@@ -54,9 +56,9 @@ _HEIGHTS = (
 """How high parts stand in a body that stands, in no unit, and words that their names have."""
 _NO_HEAD = re.compile(r"(?:met|mt|fib|rad|hum|uln|fem)\w* ?\d*\w* ?head|head ?(?:of|met|mt|fib|rad|hum|uln|fem)")
 _LOW, _HIGH = 1.0, 2.0
-"""What names must speak of to tell the way up: knees or feet, and hips or what is above."""
+"""Joints whose names decide the up axis: knees or feet, and hips or joints above."""
 _WALKED = 0.5
-"""Of the largest extent of all points in a frame: who travels farther along an axis walks along it."""
+"""Relative to the largest extent of all points in a frame: a longer travel along an axis means walking."""
 _LEVEL = 4.0
 """How many times as far as along the axis of least travel."""
 _CLEAR = 1.5
@@ -65,7 +67,9 @@ _CLEAR = 1.5
 
 @dataclass(frozen=True)
 class LikelyUp:
-    """axis: "X", "Y", "Z", or with a minus. why: what tells it, for people. sure: whether that is more than a shape."""
+    """axis: "X", "Y", "Z", or with a minus. why: the reason, as text. sure: whether the evidence is more than the
+    shape.
+    """
 
     axis: str
     why: str

@@ -244,10 +244,10 @@ AT_ONCE = 1 << 16
 
 def _walked_by_depth(skeleton: Skeleton, translations: Array, rotations: Array) -> tuple[Array, Array]:
     """As `walked`, to the bit: few operations, for short arrays cost by their number."""
-    # Copies: what is given may be read again, as the rest pose is.
+    # Copies: the input may be read again, as for the rest pose.
     turned = rotations.T.copy(order="C")
     x, y, z, w = turned
-    # What `multiply` adds up for its four components: w, x, y and z of the first, each with these of the second.
+    # The sums of `multiply` for its four components: w, x, y and z of the first, each with these of the second.
     second = np.array([(x, y, z, w), (w, -z, y, -x), (z, w, -x, -y), (-y, x, w, -z)])
     for joints, parents in _levels(skeleton)[1:]:
         first = turned[:, parents][[3, 0, 1, 2], None]

@@ -28,14 +28,15 @@ Flags = NDArray[np.bool_]
 _AXIS = {"X": 0, "Y": 1, "Z": 2}
 _SCALE = CHANNEL_INDEX["SF"]
 ROUNDING = 1e-9
-"""Radians, and parts of the size of a skeleton: what is lost to rounding and is no loss."""
+"""Radians, and fractions of the size of a skeleton: differences up to this are rounding, not losses."""
 
 
 @dataclass(frozen=True)
 class Known:
-    """Values that need not be made anew. values: (n, D) in the skeleton's columns. holds: (n, J) where they are true of
-    a joint: its channels are copied bit by bit there. near: whether they are a guess elsewhere, to which the angles of
-    each frame are the nearest; else angles go on from the frame before."""
+    """Existing values that need not be computed. values: (n, D) in the skeleton's columns. holds: (n, J) where they
+    are valid for a joint: its channels are copied bit by bit. near: whether they are a guess elsewhere: the angles
+    of each frame are then the nearest to it; else angles continue from the previous frame.
+    """
 
     values: Array
     holds: Flags
@@ -44,7 +45,7 @@ class Known:
 
 @dataclass(frozen=True)
 class Shortfall:
-    """What the channels could not hold, at most in any frame. angles: (J,) radians. lengths: (J,)."""
+    """The greatest loss in any frame, because channels are missing. angles: (J,) radians. lengths: (J,)."""
 
     angles: Array
     lengths: Array
@@ -107,10 +108,10 @@ class HubWriter:
     def write(
         self, translations: Array, rotations: Array, scales: Array | None = None, known: Known | None = None
     ) -> Array:
-        """Channel values (n, D) in `columns`, finite.
+        """Return channel values (n, D) in `columns`, finite.
 
         translations: (n, J, 3), rotations: (n, J, 4), scales: (n, J), 1 where left out: as in `HubBlock`. A channel
-        that is no part of motion (`residual`) is 0 unless `known` has it. What joints cannot hold adds to `shortfall`.
+        that is not part of motion (`residual`) is 0 unless `known` has it. Losses of joints are added to `shortfall`.
         """
         count = len(translations)
         values = np.zeros((count, len(self.columns)))

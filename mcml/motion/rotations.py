@@ -15,7 +15,7 @@ from mcml.motion.skeleton import Array
 
 IDENTITY: Final = np.array([0.0, 0.0, 0.0, 1.0])
 GIMBAL: Final = 1e-11
-"""Cosine of the middle angle below which the outer two axes are taken as one: what is lost is smaller than this."""
+"""Cosine of the middle angle below which the outer two axes are treated as equal: the error is smaller than this."""
 
 _AXIS = {"X": 0, "Y": 1, "Z": 2}
 
@@ -171,7 +171,7 @@ def to_euler(rotation: Array, order: str, previous: Array | None = None) -> Arra
     if locked.any():
         source = np.where(locked, 0, np.arange(1, len(last) + 1))
         last = np.concatenate([[start[2]], last])[np.maximum.accumulate(source)]
-    # With the last angle known, the first follows from what the two outer axes leave.
+    # With the last angle known, the first follows from the rotation of the two outer axes.
     sine_last, cosine_last = sign * np.sin(last), np.cos(last)
     first = np.arctan2(
         sign * (sine_last * matrix[:, k, i] + cosine_last * matrix[:, k, j]),

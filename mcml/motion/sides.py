@@ -21,8 +21,9 @@ _SWAPS = (
     (re.compile(r"(?<=[a-z0-9])L(?=$|[A-Z_.\- ])"), "R"),
     (re.compile(r"(?<=[a-z0-9])R(?=$|[A-Z_.\- ])"), "L"),
 )
-"""Ways in which names say a side (left_foot, LeftFoot, Foot_L, Bip01 L Foot, lfoot, LFIN, footL) and what the other
-side says instead. A swap counts only where the skeleton has the name that comes of it."""
+"""Notations of a side in names (left_foot, LeftFoot, Foot_L, Bip01 L Foot, lfoot, LFIN, footL) and their
+counterparts for the other side. A swap is used only if the skeleton has the resulting name.
+"""
 
 
 @dataclass(frozen=True)

@@ -156,7 +156,7 @@ class Skeleton:
 
     @cached_property
     def _follows(self) -> dict[Hashable, Any]:
-        """What was found of it by functions that `once_a_skeleton` has made."""
+        """Cached results of functions made by `once_a_skeleton`."""
         return {}
 
     def __hash__(self) -> int:
@@ -167,15 +167,13 @@ class Skeleton:
         return hash((self.joints, self.declared))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # What follows from it is not sent to other processes.
+        # Cached results are not sent to other processes.
         return Skeleton, (self.joints, self.declared)
 
 
 def once_a_skeleton(function: Callable[Concatenate[Skeleton, P], Found]) -> Callable[Concatenate[Skeleton, P], Found]:
-    """A function of a skeleton, and of values that can be hashed, whose result is kept with the skeleton.
-
-    Clips of one session share a skeleton, and what follows from it takes longer to find than all that a short clip
-    moves. Results are to be read only.
+    """Cache the results of a function of a skeleton and of hashable values with the skeleton. Clips of one session
+    share a skeleton, and computing these facts takes longer than reading a short clip. Treat results as read-only.
     """
 
     @wraps(function)

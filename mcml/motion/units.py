@@ -27,7 +27,7 @@ UNITS: Final[Mapping[str, float]] = {
 
 
 def metres_per_unit(name: str) -> float:
-    """Metres of a unit, whatever its case. Raises ConversionError for an unknown one."""
+    """Return the metres of a unit; case is ignored. Raises ConversionError for an unknown one."""
     metres = UNITS.get(name.strip().lower())
     if metres is None:
         raise ConversionError(f"Unknown unit of length {name!r}.", remedy=f"Use one of: {', '.join(UNITS)}.")

@@ -1,4 +1,4 @@
-"""What must be known of a clip before its numbers mean metres and heights."""
+"""Calibrations of clips, which turn their numbers into metres and heights."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class CalibrationValue(BaseModel):
 
 
 class Calibration(BaseModel):
-    """What questions about motion rest on; lengths are in the source's unit."""
+    """The values that queries about motion depend on; lengths are in the source's unit."""
 
     model_config = ConfigDict(json_schema_extra=shown(_VIEW))
 
@@ -51,7 +51,7 @@ class Calibration(BaseModel):
 
 
 class CalibrationChange(RequestBody):
-    """What is left out stays; null goes back to what the file says or shows."""
+    """Values to set; omitted values do not change, null returns to the value from the file."""
 
     model_config = ConfigDict(
         coerce_numbers_to_str=True,

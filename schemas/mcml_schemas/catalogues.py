@@ -1,4 +1,4 @@
-"""What the repository knows: formats, joint names, motion names, skeletons, projects, health."""
+"""Catalogues of the repository: formats, joint names, motion names, skeletons, projects, health."""
 
 from __future__ import annotations
 
@@ -152,8 +152,9 @@ class ProjectList(BaseModel):
 
 
 class ProjectView(BaseModel):
-    """archived: since when nothing in it changes. documents: that are there. bytes: of the files that its documents
-    came of and their media, deleted ones too. most_documents, most_bytes: what it may hold, none: no bound."""
+    """A project. archived: time since which it is read-only. documents: number of documents. bytes: of uploaded
+    files and media, including deleted documents. most_documents, most_bytes: quotas, none: no limit.
+    """
 
     model_config = ConfigDict(json_schema_extra=shown(_PROJECT))
 
@@ -166,7 +167,7 @@ class ProjectView(BaseModel):
 
 
 class ProjectChange(RequestBody):
-    """What is left out stays."""
+    """Values to change; omitted values do not change."""
 
     model_config = ConfigDict(json_schema_extra=shown({"archived": True}))
 

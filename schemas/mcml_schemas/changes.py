@@ -46,8 +46,9 @@ class FrameBlock(RequestBody):
 
 
 class ChangeSet(RequestBody):
-    """What shall change: everything is said of the document as it is before any of it. labels: all that it shall have
-    afterwards; left out, they stay."""
+    """Changes of a document; everything refers to the document before the changes. labels: the complete new list; if
+    omitted, labels do not change.
+    """
 
     model_config = ConfigDict(json_schema_extra=shown(_CHANGES))
 
@@ -61,7 +62,7 @@ class ChangeSet(RequestBody):
 
 
 class Conflict(BaseModel):
-    """What somebody else changed meanwhile: as it was, as it is, as it was wanted."""
+    """A conflict with a change by somebody else: the old, the current and the requested value."""
 
     kind: Literal["element", "frames", "label", "fact"]
     address: str = Field(description="Of the element; else the channel, motion name or fact")
@@ -85,7 +86,7 @@ class Fault(BaseModel):
 
 
 class ChangesMade(BaseModel):
-    """What came of changes. revision: that they made, or the current one where there was nothing to change."""
+    """The result of changes. revision: the new revision, or the current one if nothing changed."""
 
     model_config = ConfigDict(
         json_schema_extra=shown(

@@ -113,7 +113,7 @@ class ComposedSegment(BaseModel):
 
 
 class Composed(BaseModel):
-    """What was made, and how."""
+    """The new document, with its segments and seams."""
 
     model_config = ConfigDict(
         json_schema_extra=shown(

@@ -125,7 +125,7 @@ class NoticeLine(BaseModel):
 
 
 class Receipt(BaseModel):
-    """What an import found, guessed and mended."""
+    """The findings, guesses and repairs of an import."""
 
     model_config = ConfigDict(json_schema_extra=shown(RECEIPT))
 
@@ -251,7 +251,7 @@ class Span(BaseModel):
 
 
 class Passport(BaseModel):
-    """What one must know to read the numbers of a document, and which of it nobody has stated."""
+    """The facts needed to interpret the numbers of a document, and the list of those that are not stated."""
 
     unit: str | None = Field(None, description="Of length")
     metres: float | None = Field(None, description="Of the unit")
@@ -263,7 +263,7 @@ class Passport(BaseModel):
 
 
 class Card(DocumentSummary):
-    """A document in a list, with what else was asked for; the rest is null."""
+    """A document in a list, with the requested details; others are null."""
 
     model_config = ConfigDict(json_schema_extra=shown(_CARD))
 
@@ -281,7 +281,7 @@ class DocumentPage(BaseModel):
 
 
 class DocumentChange(RequestBody):
-    """What to change; what is left out stays. An empty text removes description, unit or up axis."""
+    """Values to change; omitted values do not change. An empty text removes description, unit or up axis."""
 
     model_config = ConfigDict(
         json_schema_extra=shown({"name": "walk, second take", "unit": "cm", "up": "Y", "properties": [PROPERTY]}),
@@ -351,7 +351,7 @@ class FramePage(BaseModel):
 
 
 class InspectResult(BaseModel):
-    """What an upload would find; nothing is stored."""
+    """The result that an upload would have; nothing is stored."""
 
     model_config = ConfigDict(json_schema_extra=shown({"clips": [_CLIP], "problems": []}))
 
@@ -368,7 +368,7 @@ class ChangedDocument(BaseModel):
 
 
 class ChangedDocuments(BaseModel):
-    """What a request for many documents has changed."""
+    """The documents that a bulk request has changed."""
 
     model_config = ConfigDict(json_schema_extra=shown({"items": [{"id": DOCUMENT, "name": "walk", "revision": 2}]}))
 

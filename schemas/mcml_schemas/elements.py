@@ -13,7 +13,7 @@ Path = Annotated[str, Field(min_length=1, max_length=10_000)]
 
 
 class ElementChange(RequestBody):
-    """New values of an element: attributes (null removes one) and the text of a leaf; what is left out stays."""
+    """New values of an element: attributes (null removes one) and the text of a leaf; omitted values do not change."""
 
     model_config = ConfigDict(
         json_schema_extra=shown({"attributes": {"Rx": "45.25", "SF": None}, "message": "a spike"}),
@@ -165,7 +165,7 @@ class TextFound(BaseModel):
 
 
 class ElementEdited(BaseModel):
-    """What an edit did: the address of the (first) element, how many there were, and the revision that it made."""
+    """The result of an edit: the address of the (first) element, the number of elements, and the new revision."""
 
     model_config = ConfigDict(json_schema_extra=shown({"address": ADDRESS, "elements": 1, "revision": 2}))
 

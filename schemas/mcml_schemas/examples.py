@@ -1,4 +1,4 @@
-"""What the examples in the API's description are made of: one short walk, as every endpoint shows it."""
+"""Data of the examples in the API description: one short walk, as shown by every endpoint."""
 
 from __future__ import annotations
 

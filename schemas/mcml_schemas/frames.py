@@ -128,8 +128,9 @@ class FrameValues(RequestBody):
 
 
 class MotionHead(BaseModel):
-    """What positions of a motion that is not stored mean: joints, and after them the ends of chains, frame after frame,
-    point after point, x y z, told from the origin, which is where the first joint is in frame 1."""
+    """The layout of positions of a motion that is not stored: joints, then the ends of chains, frame after frame,
+    point after point, x y z, relative to the origin, the position of the first joint in frame 1.
+    """
 
     first: int
     shape: list[int] = Field(description="Frames, points, 3")

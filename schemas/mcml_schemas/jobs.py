@@ -135,7 +135,7 @@ class PartSummary(BaseModel):
 
 
 class Result(BaseModel):
-    """What an analysis found or made, with all that is needed to make it again."""
+    """The output of an analysis, with all data to reproduce it."""
 
     model_config = ConfigDict(json_schema_extra=shown(_RESULT | {"parts": {"beats": _PART}, "operations": []}))
 
@@ -248,7 +248,7 @@ class ClipMotion(BaseModel):
 
 
 class ResultUsed(BaseModel):
-    """What the operation gave. document, result: ids of what was stored of it."""
+    """The output of an operation. document, result: ids of stored output."""
 
     value: Any = Field(description="Its content depends on the operation")
     clip: ClipMotion | None = Field(None, description="The clip that was made")

@@ -10,7 +10,7 @@ from mcml_schemas.request_body import RequestBody
 
 
 class LabelChange(RequestBody):
-    """What becomes of a label; what is left out stays."""
+    """A change of a label; omitted values do not change."""
 
     model_config = ConfigDict(json_schema_extra=shown({"name": MOTION_NAME, "last": 150}))
 

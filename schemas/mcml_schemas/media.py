@@ -9,7 +9,7 @@ from mcml_schemas.request_body import RequestBody
 
 
 class MediaInfo(BaseModel):
-    """What a document carries for reference."""
+    """The reference file attached to a document."""
 
     model_config = ConfigDict(
         json_schema_extra=shown(

@@ -1,4 +1,4 @@
-"""Names of joints: what a project adds to those that are known, and documents that get the present ones."""
+"""Names of joints: aliases of a project, and renaming joints of existing documents."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from mcml_schemas.examples import PROBLEM, shown
 
 
 class Where(BaseModel):
-    """Where in the input; what does not apply is left out."""
+    """The place in the input; parts that do not apply are omitted."""
 
     file: str | None = None
     line: int | None = Field(None, description="From 1")
@@ -19,7 +19,7 @@ class Where(BaseModel):
 
 
 class Problem(BaseModel):
-    """What is wrong, where, and how to mend it."""
+    """An error: the problem, the place and the remedy."""
 
     model_config = ConfigDict(json_schema_extra=shown(PROBLEM))
 

@@ -1,4 +1,4 @@
-"""What all bodies of requests in JSON share: unknown fields and values of another type are refused."""
+"""The base of all JSON request bodies: unknown fields and values of another type are refused."""
 
 from __future__ import annotations
 

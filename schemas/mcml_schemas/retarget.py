@@ -155,7 +155,7 @@ class FootSliding(BaseModel):
 
 
 class Retargeted(BaseModel):
-    """What was made, and how well it fits."""
+    """The retargeted motion, and the quality of the match."""
 
     model_config = ConfigDict(
         json_schema_extra=shown(
@@ -194,7 +194,7 @@ class Retargeted(BaseModel):
 
 
 class RetargetedOne(BaseModel):
-    """One of many documents: what was made of it, or why nothing was."""
+    """The result for one of many documents: the new document, or the problem."""
 
     model_config = ConfigDict(
         json_schema_extra=shown({"source": DOCUMENT, "name": "walk", "made": example_of(Retargeted)})

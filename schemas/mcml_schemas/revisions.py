@@ -54,7 +54,7 @@ class BoneDifference(BaseModel):
 
 
 class Difference(BaseModel):
-    """What is different in the later of two revisions."""
+    """The differences between two revisions."""
 
     model_config = ConfigDict(
         json_schema_extra=shown(

@@ -27,7 +27,7 @@ class ManyLabel(RequestBody):
 
 
 class ManyChanges(RequestBody):
-    """What shall change in each of the documents; their names stay."""
+    """Changes for each of the documents, except their names."""
 
     model_config = ConfigDict(
         json_schema_extra=shown(
@@ -54,7 +54,7 @@ class ManyCopies(RequestBody):
 
 
 class CopiedDocuments(BaseModel):
-    """Ids of the copies, in the order of the ids of what was copied."""
+    """Ids of the copies, in the order of the ids of the originals."""
 
     model_config = ConfigDict(json_schema_extra=shown({"documents": [DOCUMENT]}))
 

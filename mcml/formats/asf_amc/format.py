@@ -91,7 +91,7 @@ class AsfAmc:
 
 
 def _angles(head: ClipHead) -> str:
-    """What an AMC without its flag is taken to mean."""
+    """Return the unit of angles that is assumed for an AMC without its flag."""
     stated = head.fields.get("units_angle", "")
     unit = "radians" if stated.strip().lower().startswith("rad") else "degrees"
     return f"its angles count as {unit}, {'the unit of the ASF' if stated else 'since the ASF states no unit either'}"

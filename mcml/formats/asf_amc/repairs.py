@@ -17,7 +17,7 @@ _AXES = (b"rx", b"ry", b"rz")
 
 
 def stated_dof(files: Mapping[str, bytes]) -> tuple[dict[str, bytes], str]:
-    """The files with the values alone that the ASF has degrees of freedom for, and what was done."""
+    """Keep only values with a degree of freedom in the ASF; return the files and a description."""
     wanted, count = _fewer(files), 0
 
     def kept(row: re.Match[bytes]) -> bytes:
@@ -38,7 +38,7 @@ def stated_dof(files: Mapping[str, bytes]) -> tuple[dict[str, bytes], str]:
 
 
 def three_dof(files: Mapping[str, bytes]) -> tuple[dict[str, bytes], str]:
-    """The files with an ASF whose bones of three values have three degrees of freedom, and what was done."""
+    """Give bones with three values three degrees of freedom in the ASF; return the files and a description."""
     wanted = _fewer(files)
     if not wanted:
         return dict(files), ""

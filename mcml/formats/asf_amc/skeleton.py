@@ -27,7 +27,9 @@ _BONE_FIELDS = frozenset({"id", "name", "direction", "length", "axis", "dof", "l
 
 @dataclass
 class AsfFile:
-    """What an ASF holds beside the skeleton. fields: as ClipHead.fields. keywords: section lines in their order."""
+    """The content of an ASF other than the skeleton. fields: as ClipHead.fields. keywords: section lines in their
+    order.
+    """
 
     skeleton: Skeleton
     fields: dict[str, str] = field(default_factory=dict)

@@ -87,7 +87,7 @@ def _read_skeleton(
     text = stream.read(LONGEST_SHARED)
     motion = _MOTION_LINE.search(text)
     if motion is not None:
-        # What is wrong is said below, where the whole file is at hand.
+        # The error is raised below, with access to the whole file.
         with suppress(FormatError, LimitError):
             shared = shared_hierarchy(text[: motion.start()], encoding.codec, limits)
             notices += shared.notices
@@ -199,7 +199,7 @@ def _write(clip: ClipStream) -> Iterator[bytes]:
 
 
 def _frame_time(clip: ClipStream, frames: int) -> str | None:
-    """What to write; None for a BVH file that had none. Raises ConversionError where nobody knows it."""
+    """Return the frame time to write; None for a BVH file without one. Raises ConversionError if it is unknown."""
     head = clip.head
     if head.frame_time is not None or head.format == "bvh":
         return head.frame_time

@@ -25,7 +25,7 @@ _WORD_OF = {channel: f"{channel[1].upper()}{word[1:]}" for word, channel in CHAN
 
 @dataclass(frozen=True)
 class SharedHierarchy:
-    """What a hierarchy's text says, whichever file it stands in. lines: how many it has."""
+    """The content of a hierarchy's text, independent of its file. lines: number of lines."""
 
     skeleton: Skeleton
     notices: tuple[Notice, ...]
@@ -268,7 +268,7 @@ def write_hierarchy(skeleton: Skeleton, notices: list[Notice]) -> Iterator[str]:
         if joint.parent >= 0:
             children[joint.parent].append(index)
     yield "HIERARCHY"
-    # What is still to be written, last first: a joint with its depth, or text.
+    # Items still to be written, last first: a joint with its depth, or text.
     stack: list[tuple[int, int] | str] = [(root, 0) for root in reversed(skeleton.roots)]
     while stack:
         item = stack.pop()

@@ -21,7 +21,7 @@ SAMPLE_BYTES: Final = 1 << 16
 SPREAD_FRAMES: Final = 32
 BEGINNING_FRAMES: Final = 8
 MISSING: Final = b"?"
-"""Of a sample that is missing. No program writes it: it is what the repair `missing-samples` makes of `nan`."""
+"""Text of a missing sample. No program writes it; the repair `missing-samples` replaces `nan` by it."""
 
 _MISSING_WORD: Final = re.compile(rb"(?<!\S)\?(?!\S)")
 _COMMENT: Final = re.compile(rb"(?:^|(?<=[\r\n]))[ \t]*(?:#|//)[^\r\n]*")
@@ -39,7 +39,7 @@ class Sample:
 
 
 class Motion:
-    """The frames of a file, read anew each time.
+    """The frames of a file, read again each time.
 
     start: byte offset of the first number. text_start: of the first line, for counting lines.
     """
@@ -139,7 +139,7 @@ class Motion:
         values = self._numbers(text) if self._first is None or offset != self._start else self._first
         if values is not None:
             return values
-        # Blanks of the same length keep the places of what is wrong.
+        # Blanks of the same length keep the positions of errors.
         text = _COMMENT.sub(lambda found: b" " * len(found[0]), _MISSING_WORD.sub(b"0", text))
         bad = bad_token(text)
         if bad is None:

@@ -1,7 +1,7 @@
-"""The HIERARCHY of a BVH file as programs write it, read several times as fast as `hierarchy` reads any.
+"""The HIERARCHY of a BVH file in the usual form of programs, read several times faster than by `hierarchy`.
 
-One pattern takes a whole joint up to its first child. What it does not take (joints with blanks in their names, braces
-on the same line, mistakes) is left to the reader that knows all of the grammar and says what is wrong.
+One pattern takes a whole joint up to its first child. Everything else (joints with blanks in their names, braces on the
+same line, mistakes) is left to the reader of the whole grammar, which reports errors.
 """
 
 from __future__ import annotations

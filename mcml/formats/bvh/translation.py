@@ -68,10 +68,9 @@ class TranslationReading:
 
 
 def read_translations(skeleton: Skeleton, sample: Array) -> tuple[TranslationReading, ...]:
-    """The readings of all joints whose OFFSET and position channels leave a choice, whatever modes they have.
-
-    skeleton: of the convention LISTED; of other conventions nothing is to be chosen. sample: (n, D) frames of the
-    motion in the skeleton's columns, spread over it; NaN where a sample is missing.
+    """Return the readings of all joints whose OFFSET and position channels are ambiguous, in any mode. skeleton: of the
+    convention LISTED; other conventions are never ambiguous. sample: (n, D) frames of the motion in the skeleton's
+    columns, spread over it; NaN where a sample is missing.
     """
     if not _choices(skeleton) or not len(sample):
         return ()
@@ -185,7 +184,7 @@ def _by_height(skeleton: Skeleton, joint: int, values: Array) -> TranslationRead
         _heights(_with_modes(skeleton, ((joint, mode),)), body, values) for mode in (ABSOLUTE, RELATIVE)
     )
     offset = numbers(skeleton.joints[joint].offset)
-    # Both readings have the same poses: what is between them is the OFFSET, turned by the joints above.
+    # Both readings have the same poses: they differ by the OFFSET, rotated by the joints above.
     gap = float(np.abs(relative - absolute).max())
     far = gap > _APART * body.size
     told = far or float(np.linalg.norm(offset)) > _APART * body.size

@@ -3,8 +3,8 @@
 Source: The C3D File Format User Guide (Motion Lab Systems, c3d.org); this program's reading of it is in
 docs/formats/c3d.md.
 
-`parameters` reads what the file says of itself, `layout` finds where its points lie, `points` reads them;
-here they become a clip of markers.
+`parameters` reads header and parameters, `layout` finds the position of the points, `points` reads them; this module
+turns them into a clip of markers.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def quantity_labels(stream: BinaryIO) -> tuple[str, ...]:
 def _with_samples(
     points: Points, quantities: Mapping[int, Quantity], first_id: int, rate: str, unmeasured: bool
 ) -> Iterator[Quantity]:
-    """Quantities, by their place among the points, with what the file holds of them."""
+    """Add the samples of the file to quantities; keys are their indices among the points."""
     if not quantities:
         return
     places = list(quantities)

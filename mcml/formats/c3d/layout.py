@@ -1,8 +1,8 @@
-"""Where the points of a C3D file lie: from what header and parameters say, and how many bytes there are.
+"""Find the points in a C3D file, from its header, its parameters and its size.
 
 Points and analog samples alternate, frame by frame, so that a wrong number of analog words moves every point but the
-first ones. Header and parameters state most facts twice and more often; where they disagree, the layout that fits the
-size of the file counts. No statement alone is right everywhere: of the files at hand, some are wrong in each of them.
+first ones. Header and parameters state most facts at least twice; if they disagree, the layout that fits the size of
+the file is used. No single statement is always right: each is wrong in some real files.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class Layout:
 
 @dataclass(frozen=True)
 class _Fact:
-    """What is said of one fact, the most trusted first. said: (value, who says it), each value once."""
+    """The statements about one fact, the most trusted first. said: (value, source), each value once."""
 
     name: str
     said: list[tuple[int, str]]
@@ -120,7 +120,7 @@ def scales_said(said: Statements) -> list[tuple[float, str]]:
 
 
 def _frame_counts(said: Statements) -> list[tuple[float | None, str]]:
-    """The header's two words are what every program writes. They end at 65,535: larger counts stand elsewhere."""
+    """Every program writes the two words of the header. Their maximum is 65,535; larger counts are in parameters."""
     words, number = said.words, said.number
     first, last = said.long("TRIAL:ACTUAL_START_FIELD"), said.long("TRIAL:ACTUAL_END_FIELD")
     fields = last - first + 1 if first is not None and last is not None and last >= first else None
@@ -137,7 +137,7 @@ def _frame_counts(said: Statements) -> list[tuple[float | None, str]]:
 
 
 def _combinations(facts: list[_Fact]) -> list[tuple[int, ...]]:
-    """Every combination of what is said, those first that depart least from the most trusted statements."""
+    """List all combinations of the statements, those closest to the most trusted statements first."""
     choices = itertools.product(*(range(len(fact.said)) for fact in facts))
     return [
         tuple(fact.said[place][0] for fact, place in zip(facts, chosen, strict=True))
@@ -167,7 +167,7 @@ def _tightest(fitting: list[Layout], ends: dict[Layout, int], is_zero: Callable[
 
 
 def _tell(facts: list[_Fact], chosen: Layout, fits: bool, notices: list[Notice]) -> None:
-    """The receipt says what was said otherwise of the layout."""
+    """Add contradicting statements about the layout to the receipt."""
     for fact in facts:
         if len(fact.said) > 1:
             said = " and ".join(f"{_SHOWN[fact.name](value)} by {who}" for value, who in fact.said)
@@ -190,7 +190,7 @@ def _stated(layout: Layout) -> dict[str, int]:
 def _as_many_as_there_are(
     layout: Layout, end: int, is_zero: Callable[[int, int], bool], notices: list[Notice]
 ) -> Layout:
-    """The frames that the bytes hold, where they are fewer or more than what is said."""
+    """Return the number of frames in the bytes, if it is less or more than stated."""
     declared, held = layout.frames, max(0, end - layout.start) // layout.frame_bytes
     if held < declared:
         if held == 0:

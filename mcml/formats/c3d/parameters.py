@@ -1,7 +1,7 @@
-"""What a C3D file says of itself: the words of its header and its parameters. See docs/formats/c3d.md.
+"""Read the header and the parameters of a C3D file. See docs/formats/c3d.md.
 
-The header is the first block of 512 bytes; the parameters begin at the block that its first byte names. Nothing here
-trusts a length: what would leave the section ends the walk, and what was read until there counts.
+The header is the first block of 512 bytes; the parameters begin at the block that its first byte names. No length is
+trusted: an entry that would leave the section ends the read, and earlier entries are used.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Machine:
         return np.frombuffer(data, dtype=">i2" if self.processor == MIPS else "<i2")
 
     def floats(self, data: bytes) -> Array:
-        """Single precision numbers as double ones; NaN for what DEC reserves."""
+        """Return single precision numbers as doubles; NaN for values that DEC reserves."""
         if self.processor != DEC:
             return np.frombuffer(data, dtype=">f4" if self.processor == MIPS else "<f4").astype(np.float64)
         # VAX F: the word of sign, exponent and high bits first; 0.1mmm × 2^(e - 128), and e = 0 is zero.
@@ -116,7 +116,7 @@ class Statements:
 
 
 def read_statements(stream: BinaryIO, notices: list[Notice]) -> Statements:
-    """What the header and the parameters of a file say. Raises FormatError where there are none."""
+    """Read the statements of header and parameters. Raises FormatError if a file has none."""
     stream.seek(0)
     header = stream.read(BLOCK)
     if len(header) < BLOCK:

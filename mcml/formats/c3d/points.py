@@ -57,7 +57,7 @@ class Points:
 
 
 def _whole(words: Array) -> NDArray[np.int64]:
-    """Whole numbers that are kept as floats; -1 for what is none."""
+    """Return integers that are stored as floats; -1 for other numbers."""
     return np.where(np.isfinite(words), np.clip(np.nan_to_num(words), -_WORD, _WORD), -1.0).astype(np.int64)
 
 

@@ -1,7 +1,8 @@
-"""Points of C3D that are no places: angles, forces, moments, powers, and what else parameters say that they are.
+"""Points of C3D that are not positions: angles, forces, moments, powers, and other types named by parameters.
 
-Models such as Plug-in Gait write their results into the same table as markers, and name them in POINT:ANGLES and its
-like. Here they become sections of the head, one for each, and points of a file again. See docs/formats/c3d.md.
+Models such as Plug-in Gait write their results into the same table as markers, and name them in POINT:ANGLES and
+similar parameters. This module converts each to a section of the head, and back to points of a file. See
+docs/formats/c3d.md.
 """
 
 from __future__ import annotations
@@ -34,10 +35,10 @@ _MISSING: Final = "-"
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a typed point of a file is. group: such as "ANGLES". unit: "" where the file does not say it.
+    """A typed point of a file. group: such as "ANGLES". unit: "" if the file does not state it.
 
     label: as the file writes it. first: number of the first frame. rate: as text, "?" for unknown.
-    samples: (n, 4) x, y, z and residual, which is -1 for a sample that is missing.
+    samples: (n, 4) x, y, z and residual, which is -1 for a missing sample.
     """
 
     group: str

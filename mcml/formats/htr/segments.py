@@ -125,7 +125,7 @@ class _Cursor:
         """Whether it was said that its frames are numbered otherwise."""
 
     def rows(self, count: int) -> Array:
-        """The next rows, (count or fewer at the end, 8). FormatError for what is no number."""
+        """Return the next rows, (count or fewer at the end, 8). Raises FormatError for text that is not a number."""
         while len(self._waiting) < count * COLUMNS and self._position < self._end:
             text = self._next_text()
             values = parse_numbers(text)
@@ -152,7 +152,7 @@ class _Cursor:
 
 
 class Segments:
-    """The frames of a file whose segments were indexed, read anew each time."""
+    """The frames of a file with indexed segments, read again each time."""
 
     def __init__(self, stream: BinaryIO, skeleton: Skeleton, index: Index, frames: int, text_start: int) -> None:
         self.stream = stream
@@ -210,7 +210,7 @@ class Segments:
             notices.append(notice)
 
     def blame(self, cursor: _Cursor) -> FormatError:
-        """What is wrong in a segment."""
+        """Return the error for a segment."""
         fault = self._first_fault(cursor)
         return fault or FormatError(f"segment {cursor.name!r} cannot be read", at=self._place(cursor.span[0]))
 

@@ -1,7 +1,7 @@
-"""Angles of a body under the names that columns have, block by block: those that questions tell, to the bit.
+"""Angles of a body under the names of columns, block by block, bit by bit as in queries.
 
-They come from positions rounded as there (0.1 mm of a person). What takes the up axis is only there where the document
-states one: guesses serve questions, and are never written to a file.
+They come from positions rounded as there (0.1 mm of a person). Angles that need the up axis exist only if the document
+states it: guesses are used in queries, but never written to a file.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from mcml.formats.scenes.stage import Stage
 from mcml.motion.skeleton import Array
 
 _SHORT = 1e-6
-"""Of the size of a body: what is shorter is no bone."""
+"""Relative to the size of a body: anything shorter is not a bone."""
 _WAIST, _WIDTH = 0.15, 0.08
 """Where along a bone it is thickest, and half of how thick, in its lengths."""
 _POINT = 0.012

@@ -1,8 +1,8 @@
-"""glTF 2.0 binary: one node a joint with the source's numbers, an animation, and a body on a skin that shows it.
+"""glTF 2.0 binary: one node for each joint with the source's numbers, an animation, and a visible body as a skin.
 
-Unit and up axis are in the node above all joints, so that what is stated once is written once, and the joints keep the
-numbers of the document. A track lies in one piece and the frames come one after the other: long clips are read several
-times, so that no more than `_AT_ONCE` bytes of tracks are held.
+Unit and up axis are in the node above all joints, so the joints keep the numbers of the document. Each track is
+contiguous, but frames are read one after the other: long clips are read several times, so that at most `_AT_ONCE` bytes
+of tracks are in memory.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class Glb:
 
 @dataclass(frozen=True)
 class _Track:
-    """What one joint does: its rotation or its translation in every frame."""
+    """The rotation or the translation of one joint in every frame."""
 
     joint: int
     path: str
@@ -102,7 +102,7 @@ def _write(stage: Stage) -> Iterator[bytes]:
 
 
 class _Content:
-    """The binary part: small arrays that are at hand, then what follows from the frames."""
+    """The binary part: small arrays first, then arrays computed from the frames."""
 
     def __init__(self) -> None:
         self.arrays: list[bytes] = []
@@ -121,7 +121,7 @@ class _Content:
 
 
 def _model(stage: Stage, tracks: list[_Track], content: _Content) -> GLTF2:
-    """The JSON part; fills in what the binary part holds."""
+    """Return the JSON part, with references to the binary part."""
     import pygltflib as gltf
 
     skeleton = stage.skeleton

@@ -1,4 +1,4 @@
-"""What a scene of a clip is made of: unit and up axis as far as they are stated, when frames are, and what moves."""
+"""The data of a scene: stated unit and up axis, times of frames, and moving joints."""
 
 from __future__ import annotations
 
@@ -30,11 +30,12 @@ _AXES = {"Y": (0.0, 0.0, 0.0), "Z": (-0.5, 0.0, 0.0), "X": (0.0, 0.0, 0.5)}
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """clip: what is written. rest: (J, 3) where each joint is in its parent before it moves; all axes are the world's.
+    """The data of a scene. clip: the clip to write. rest: (J, 3) position of each joint in its parent at rest; all axes
+    are the world's.
 
-    metres: of a unit of length, up: "Y", "-Z" …; None where nobody stated them. likely: metres of the unit in which a
-    body of this size is a person, None where there is none. seconds: of a frame. moving, turning:
-    (J,) joints that leave their rest. size: the largest extent of the first frame, or of the rest pose.
+    metres: of a unit of length, up: "Y", "-Z" …; None if not stated. likely: metres of the unit in which the body has
+    the size of a person, None if there is none. seconds: of a frame. moving, turning: (J,) joints that leave their
+    rest. size: the largest extent of the first frame, or of the rest pose.
     """
 
     clip: ClipStream
@@ -88,9 +89,9 @@ class Stage:
 
 
 def look_through(clip: ClipStream, title: str, taken_for: str) -> Stage:
-    """One pass over the frames. title: of the format. taken_for: what its readers take numbers without unit for.
-
-    Raises ConversionError where numbers are beyond single precision. Appends what is not stated to the notices.
+    """Collect the data of a scene in one pass over the frames. title: of the format. taken_for: the unit that readers
+    of the format assume. Raises ConversionError for numbers beyond single precision. Adds notices for a missing unit or
+    axis.
     """
     clip = with_scale_factor(clip)
     head, notices = clip.head, clip.notices

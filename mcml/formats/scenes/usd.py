@@ -1,7 +1,7 @@
-"""USD: a UsdSkel skeleton, its animation, and a body on it that is seen. Needs the extra `usd`.
+"""USD: a UsdSkel skeleton, its animation, and a visible body. Needs the extra `usd`.
 
-The stage says `metersPerUnit` and `upAxis`: what the document states, else a guess; numbers are the source's. One time
-code a frame.
+The stage has `metersPerUnit` and `upAxis`, stated by the document or else guessed. Numbers are the source's. There is
+one time code for each frame.
 """
 
 from __future__ import annotations

@@ -30,12 +30,12 @@ _LINE = re.compile(rb"[^\r\n]+")
 
 @dataclass(frozen=True)
 class RowLayout:
-    """What the rows of a file look like.
+    """The form of the rows of a file.
 
-    opening: a pattern of the line that opens a frame, group 1 its id. opening_words: how many words that line has.
-    joints, channels: of a row, by the bone's name in the file's encoding. fold_case: names match whatever their case.
-    names_bones, remedy: what messages call the place where bones are defined, and what to do where it does not fit.
-    three_values: what to do for a bone with three values where fewer are expected; "" where that means nothing.
+    opening: a pattern of the line that opens a frame, group 1 its id. opening_words: number of words in that line.
+    joints, channels: of a row, by the bone's name in the file's encoding. fold_case: ignore the case of names.
+    names_bones, remedy: for messages: the place that defines bones, and the remedy if it does not match. three_values:
+    remedy for a bone with three values if fewer are expected; "" if there is none.
     """
 
     opening: re.Pattern[bytes]
@@ -72,7 +72,7 @@ def note_comments(rows: FrameRows, notices: list[Notice]) -> None:
 
 
 class FrameRows:
-    """Frames of a file from a byte offset on, read anew each time.
+    """Frames of a file from a byte offset on, read again each time.
 
     text_start: byte offset of the first line, for counting lines. stop: a pattern of the line that ends the motion.
     """
@@ -130,7 +130,7 @@ class FrameRows:
             if match is not None:
                 rest, self.stopped = rest[: match.start()], True
                 break
-            # A short block is the last one: what is left of it needs no cut.
+            # A short block is the last one: its rest needs no cut.
             whole = len(block) < BLOCK_BYTES or not (b"\n" in block or b"\r" in block)
             cut = 0 if whole else self._last_opening(rest, floor)
             if cut:

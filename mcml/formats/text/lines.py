@@ -304,7 +304,7 @@ class Tokens:
             self._ahead = None
 
     def rest_of_line(self) -> Token | None:
-        """What the line still holds, trimmed, up to a brace that opens a body; None where that is nothing."""
+        """Return the rest of the line, trimmed, up to a brace that opens a body; None if it is empty."""
         if self._line is None:
             return None
         self._ahead = None

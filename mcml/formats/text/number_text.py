@@ -93,7 +93,7 @@ def decimals_of(style: str) -> int | None:
 
 
 def _share(tokens: list[bytes], values: Array, style: str, shortest: list[bytes]) -> float:
-    """How many of the tokens are what `number_tokens` gives; without reading again all that was written."""
+    """Return the share of tokens that equal those of `number_tokens`, without reading all numbers again."""
     if style == SHORTEST:
         return _equal(tokens, shortest) / len(tokens)
     written = _written(values, style)

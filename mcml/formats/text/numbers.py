@@ -1,8 +1,8 @@
-"""Text of numbers to arrays of doubles, exactly and fast.
+"""Convert text of numbers to arrays of doubles, exactly and fast.
 
 simdjson reads a JSON array at hundreds of megabytes a second. Its grammar is narrower than that of motion files and its
-integers have no sign of zero, so the text is made JSON first, and what simdjson refuses goes the slow exact way, which
-also finds the token to blame.
+integers have no sign of zero, so the text is converted to JSON first. Text that simdjson refuses is read by the slow
+exact parser, which also finds the wrong token.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from mcml.formats.text.lines import blocks_of, line_and_column, shown
 from mcml.motion.skeleton import Array
 
 BLOCK_BYTES: Final = 1 << 18
-"""Text parsed in one go: what fits the processor's cache is twice as fast as a megabyte."""
+"""Size of text parsed at once: a block that fits the processor's cache is twice as fast as a megabyte."""
 
 LONGEST_NUMBER: Final = 400
 """Characters; the exact decimal of a double needs up to 1075, but no writer of motion gives more than a few dozen."""
@@ -123,7 +123,7 @@ def _with_negative_zeros(values: Array, source: bytes | memoryview) -> Array:
 
 
 class _Parsers(threading.local):
-    """A parser for each thread: it is not to be shared, and its buffers are too large to be made anew each time."""
+    """A parser for each thread: parsers cannot be shared, and their buffers are too large to be allocated each time."""
 
     def __init__(self) -> None:
         self.parser = simdjson.Parser()

@@ -1,8 +1,8 @@
-"""Which encoding text is in that does not say it: what decodes, and what its letters are plausible for.
+"""Guess the encoding of text: it must decode, and its letters must be plausible.
 
-Encodings of East Asia decode nearly any bytes, so that they decode says little. Each has letters that people use and
-letters that its tables hold for completeness (Hangul beyond the 2,350 syllables of KS X 1001, hanja there, the second
-levels of JIS X 0208, Big5 and GB 2312): text in another encoding falls among these.
+Encodings of East Asia decode nearly any bytes, so successful decoding has little meaning. Each has letters in common
+use and rare letters, included for completeness (Hangul beyond the 2,350 syllables of KS X 1001, hanja there, the second
+levels of JIS X 0208, Big5 and GB 2312): text in another encoding decodes to these rare letters.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _BODY: Final = frozenset(
     "左右上下半身足腕手首肩頭肘膝腰胸指親人中薬小先捩全親体目舌髪腳腿臂頸骨盆盖头颈脚腕踝髋脊歩走舞蹈动作行"
     "センターひざじグループつま"
 )
-"""Letters of the words for parts of a body and for what it does."""
+"""Letters of the words for parts of a body and for movements."""
 
 _FREQUENT: Final = frozenset(
     "이다는을의에가고로하지기사도어리를시나서인대자은한해그정수아부제있장보전주일들과조라구상면스여만원동성게비국안무적"

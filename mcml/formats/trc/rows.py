@@ -35,7 +35,7 @@ class Columns:
 
 
 class Rows:
-    """Frames of a file from a byte offset on, read anew each time.
+    """Frames of a file from a byte offset on, read again each time.
 
     text_start: byte offset of the first line. declared: NumFrames.
     """
@@ -134,7 +134,7 @@ class Rows:
         if values is None or len(values) != len(rows) * self._width:
             return None
         table = values.reshape(len(rows), self._width)
-        # A number such as 1.0 is no id; what numbers cannot tell apart is read slowly.
+        # A number such as 1.0 is not an id; ids beyond the precision of numbers are read slowly.
         if not all(_WHOLE.fullmatch(row[: row.index(b"\t")]) for row in rows):
             return None
         return table[:, 0].astype(np.int64), np.ascontiguousarray(table[:, self._kept])
@@ -156,7 +156,8 @@ class Rows:
             number = int(cells[0])
             while len(cells) > self._width and not cells[-1]:
                 cells.pop()
-            # Rows may lack the tabs of what is missing at their end, but the last line of a file may have been cut off.
+            # Rows may lack the tabs of missing samples at their end, but the last line of a file may also be
+            # incomplete.
             whole = match.end() < len(text) or (done + len(rows) + 1 == self._declared and (len(cells) - 2) % 3 == 0)
             if not 2 <= len(cells) <= self._width or (len(cells) < self._width and not whole):
                 raise FormatError(

@@ -1,4 +1,4 @@
-"""What the times of a TRC say of its rate. A document holds a rate, not a time for each frame."""
+"""Derive the rate of a TRC from its times. A document has a rate, not a time for each frame."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _HALF: Final = 0.5001
 """Of a time's last digit: how far rounding may have moved it."""
 
 _LEAST_DECIMALS: Final = 2
-"""Nobody rounds times to less, so that whole seconds with zeros behind them are what they say."""
+"""Programs do not round times to fewer decimals, so whole seconds with zeros are exact."""
 
 _STEPS: Final = 60
 _MOST_DECIMALS: Final = 12
@@ -34,9 +34,8 @@ class Times:
 
 
 def decide_rate(times: Times, stated: str, usable: bool, notices: list[Notice]) -> str | None:
-    """Frames a second as text: DataRate, or what the times say where they are even and differ from it.
-
-    stated: DataRate as written. usable: whether it is a rate. None where nothing says how fast the frames follow.
+    """Return the frame rate in Hz as text: DataRate, or the rate of the times if they are even and differ from it.
+    stated: DataRate as written. usable: whether it is a valid rate. Returns None if the rate is unknown.
     """
     rate = float(stated) if usable else None
     for decimals in dict.fromkeys((times.decimals, max(times.kept, _LEAST_DECIMALS))):
@@ -66,14 +65,13 @@ def first_time(times: Times, rate: float | None) -> float:
 
 
 def follows(seconds: Array, rate: float, allowed: float) -> bool:
-    """Whether times (F,) are those of a rate, each within `allowed`, whatever the first one is."""
+    """Tell whether times (F,) match a rate, each within `allowed`, from any start."""
     return bool(_spread(seconds, float(np.float64(1) / rate)) <= 2 * allowed + 2e-9 * np.abs(seconds).max())
 
 
 def even_rate(seconds: Array, allowed: float) -> str | None:
-    """The rate with the fewest decimals of which times (F,) are, each within `allowed`; None where they are not even.
-
-    Two times are even whatever they are: three are the least.
+    """Return the rate with the fewest decimals that matches times (F,), each within `allowed`; None if they are uneven.
+    At least three times are needed, because two are always even.
     """
     count = len(seconds)
     if count < 3 or not np.isfinite(seconds).all():

@@ -1,9 +1,8 @@
-"""How fast each part of the body performs each anatomical movement.
-
-A part turns in what it hangs on by w, per second. With d the direction of its bone, v = w x d is how the bone's end
-moves, w . d how it turns about itself. With l to the left, u up and f on (in the reference pose, turned with what the
-part hangs on), a hanging limb that swings to f flexes, away from the body abducts, and one held out that swings to f
-about u adducts horizontally. Turning the front of a limb to the middle of the body is medial.
+"""Speeds of the anatomical movements of each part of the body. A part rotates relative to its parent segment with
+angular velocity w. With d the direction of its bone, v = w x d is the velocity of the bone's end, w . d its rotation
+about itself. With l to the left, u up and f on (in the reference pose, rotated with the parent segment), a hanging limb
+that swings to f flexes, away from the body abducts, and one held out that swings to f about u adducts horizontally.
+Turning the front of a limb to the middle of the body is medial.
 """
 
 from __future__ import annotations
@@ -39,8 +38,9 @@ class Rate:
 
 @dataclass(frozen=True)
 class _Moving:
-    """A part in motion. bone: (n, 3) unit vectors, spin: (n, 3) radians a second, both in the axes of what it hangs on;
-    own: (n, 3) spin in its own axes."""
+    """A part in motion. bone: (n, 3) unit vectors, spin: (n, 3) radians a second, both in the axes of the parent
+    segment; own: (n, 3) spin in its own axes.
+    """
 
     segment: Segment
     stance: Stance
@@ -228,12 +228,12 @@ _UNTWISTED = 1e-6
 
 
 def turned_angles(segment: Segment, stance: Stance, turns: Array) -> list[tuple[str, str, Array]]:
-    """(movement, opposite, radians (n,)) by which a part is turned from the reference pose, NaN where unknown.
-
-    turns: (n, 4) of the part in what it hangs on (`relative_turns`). Of parts that twist each is taken as a twist about
-    the bone (of the trunk, neck and head about the vertical), within half a turn, and a swing after it, whose rotation
-    vector has a component for each other movement. So a forearm that is turned by 60 degrees reads 60, however the
-    elbow is bent. Of other parts the components are those of the whole turn's rotation vector.
+    """Return (movement, opposite, radians (n,)) by which a part is rotated from the reference pose, NaN where unknown.
+    turns: (n, 4) of the part relative to its parent segment (`relative_turns`). For parts that twist, each rotation is
+    split into a twist about the bone (of the trunk, neck and head about the vertical), within half a turn, and a swing
+    after it, whose rotation vector has a component for each other movement. So a forearm pronated by 60 degrees gives
+    60, however the elbow is bent. For other parts the components are those of the rotation vector of the whole
+    rotation.
     """
     bone = np.tile(segment.bone, (len(turns), 1))
     show = _KINDS[segment.part.kind]
@@ -257,7 +257,9 @@ def turned_angles(segment: Segment, stance: Stance, turns: Array) -> list[tuple[
 
 
 def spins(turns: Array, frame_time: float) -> Array:
-    """(n, 3) radians a second about the own axes of what turns by (n, 4): the mean of the steps before and after."""
+    """Return (n, 3) radians a second about the part's own axes from rotations (n, 4): the mean of the steps before
+    and after.
+    """
     if len(turns) < 2:
         return np.zeros((len(turns), 3))
     steps = to_vector(multiply(inverse(turns[:-1]), turns[1:])) / frame_time

@@ -27,9 +27,9 @@ STANDS = 0.3
 
 @dataclass(frozen=True)
 class AnatomicalPart:
-    """A part of the body. name: of the vocabulary of motion names. kind: what it can do, see `anatomical_rates`.
-
-    joints: MCML's names, nearest to the trunk first, `*` for the side; those that the skeleton has count.
+    """A part of the body. name: in the vocabulary of motion names. kind: class of its movements, see
+    `anatomical_rates`. joints: MCML's names, nearest to the trunk first, `*` for the side; only those in the skeleton
+    are used.
     """
 
     name: str
@@ -196,7 +196,7 @@ def bone_of(skeleton: Skeleton, rest: Rest, stance: Stance, joint: int) -> Array
 
 
 def relative_turns(skeleton: Skeleton, rotations: Array, stance: Stance, segment: Segment) -> Array:
-    """(n, 4) rotations of a part in what it moves in, from the reference pose, in its axes.
+    """Return (n, 4) rotations of a part relative to its parent segment, from the reference pose, in its axes.
 
     rotations: (n, J, 4) of the joints in the world, from rest.
     """

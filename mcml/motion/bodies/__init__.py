@@ -1,1 +1,1 @@
-"""Questions about motion: what a body does in space, the same on every rig, from positions of its joints."""
+"""Quantities of bodies in space, with the same meaning on every rig, from positions of joints."""

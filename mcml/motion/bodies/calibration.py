@@ -1,7 +1,6 @@
-"""What must be known of a clip before its numbers mean metres and heights: unit, up axis, floor, leg, reference pose.
-
-Few files say any of it, so most is guessed from the body, and every value tells where it came from. People may set
-each of them. Guesses serve questions, and are never written to a file.
+"""The calibration of a clip, which turns its numbers into metres and heights: unit, up axis, floor, leg, reference
+pose. Few files state any of these, so most are guessed from the body, and every value has an origin. People may set
+each of them. Guesses are used in queries, but never written to a file.
 """
 
 from __future__ import annotations
@@ -103,15 +102,16 @@ class Calibration:
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> Calibration:
-        """What `to_json` made."""
+        """Read the output of `to_json`."""
         origins = {name: Origin(*one) for name, one in values["origins"].items()}
         known = {name: values[name] for name in (*_KEPT, "step")}
         return cls(**known, start=Reference.from_json(values["start"]), origins=origins)
 
 
 def calibration_frames(count: int) -> Rows:
-    """Places, from 0, of the frames of a clip of so many that a calibration is made from: all, or of long clips the
-    first and evenly spaced ones, so that whoever calibrates it finds the same."""
+    """Return the indices, from 0, of the frames used for a calibration of a clip with this number of frames: all, or
+    for long clips the first and evenly spaced ones, so that every calibration gives the same result.
+    """
     if count <= _SAMPLE:
         return np.arange(count)
     spaced = np.linspace(0, count - 1, _SAMPLE).astype(np.intp)
@@ -127,16 +127,16 @@ def calibrate(
     pose_at: PoseAt | None = None,
     shared: Shared | None = None,
 ) -> Calibration:
-    """What a clip says, and what its body shows.
+    """Calibrate a clip from its stated values and its body.
 
     head: its joints have MCML's names. positions: (n, J, 3) of the whole clip, or of a sample of it, in source units,
-    NaN where unknown; without any the rest pose counts. frames: (n,) places of a sample in the clip, from 0. overrides:
-    values that people set: metres, up, floor, leg, leaps, reference (a frame from 0, None: the rest pose) and pose
-    (what a frame showed when it was chosen: the clip may have been cut since); by default those that the head's
-    properties set. What follows from a value that is set follows from that.
-    pose_at: the pose of a frame of the clip; without it angles from rotations have no start but the rest pose. shared:
-    the reference that the clips of the skeleton share, by the up axis that is stated; by default the head's.
-    Raises RequestError for a value that cannot be.
+    NaN where unknown; without any, the rest pose is used. frames: (n,) indices of a sample in the clip, from 0.
+    overrides: values set by people: metres, up, floor, leg, leaps, reference (a frame from 0, None: the rest pose) and
+    pose (the pose of the reference frame when it was chosen, because the clip may have been cut since); by default
+    those in the head's properties. Values that depend on a set value are computed from it.
+    pose_at: the pose of a frame of the clip; without it angles from rotations can only start from the rest pose.
+    shared: the reference that the clips of the skeleton share, by the up axis that is stated; by default the head's.
+    Raises RequestError for an impossible value.
     """
     skeleton = head.skeleton
     reading = reading_of(head)
@@ -159,7 +159,7 @@ def calibrate(
     settle("leg", _leg(names, with_centres(centres, positions if len(positions) else rest)))
     skipped, origin = frames_before_motion(skeleton, positions, places, values["leg"], head.seconds_per_frame())
     settle("leaps", (skipped > 0, origin))
-    # Who says that there is such a pose where none is seen means the first frame.
+    # A person who sets this where no such pose is detected means the first frame.
     values["skipped"] = max(skipped, 1) if values.pop("leaps") else 0
     if len(places) > 1 and places[0] == 0:
         rows = places >= values["skipped"]
@@ -183,7 +183,7 @@ def calibrate(
 
 
 def overrides_of(head: ClipHead) -> dict[str, Any]:
-    """The values of a calibration that properties of a header set; what cannot be one is none."""
+    """Return the values of a calibration in the properties of a header; invalid values are ignored."""
     found: dict[str, Any] = {}
     for name, value, _ in head.properties:
         if name.startswith(OVERRIDES):
@@ -195,7 +195,7 @@ def overrides_of(head: ClipHead) -> dict[str, Any]:
 
 
 def _pose_from(told: Any) -> ReferencePose:
-    """ValueError for what is no pose."""
+    """Read a pose. Raises ValueError for an invalid one."""
     numbers = np.array(told if isinstance(told, list) else (), dtype=np.float64)
     if numbers.ndim != 2 or numbers.shape[1] != 7 or not np.isfinite(numbers).all():
         raise ValueError("a pose has seven numbers a joint")

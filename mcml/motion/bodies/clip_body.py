@@ -1,4 +1,4 @@
-"""The body of a clip in space: where its joints are in every frame, and what is known of the clip."""
+"""The body of a clip in space: the positions of its joints in every frame, and its calibration."""
 
 from __future__ import annotations
 

@@ -35,7 +35,9 @@ Measured: TypeAlias = Callable[[Stretch, str], Array]
 
 @dataclass(frozen=True)
 class Angle:
-    """needs: joints, `{side}` for the side, alternatives with `|`. sign: -1 for the opposite of what is measured."""
+    """An angle of a limb. needs: joints, `{side}` for the side, alternatives with `|`. sign: -1 for the opposite
+    movement.
+    """
 
     needs: tuple[str, ...]
     measured: Measured
@@ -71,9 +73,10 @@ def _ankle(stretch: Stretch, side: str) -> Array:
 
 
 def about(bone: Array, start: Array, towards: Array, away: float = AWAY) -> Array:
-    """(n,) degrees from -90 to 270 by which a bone has swung from one direction to another, about what is across both.
+    """Return (n,) degrees from -90 to 270 by which a bone has swung from one direction to another, about the axis
+    across both.
 
-    bone: (n, 3). start, towards: (n, 3) unit vectors. NaN where the bone lies nearer to the axis than `away` (a sine).
+    bone: (n, 3). start, towards: (n, 3) unit vectors. NaN where the bone is nearer to the axis than `away` (a sine).
     """
     one, two = dot(bone, start), dot(bone, towards)
     degrees = np.degrees(np.arctan2(two, one))

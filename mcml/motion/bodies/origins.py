@@ -1,4 +1,4 @@
-"""Where what is known of a clip came from."""
+"""Origins of calibration values."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""Where poses lie, coarsely: which may be near others is found without a look at all of them.
+"""A coarse index of poses: it finds candidates near a pose without a comparison of all poses.
 
-Frames in a row are a segment: a ball around the mean of its poses, of which a few principal components are kept. A pose
-is nowhere nearer to one of the segment than to the ball, and what is left out of a vector makes it no longer; so these
-bounds leave out only what is farther, and what is left is compared exactly.
+Frames in a row are a segment: a ball around the mean of its poses, of which a few principal components are kept. The
+distance of a pose to any pose of the segment is at least its distance to the ball, and leaving out components never
+makes a vector longer. So these bounds exclude only poses that are farther away, and the rest is compared exactly.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ Places = NDArray[np.int64]
 Some: TypeAlias = slice | Places
 
 MADE: Final = 2
-"""Counts on when an index comes to be made in another way: what was kept before is made again."""
+"""Version of the index: increased when its computation changes, so that stored indexes are built again."""
 WIDTH: Final = 3 * len(JOINTS)
 COMPONENTS = 12
-"""Principal components that are kept: of walks, dances and fights they hold about 97 % of what differs."""
+"""Number of principal components: for walks, dances and fights they explain about 97 % of the variance."""
 SECONDS = 1 / 15
 """About how long a segment is."""
 FRAMES = 4
@@ -41,12 +41,13 @@ SAMPLE = 20_000
 
 @dataclass(frozen=True, eq=False)
 class PoseIndex:
-    """Of documents that follow one another. frames: of each. lengths: frames of its segments, the last of which may
-    have less. ends: the place behind its last segment. kind_of: which joints its poses have. kinds: (k, 20) these.
-    means: (k, WIDTH), bases: (k, COMPONENTS, WIDTH): what components are made with. points: (segments, COMPONENTS + 2)
-    the components of each centre, the square of their length, and 1: times what is made of a pose it is the square of
-    how far they are apart. radius, reach: (segments,) how far a pose is at most from the centre, and from what the
-    components tell of it; infinite where nothing bounds that."""
+    """An index of consecutive documents. frames: of each. lengths: frames of its segments, the last of which may have
+    fewer. ends: the index after its last segment. kind_of: the kind of its poses, by their joints. kinds: (k, 20) these
+    joints. means: (k, WIDTH), bases: (k, COMPONENTS, WIDTH): for computing components. points: (segments, COMPONENTS +
+    2) the components of each centre, the square of their length, and 1: the product with the vector of a pose is the
+    squared distance. radius, reach: (segments,) the greatest distance of a pose from the centre, and from its
+    projection on the components; infinite if unbounded.
+    """
 
     frames: Places
     lengths: Places
@@ -132,11 +133,11 @@ class PoseIndex:
         vectors = np.where(counted, poses.reshape(-1, WIDTH) - self.means[kind], 0).astype(np.float32)
         basis = np.where(counted, self.bases[kind], np.float32(0))
         if (shared == self.kinds[kind]).all():
-            # What components leave out makes a vector no longer.
+            # Leaving out components never makes a vector longer.
             off, vectors = self.radius[segments], vectors @ basis.T
             asked = -2 * vectors
         else:
-            # Of a part of the joints they tell only what the whole is nearly.
+            # For a part of the joints, components are only approximate.
             components = points[:, :COMPONENTS]
             lengths = np.einsum("ij,ij->i", components @ (basis @ basis.T), components)
             points = np.column_stack([components, lengths * (1 - ROUNDING), points[:, -1]])

@@ -75,7 +75,7 @@ def _apart(features: Array, poses: Array, shared: Flags) -> Array:
         return np.full((len(features), len(poses)), np.nan)
     if count < len(shared):
         features, poses = features[:, shared], poses[:, shared]
-    # By differences: what is equal is at distance 0, and the same in whatever block it is compared.
+    # By differences: equal poses have distance 0, and results are the same in any block.
     apart = scipy.spatial.distance.cdist(features.reshape(-1, 3 * count), poses.reshape(-1, 3 * count))
     distances: Array = apart / np.sqrt(count)
     return distances
@@ -99,7 +99,7 @@ def at_rate(features: Array, frame_time: float, new_frame_time: float) -> Array:
     second = np.minimum(first + 1, len(features) - 1)
     part = (places - first)[:, None, None]
     between: Array = features[first] * (1 - part) + features[second] * part
-    # What lies on a frame is that frame, whatever its neighbour lacks.
+    # A time at a frame is that frame, even if its neighbour lacks samples.
     return np.where(part == 0, features[first], between)
 
 

@@ -1,4 +1,4 @@
-"""Where the joints of a body are, as whole numbers of a small step: what every answer about a motion is made from.
+"""Positions of the joints of a body, as integer multiples of a small step: the basis of every quantity of a body.
 
 Forward kinematics with rotation matrices, many frames at once, one component of all frames after the other: with A the
 axes of a joint in the world, G those at rest and M the product of its channels' rotations, A = A_parent G_parent^-1 G M

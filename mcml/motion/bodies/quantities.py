@@ -1,8 +1,9 @@
-"""What can be asked of a body in a frame: each quantity with its arguments, unit, joints, and how far around it looks.
+"""The quantities of a body in a frame: each with its arguments, unit, joints, and the number of neighbouring frames
+that it uses.
 
-Values are in metres, seconds and degrees, NaN where the unit, the frame time, a joint or a sample is unknown. They are
-made from rounded positions alone, so that every way to find them gives the same bits; a stretch that reaches so many
-frames further as `halo` says gives the same values as the whole document.
+Values are in metres, seconds and degrees, NaN where the unit, the frame time, a joint or a sample is unknown. They
+depend on rounded positions only, so every way to compute them gives the same bits. A frame range extended by `halo`
+frames gives the same values as the whole document.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from mcml.motion.vectors import angle_between, cross, length
 AXES: Final = ("x", "y", "z", "up", "front", "left")
 
 _GROUND = "_toes"
-"""What a body stands on: the ankle (`*_foot`) stays above the ground."""
+"""Joints on the ground: the ankle (`*_foot`) stays above it."""
 _THICKEST = 0.15
 """Leg lengths that the surface of a body is away from other joints, at most, when it lies on the ground."""
 
@@ -268,7 +269,9 @@ class AskedQuantity:
 
 
 def asked_quantity(text: str) -> AskedQuantity:
-    """What `speed:right_hand,Root` asks for. RequestError or VocabularyError, with what there is, for what is none."""
+    """Parse a quantity such as `speed:right_hand,Root`. Raises RequestError or VocabularyError for an unknown one,
+    with the valid names.
+    """
     name, _, rest = text.partition(":")
     arguments = tuple(part.strip() for part in rest.split(",")) if rest else ()
     quantity = quantity_of(name.strip(), arguments)

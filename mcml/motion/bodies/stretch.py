@@ -1,7 +1,6 @@
-"""Consecutive frames of a document, and what of a body in them is asked for again and again: vectors, sides, the trunk.
-
-The neighbours of a frame are those in the document, whatever takes they came from. Numbers are steps of the rounded
-positions until they become metres at the end.
+"""Consecutive frames of a document, with cached values of the body that are needed often: vectors, sides, the trunk.
+The neighbours of a frame are those in the document, also if they come from different takes. Numbers are steps of the
+rounded positions until they become metres at the end.
 """
 
 from __future__ import annotations
@@ -62,7 +61,7 @@ class Stretch:
 
     @cached_property
     def kept(self) -> dict[Hashable, Any]:
-        """What `once_a_stretch` has found."""
+        """Cached results of `once_a_stretch`."""
         return {}
 
     @property

@@ -1,7 +1,6 @@
-"""Angles of the body that positions of joints do not tell: bones turned about themselves, heads, hands, fingers, toes.
-
-They are turns from the reference pose of the skeleton (`reference`), so that they are small where a body stands; what a
-wrist or a head is turned by in that pose they do not know.
+"""Angles of the body that depend on rotations of joints, not only positions: bones rotated about themselves, heads,
+hands, fingers, toes. They are relative to the reference pose of the skeleton (`reference`), so they are small in a
+standing body. The rotation of a wrist or a head in that pose itself is unknown.
 """
 
 from __future__ import annotations
@@ -50,7 +49,7 @@ def turned_angle(
 
 
 def _is_turned(skeleton: Skeleton, segment: Segment) -> bool:
-    """Whether a joint from a part to what it hangs on has rotations: else nothing is known of how it is turned."""
+    """Tell whether a joint between a part and its parent segment has rotations; without, its rotation is unknown."""
     joint = segment.joint
     while joint >= 0 and joint != segment.above:
         if any(channel[0] == "R" for channel in skeleton.joints[joint].channels):

@@ -1,8 +1,8 @@
-"""A clip in another convention, at another scale, with another axis up.
+"""Convert a clip to another convention, scale, or up axis.
 
 Conversions keep positions exactly (to rounding); angles are copied where both conventions and orders allow it, else
-decomposed anew, continuous from frame to frame. What a target cannot hold is said in a notice with its size. Nothing is
-scaled or turned that was not asked for (docs/conventions.md).
+decomposed again, continuous from frame to frame. Notices list losses with their size. Nothing is scaled or rotated
+without a request (docs/conventions.md).
 """
 
 from __future__ import annotations

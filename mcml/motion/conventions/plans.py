@@ -45,7 +45,9 @@ class PlannedJoint:
 
 @dataclass(frozen=True)
 class Plan:
-    """joints: of the target in pre-order; skeleton: made of them; fields: what the header must say of it."""
+    """A plan of a conversion. joints: of the target in pre-order; skeleton: built from them; fields: header fields
+    for it.
+    """
 
     joints: tuple[PlannedJoint, ...]
     skeleton: Skeleton

@@ -20,10 +20,8 @@ _LENGTHS = (*TRANSLATIONS, "residual")
 
 
 def scale(clip: ClipStream, factor: float, unit: str | None = None) -> ClipStream:
-    """The clip with every length multiplied.
-
-    unit: what the lengths are in afterwards, if they become another unit; else the body becomes another size.
-    Raises ConversionError for a factor that is not positive and finite.
+    """Multiply every length of a clip. unit: the new unit, if the lengths are converted; else the size of the body
+    changes. Raises ConversionError for a factor that is not positive and finite.
     """
     if not (np.isfinite(factor) and factor > 0):
         raise ConversionError(f"{factor} is no factor of lengths", remedy="Give a positive number.")

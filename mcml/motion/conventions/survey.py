@@ -1,4 +1,4 @@
-"""What a clip does that a target may not be able to hold: translations of joints, scales, samples missing."""
+"""Survey a clip for features that a target may not support: translations of joints, scales, missing samples."""
 
 from __future__ import annotations
 

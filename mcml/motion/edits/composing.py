@@ -64,8 +64,9 @@ class Seam:
 
 @dataclass(frozen=True)
 class Composed:
-    """spans: (piece, first frame, last frame) in the result, from 0, of what is left of each piece beside transitions;
-    left out where nothing is."""
+    """The result of a composition. spans: (piece, first frame, last frame) in the result, from 0, of the part of
+    each piece outside transitions; omitted if empty.
+    """
 
     block: FrameBlock
     shortfall: Shortfall

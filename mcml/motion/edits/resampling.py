@@ -1,9 +1,9 @@
-"""A clip at another frame rate.
+"""Resample a clip to another frame rate.
 
-Rotations go along the shorter arc (slerp), translations in straight lines: between two frames nothing turns further or
-faster than from one to the other, so no limit is overshot and a hinge stays a hinge. A squad would also have smooth
-velocities, but swings past the frames where a motion stops; who wants it smoother smooths afterwards. Times that both
-rates have keep their values bit by bit.
+Rotations go along the shorter arc (slerp), translations in straight lines: between two frames nothing rotates further
+or faster than from one frame to the other, so limits are not exceeded and a hinge stays a hinge. A squad would also
+have smooth velocities, but overshoots where a motion stops. For a smoother result, smooth afterwards. Times that exist
+at both rates keep their values bit by bit.
 """
 
 from __future__ import annotations

@@ -75,7 +75,7 @@ def smooth_vectors(vectors: Array, has: Flags, deviation: float) -> Array:
 def smooth_rotations(rotations: Array, has: Flags, deviation: float) -> Array:
     """Gaussian means (n, J, 4) of unit quaternions (n, J, 4); has: (n, J) which samples count."""
     neighbours = _neighbours(len(rotations), deviation)
-    # The mean of the quaternions themselves is near already; one step on the sphere makes what is left its square.
+    # The mean of the quaternions is already close; one step on the sphere squares the remaining error.
     mean = np.zeros_like(rotations)
     for weight, rows in neighbours:
         part = weight[:, None] * has[rows]

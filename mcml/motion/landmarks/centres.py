@@ -36,8 +36,9 @@ _MIDDLE: tuple[tuple[str, tuple[tuple[str, ...], ...]], ...] = (
 
 @dataclass(frozen=True, slots=True)
 class Centre:
-    """A joint's centre. name: MCML's, after the prefix of a person where there are several. markers: indices of those
-    that it is the mean of. landmarks: what they are."""
+    """The centre of a joint. name: MCML's, after the prefix of a person if there are several. markers: indices of
+    the averaged markers. landmarks: their landmarks.
+    """
 
     name: str
     markers: tuple[int, ...]

@@ -1,6 +1,5 @@
-"""Landmarks checked by where they stand: up from the ankles to the pelvis, forward from its back to its front.
-
-Names are kept whatever is found: places cannot say whether a trial is mirrored, or left and right were exchanged.
+"""Check landmarks by their positions: up is from the ankles to the pelvis, forward from its back to its front. Names
+are kept in any case: positions cannot distinguish a mirrored trial from exchanged names.
 """
 
 from __future__ import annotations

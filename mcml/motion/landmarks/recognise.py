@@ -1,7 +1,6 @@
-"""Which landmark each marker of a trial is: by the set that explains most of its names, else by words.
-
-What a model computed (angles, forces, axes of segments) hides the set and is left out first. Markers of several people
-have several prefixes: each is a body of its own.
+"""Recognise the landmark of each marker of a trial: by the set that explains most of its names, else by words. Values
+computed by a model (angles, forces, axes of segments) would hide the set and are excluded first. Markers of several
+people have several prefixes: each prefix is a separate body.
 """
 
 from __future__ import annotations
@@ -30,8 +29,8 @@ _PERSON_MARKERS = 5
 class MarkerBody:
     """The markers of one person.
 
-    prefix: what stands before its names. set_name: the set that explains its markers, "" for none. landmarks: of a
-    marker its landmark, by index. by_words: indices of those that no set explains. markers: how many it has.
+    prefix: prefix of its names. set_name: the set that explains its markers, "" for none. landmarks: the landmark of
+    each marker, by index. by_words: indices of markers that no set explains. markers: number of its markers.
     """
 
     prefix: str

@@ -20,7 +20,7 @@ KEY_POINTS = frozenset({"openpose-body25", "halpe-26", "coco-17", "mediapipe-33"
 
 
 def key_of(marker: str) -> str:
-    """What of a marker's name counts: small letters and digits."""
+    """Return the part of a marker's name that is compared: lower-case letters and digits."""
     return re.sub(r"[\s_.()\-]+", "", unicodedata.normalize("NFKC", marker)).lower()
 
 

@@ -1,1 +1,1 @@
-"""What small pictures of clips show."""
+"""The content of thumbnails of clips."""

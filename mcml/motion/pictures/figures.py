@@ -1,6 +1,6 @@
-"""What of a body, or of points, a small picture shows: which points, which lines between them, and from where.
+"""The figure in a thumbnail of a body or of markers: its points, the lines between them, and the view direction.
 
-A point is a joint or the tip of a chain (`tips` of the rest pose), joints first; of labelled points each is one.
+A point is a joint or the tip of a chain (`tips` of the rest pose), joints first; each labelled point is one.
 """
 
 from __future__ import annotations
@@ -21,7 +21,9 @@ CENTRE, LEFT, RIGHT = 0, 1, 2
 MOST_JOINTS, MOST_MARKERS = 32, 48
 
 TURN = np.radians(35.0)
-"""From where a body faces to where it is seen from, towards its left: both sides, and what they do, show."""
+"""Angle from the facing direction to the view direction, towards the left: so both sides and their movements are
+visible.
+"""
 
 _DIGIT = re.compile(r"finger|thumb|toe|index|pinky|(?:^|[_ ])(?:mid|middle|ring)(?:[_ \d]|$)", re.I)
 _OF_FACE = re.compile(r"brow|lip|mouth|cheek|nose|eye|jaw|chin|fore_?head", re.I)
@@ -45,12 +47,11 @@ class Figure:
 
 @once_a_skeleton
 def figure_of(skeleton: Skeleton, rest: Rest, carrier: int) -> Figure:
-    """The figure of a body: all its points, or those that matter most.
+    """Return the figure of a body: all its points, or the most important ones.
 
-    carrier: the joint that moves the body; those above it only stand in the world, and are not drawn.
-
-    Fingers and toes go first, then ends of chains, then the shortest bones; roots stay. What hung on a point that went
-    hangs on the one above.
+    carrier: the joint that moves the body; joints above it do not move, and are not drawn. Fingers and toes are dropped
+    first, then ends of chains, then the shortest bones; roots stay. Children of a dropped point are connected to the
+    point above.
     """
     joints = len(skeleton)
     parents = [joint.parent for joint in skeleton.joints] + [joint for joint, _ in rest.tips]

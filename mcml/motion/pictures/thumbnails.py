@@ -45,9 +45,8 @@ _HEAD = struct.Struct("<3s5B3f")
 
 
 def busiest(moved: Array, spacing: float) -> tuple[float, float]:
-    """(start, end) seconds of the loop: where points move most in LOOP_SECONDS, or all of what is shorter.
-
-    moved: (n, P, 3) positions, with the way over the ground taken out. spacing: seconds from one to the next.
+    """Return (start, end) of the loop in seconds: the LOOP_SECONDS with the most movement, or all of a shorter clip.
+    moved: (n, P, 3) positions, without the travel over the ground. spacing: seconds between them.
     """
     whole = (len(moved) - 1) * spacing
     if whole <= LOOP_SECONDS:

@@ -1,1 +1,1 @@
-"""A motion on another skeleton: which joint is which, how limbs turn, what is said of the outcome."""
+"""Retarget a motion to another skeleton: matching joints, rotating limbs, and the report."""

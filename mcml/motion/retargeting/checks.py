@@ -1,4 +1,4 @@
-"""What cannot be right of a motion on another skeleton: refused with the reason, as it would look like a motion."""
+"""Checks that refuse an impossible retargeting with the reason, because its result would look plausible."""
 
 from __future__ import annotations
 

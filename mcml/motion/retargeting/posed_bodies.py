@@ -10,7 +10,7 @@ from mcml.motion.hub import Rest, walked
 from mcml.motion.skeleton import Array, Skeleton
 
 SHORT = 1e-3
-"""Of the longest bone: what is shorter has no direction."""
+"""Relative to the longest bone: anything shorter has no direction."""
 
 
 @dataclass(frozen=True)

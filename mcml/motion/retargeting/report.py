@@ -1,4 +1,4 @@
-"""What retargeting did: which joints went where, how true directions are, how feet slide."""
+"""The report of a retargeting: matched joints, errors of directions, sliding of feet."""
 
 from __future__ import annotations
 

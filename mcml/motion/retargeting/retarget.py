@@ -1,9 +1,8 @@
-"""A motion on another skeleton.
-
-Every matched joint is turned in the world as its source is, Q_t = Q_s A_s^-1 D A_t: A are the two at rest (or in poses
-that show the same), D takes the target's bones there to the source's, by their directions in the world. Where bones
-between matched joints bend that the target does not have, what is left between the directions is made up for by the
-shortest arc. The body is placed where its hips are the source's, times the ratio of the lengths of the legs.
+"""Retarget a motion to another skeleton. Every matched joint is rotated in the world like its source, Q_t = Q_s A_s^-1
+D A_t: A are the two at rest (or in poses that show the same), D takes the target's bones there to the source's, by
+their directions in the world. Where bones between matched joints bend that the target does not have, the remaining
+difference of directions is corrected by the shortest arc. The hips are at the source's position, times the ratio of the
+lengths of the legs.
 """
 
 from __future__ import annotations
@@ -62,14 +61,14 @@ def retarget(
     scale: float | None = None,
     match_rest: bool = False,
 ) -> Retargeted:
-    """Frames of a clip on another skeleton.
+    """Return the frames of a clip on another skeleton.
 
     matches: of `suggest_matches`, or changed. source_pose, target_pose: (J, 4) local rotations of the hub form that
-    show the same body pose on both; the rest poses by default. clean: feet that stand are held where they stand. scale:
-    of places, by the legs if not given. match_rest: joints turn from rest as their sources do, wherever their bones
-    point at rest; else bones point as they do in the source. frame_time: seconds, up: "X", "Y" or "Z", for the feet.
-    Both have the same axis up. Raises ConversionError for a mapping that is empty or names joints that are not there or
-    twice, and for what cannot be right: a rest pose without lengths, hips that point elsewhere (`checks`).
+    show the same body pose on both; the rest poses by default. clean: lock planted feet. scale: of positions, by
+    default from the legs. match_rest: joints rotate from rest as their sources do, whatever direction their bones have
+    at rest; else bones point as they do in the source. frame_time: seconds, up: "X", "Y" or "Z", for the feet. Both
+    have the same up axis. Raises ConversionError for a mapping that is empty, or names a joint twice or an unknown
+    joint, and for impossible results: a rest pose without lengths, hips that point elsewhere (`checks`).
     """
     if not matches:
         raise ConversionError(
@@ -131,7 +130,7 @@ def _feet(
 
 
 class _Transfer:
-    """What takes poses of one body to another. pairs: joint of the target -> joint of the source."""
+    """The transfer of poses from one body to another. pairs: joint of the target -> joint of the source."""
 
     def __init__(
         self, one: PosedBody, two: PosedBody, pairs: dict[int, int], writer: HubWriter, from_rest: bool = False

@@ -15,7 +15,7 @@ def find_fingers(
     tree: Tree, readings: Sequence[Reading], sides: Sequence[str], out: Sequence[bool], arm: Limb
 ) -> dict[str, tuple[int, float, str]]:
     """Fingers of one hand: MCML's name without side → (joint, how sure, "word")."""
-    # A thumb may hang from the wrist beside the hand: what hangs from the forearm counts.
+    # A thumb may be a child of the wrist beside the hand: all children of the forearm are searched.
     top = next((arm.at(slot) for slot in ("low_arm", "wrist", "hand") if slot in arm.joints), -1)
     taken = {joint for joint, _, _ in arm.joints.values()}
     some = [

@@ -1,4 +1,4 @@
-"""The joints of one arm or leg: the best path through the tree of what words may mean.
+"""The joints of one arm or leg: the best path through the tree, given the possible meanings of words.
 
 Slots rise from the trunk outwards, so a word is settled by its neighbours: `LeftShoulder` is a shoulder above
 `LeftArm`, and an upper arm above `LeftElbow`. The path is found by dynamic programming over the joints, parents first.
@@ -16,19 +16,19 @@ from mcml.motion.rigs.tree import Tree
 MOST_CANDIDATES = 200
 """Joints that may be of one limb: of more, nothing is named."""
 _CORE = 0.02
-"""What a slot of the core adds to a path."""
+"""Value that a slot of the core adds to a path."""
 _APART = 0.15
 """Of an arm: two joints called shoulder are shoulder and upper arm where they stand so far apart."""
 _CERTAIN = 0.75
 GAP, ELSEWHERE = 0.6, 0.65
-"""How sure a joint is that fills a gap, and one that is called so elsewhere in the tree."""
+"""Confidence of a joint that fills a gap, and of a joint with the right name elsewhere in the tree."""
 _REPEATS = frozenset({"foot"})
 """Parts whose word may mean two slots of one chain."""
 
 
 @dataclass
 class Limb:
-    """What is known of one limb. joints: slot → (joint, how sure, by what: "word", "tree" or "rest pose").
+    """The recognised joints of one limb. joints: slot → (joint, confidence, evidence: "word", "tree" or "rest pose").
 
     told: sentences for the receipt.
     """
@@ -235,7 +235,7 @@ def _settle_elbow(tree: Tree, readings: Sequence[Reading], limb: Limb) -> None:
 
 
 def _take_elsewhere(tree: Tree, readings: Sequence[Reading], candidates: Sequence[int], limb: Limb) -> None:
-    """The one core joint that is missing, where one joint is called so elsewhere in the tree."""
+    """Take the one missing core joint from elsewhere in the tree, if exactly one joint has its name."""
     missing = [slot for slot in CORE[limb.limb] if slot not in limb.joints]
     if len(missing) != 1:
         return

@@ -1,7 +1,7 @@
-"""What a joint's words say: its side, which slots of a limb or of the trunk it may have, and how sure that is.
+"""The meaning of a joint's words: its side, its possible slots in a limb or in the trunk, and the confidence.
 
 A word such as shoulder, hip or leg means different joints in different rigs. It gives a value to each slot that it may
-mean; which of them the joint gets is settled by the chain that it stands in (`limbs`).
+mean; the chain of the joint decides which of them it gets (`limbs`).
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _SLOTS: dict[str, tuple[str, dict[str, float]]] = {
 
 _TRUNK = ("head", "neck", "chest", "spine", "waist", "pelvis", "root", "nose")
 _UNKNOWN, _LETTER, _HALF, _OFFSET = 0.75, 0.95, 0.3, 0.9
-"""What unknown words, single letters, twist bones and offset joints leave of a joint's weight."""
+"""Factors of a joint's weight for unknown words, single letters, twist bones and offset joints."""
 _VERTEBRAE = {"l": (5, "spine"), "vl": (5, "spine"), "t": (12, "chest"), "vt": (12, "chest")} | {
     "c": (7, "neck"),
     "vc": (7, "neck"),
@@ -50,14 +50,14 @@ _VERTEBRAE = {"l": (5, "spine"), "vl": (5, "spine"), "t": (12, "chest"), "vt": (
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What the words of a name say.
-
-    side: "left", "right", "centre" or "". part: the part of a limb, "" for none; limb: "arm", "leg" or "".
+    """The meaning of the words of a name. side: "left", "right", "centre" or "". part: the part of a limb, "" for none;
+    limb: "arm", "leg" or "".
     slots: slot of the limb → value. trunk: "head", "neck", "chest", "spine", "waist", "pelvis", "root", "nose" or "".
-    finger: 1 to 5 for a named finger, 0 for a numbered or unnumbered one, -1 for none. metacarpal: whether it is one.
-    helper: it is no part of the body. end: it ends a chain. half: twist bones and their like. weight: 0 to 1.
+    finger: 1 to 5 for a named finger, 0 for a numbered or unnumbered one, -1 for none. metacarpal: whether it is a
+    metacarpal. helper: whether it is not part of the body. end: whether it ends a chain. half: twist bones and similar.
+    weight: 0 to 1.
     both_sides: its name says left and right. numbers: its digits. key: its words without the side, to find its mirror.
-    words: all of them; parts: what they name.
+    words: all words; parts: the parts that they name.
     """
 
     side: str = ""

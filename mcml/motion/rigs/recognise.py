@@ -40,11 +40,9 @@ class NamedJoint:
 
 @dataclass(frozen=True)
 class Recognition:
-    """What a rig is.
-
-    joints: those with a name, in the order of the rig. verdict: PERSON, PART, NOBODY or UNKNOWN; the latter two name
-    nothing. reason: why it is no person. told: sentences for the receipt. asks_for_frames: whether poses of the motion
-    could tell more, as the rest pose is none of a standing body.
+    """The recognition of a rig. joints: joints with a name, in the order of the rig. verdict: PERSON, PART, NOBODY or
+    UNKNOWN; the latter two have no names. reason: why it is not a person. told: sentences for the receipt.
+    asks_for_frames: whether poses of the motion could help, because the rest pose is not a standing body.
     """
 
     joints: tuple[NamedJoint, ...]
@@ -56,7 +54,7 @@ class Recognition:
 
 @dataclass
 class _Rig:
-    """What is known of a rig so far."""
+    """The state of a recognition."""
 
     tree: Tree
     readings: Sequence[Reading]
@@ -176,7 +174,8 @@ def _find_trunk(rig: _Rig) -> None:
     inside = [False] * len(tree)
     for joint, parent in enumerate(tree.parents):
         inside[joint] = joint in tops or (parent >= 0 and inside[parent])
-    # Below a hand or foot nothing is of the trunk, whatever it is called; in a list without a tree all is beside.
+    # Joints below a hand or foot never belong to the trunk, whatever their names; in a list without a tree there is no
+    # below.
     rig.trunk = find_trunk(tree, rig.readings, rig.limbs, rig.out.__getitem__, inside.__getitem__)
 
 

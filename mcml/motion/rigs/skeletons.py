@@ -1,4 +1,4 @@
-"""Rigs of clips: what the joints of a skeleton are, remembered for the clips that share it."""
+"""Recognise rigs of clips; results are cached for all clips that share a skeleton."""
 
 from __future__ import annotations
 
@@ -45,12 +45,12 @@ _FARTHEST = 1e100
 
 
 def recognise_skeleton(skeleton: Skeleton) -> Recognition:
-    """What the joints of a skeleton are, by their names, their tree and their rest pose."""
+    """Recognise the joints of a skeleton by their names, their tree and their rest pose."""
     return (_kept if len(skeleton) <= MOST_JOINTS else _made)(skeleton)
 
 
 def recognise_clip(clip: ClipStream) -> Recognition:
-    """The same, and by poses of the motion where the rest pose is none of a standing body.
+    """Recognise the joints of a clip, also by poses of the motion if the rest pose is not a standing body.
 
     Frames are read only then, and once for the clips that share a skeleton: all get the names of the first.
     """

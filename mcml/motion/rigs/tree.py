@@ -1,4 +1,4 @@
-"""A rig's joints as a tree with places, for questions of what stands above what and how far apart."""
+"""A rig's joints as a tree with positions, to compare their order and distances."""
 
 from __future__ import annotations
 

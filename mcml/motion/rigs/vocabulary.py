@@ -64,7 +64,7 @@ class Vocabulary:
         yield list(every[self.language].items())
 
     def parts(self, word: str) -> tuple[str, ...]:
-        """What a normalised word names; nothing for an unknown one."""
+        """Return the parts that a normalised word names; empty for an unknown word."""
         return self._parts.get(word, ())
 
     def cut(self, piece: str) -> tuple[str, ...]:

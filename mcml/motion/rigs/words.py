@@ -1,6 +1,6 @@
 """Names of joints as words: split at punctuation, capitals, digits and scripts, cut into known words, without noise.
 
-What a rig writes before nearly all of its names, and words that it repeats, say nothing of a joint and are left out.
+Prefixes of nearly all names of a rig, and repeated words, have no meaning for a joint and are left out.
 """
 
 from __future__ import annotations
@@ -48,8 +48,9 @@ _LIMB_PARTS = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """A word of a name. parts: what it names, nothing for an unknown one. glued: it follows the word before it without
-    a gap. Digits are words too, and name nothing."""
+    """A word of a name. parts: the parts that it names, empty for an unknown word. glued: whether it follows the
+    previous word without a gap. Digits are words too, and name nothing.
+    """
 
     text: str
     parts: tuple[str, ...] = ()
@@ -66,7 +67,7 @@ Words = tuple[Word, ...]
 def split(name: str) -> list[tuple[str, bool]]:
     """Normalised pieces of a name, and whether each follows the one before it without a gap.
 
-    Only what stands after the last `:`, `|` or `/` counts, and nothing in brackets.
+    Only the text after the last `:`, `|` or `/` is used, without brackets.
     """
     bare = re.split(r"[:|/]", name.strip().rstrip(":|/"))[-1][:_MOST_LETTERS]
     bare = re.sub(r"\[[^\]]*\]", " ", bare) if not bare.startswith("[") else bare
@@ -176,8 +177,9 @@ def _join_words(
 
 
 def _split_sides(texts: Sequence[tuple[str, bool]], words: Vocabulary, flags: tuple[bool, bool, bool, bool]) -> Words:
-    """Words with what they name. Single letters are read by what stands beside them: LU Arm is a left upper arm, and
-    where another word tells the side, the l of `larm` is lower."""
+    """Split words into sides and parts. Single letters are interpreted by their neighbours: LU Arm is a left upper
+    arm, and if another word has the side, the l of `larm` means lower.
+    """
     _, le_and_ri, lf_and_rt, upper_too = flags
     result: list[Word] = []
     for place, (text, glued) in enumerate(texts):

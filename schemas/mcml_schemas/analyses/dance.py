@@ -18,7 +18,7 @@ Twofold = Literal["1/2", "1", "2"]
 
 
 class ClipBeats(RequestBody):
-    """What a person knows better about one of the clips; the rest is found."""
+    """Corrections of one clip by a person; all other values are detected."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"document": DOCUMENT, "beats_from": "tracked"}]})
 
@@ -187,7 +187,7 @@ class GraphEdges(BaseModel):
 
 
 class AllowedBars(RequestBody):
-    """What may be danced at a position, or anywhere. Given together, all must hold."""
+    """Limits of the bars at a position, or everywhere. All given limits must hold."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"position": 1, "bars": [3]}]})
 
@@ -220,7 +220,7 @@ class Music(RequestBody):
 
 
 class DanceParameters(GraphParameters):
-    """What is to be danced, and how."""
+    """Parameters of a dance."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [_DANCE]})
 

@@ -1,4 +1,5 @@
-"""The space of facial expressions: how it is built, and what operations on it take and give; paths: `expression_paths`.
+"""The space of facial expressions: its parameters, and the input and output of its operations; paths:
+`expression_paths`.
 
 A frame is named by the document it is in and its position there, from 1. Lengths are mm between faces: the paper's
 distance of matrices of all marker distances.
@@ -22,7 +23,7 @@ _TAKE = {"document": DOCUMENT, "name": "face_001_joy"}
 
 
 class ExpressionParameters(RequestBody):
-    """How a space of expressions is built. What is left out follows from the method."""
+    """Parameters of a space of expressions. Defaults depend on the method."""
 
     model_config = ConfigDict(json_schema_extra=shown({"method": "robust"}))
 

@@ -1,4 +1,4 @@
-"""Paths through a space of expressions: what makes, refines and plays them."""
+"""Paths through a space of expressions: making, refining and playing them."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class ExpressionPath(BaseModel):
 
 
 class ExpressionRefinement(RequestBody):
-    """How a path is refined. With neither keys nor auto nothing is kept: the answer says what is offered."""
+    """Parameters for refining a path. With neither keys nor auto nothing is stored: the answer lists the options."""
 
     model_config = ConfigDict(json_schema_extra=shown({"level": 3, "auto": True}))
 

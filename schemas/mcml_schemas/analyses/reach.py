@@ -1,4 +1,4 @@
-"""Reach motion from attributes: what a fit may be told, what operations on a model take and give.
+"""Reach motion from attributes: parameters of a fit, and the input and output of operations on a model.
 
 Times of phases are measured from the first frame: in seconds, or in frames that have passed at the clip's rate, which
 may be fractions. The first frame is at 0 and has position 1; the frame at time t (in frames) has position t + 1.
@@ -32,7 +32,7 @@ class ReachTimes(RequestBody):
 
 
 class ReachParameters(RequestBody):
-    """How a model of reach motions is fitted. What is left out follows from the method."""
+    """Parameters of a model of reach motions. Defaults depend on the method."""
 
     model_config = ConfigDict(json_schema_extra=shown({"method": "robust", "attributes": ["age", "height", "hbp"]}))
 
@@ -201,7 +201,7 @@ class ReachWarning(BaseModel):
 
 
 class ReachMotion(BaseModel):
-    """What was made, and how far it is to be trusted."""
+    """A synthesised motion, with measures of its reliability."""
 
     model_config = ConfigDict(
         json_schema_extra=shown(

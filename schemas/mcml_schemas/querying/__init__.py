@@ -1,1 +1,1 @@
-"""Questions about the library: XPath, search, facets, and what projects keep of them."""
+"""Queries about the library: XPath, search, facets, and saved queries of projects."""

@@ -1,4 +1,4 @@
-"""What a list of documents can be narrowed by, with counts."""
+"""Values by which a list of documents can be filtered, with counts."""
 
 from __future__ import annotations
 

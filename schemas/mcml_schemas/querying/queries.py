@@ -69,8 +69,9 @@ class RunTotals(BaseModel):
 
 
 class ValueItem(BaseModel):
-    """One of several values, such as those of distinct-values(). document, frame, time: of what it is the value, where
-    it is one of a node; time in seconds since frame 1."""
+    """One of several values, such as those of distinct-values(). document, frame, time: of the node, if it is the
+    value of a node; time in seconds since frame 1.
+    """
 
     value: str | int | float | bool
     document: str | None = None
@@ -162,7 +163,7 @@ class QueryRequest(RequestBody):
 
 
 class CompletionItem(BaseModel):
-    """What may stand at the cursor. text: in place of the characters from `first` on."""
+    """A completion at the cursor. text: replaces the characters from `first` on."""
 
     text: str
     kind: Literal["element", "attribute", "axis", "function", "motion name", "bone name", "angle", "word"]

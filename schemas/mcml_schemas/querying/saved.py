@@ -1,4 +1,4 @@
-"""What projects keep under names: queries, collections of documents, colours of motion names, vocabularies."""
+"""Saved items of projects: queries, collections of documents, colours of motion names, vocabularies."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Conditions(RequestBody):
 
 
 class CollectionToSave(RequestBody):
-    """Documents that are named; or conditions, so that it holds whatever fulfils them when it is asked."""
+    """Ids of documents; or conditions, so that the collection always has the documents that currently match."""
 
     model_config = ConfigDict(json_schema_extra=shown(_COLLECTION, {"where": {"project": PROJECT}}))
 
@@ -126,7 +126,9 @@ class Colours(ColoursToSave):
 
 
 class VocabularyWord(RequestBody):
-    """A motion name that a project agrees on. description: what it means there. colour: of the eight of the studio."""
+    """A motion name that a project agrees on. description: its meaning in the project. colour: one of the studio's
+    eight colours.
+    """
 
     model_config = ConfigDict(json_schema_extra=shown(_WORDS["items"][0]))
 

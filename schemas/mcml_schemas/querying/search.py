@@ -1,4 +1,4 @@
-"""What is most like a pose or a motion."""
+"""Search for similar poses and motions."""
 
 from __future__ import annotations
 

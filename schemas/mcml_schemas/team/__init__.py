@@ -1,1 +1,1 @@
-"""People: accounts, sessions, comments, presence, links, and what happens in the repository."""
+"""People: accounts, sessions, comments, presence, links, and the activity in the repository."""

@@ -33,7 +33,7 @@ _TOKEN = {
 
 
 class Belonging(BaseModel):
-    """A project, and what somebody is there."""
+    """A project, and the role of a person in it."""
 
     model_config = ConfigDict(json_schema_extra=shown(_BELONGS))
 
@@ -42,8 +42,9 @@ class Belonging(BaseModel):
 
 
 class Me(BaseModel):
-    """Who asks. name: whose name revisions carry. role: None for who has no account. scope: where they may do most.
-    projects: those in which they have another role than in all; for a token of some projects, those alone."""
+    """The current user. name: the name in revisions. role: None without an account. scope: the highest scope in any
+    project. projects: those with another role than in the repository; for a token of some projects, only these.
+    """
 
     model_config = ConfigDict(json_schema_extra=shown(_ME))
 
@@ -81,7 +82,7 @@ class OwnerRequest(RequestBody):
 
 
 class AccountChange(RequestBody):
-    """What is left out stays."""
+    """Values to change; omitted values do not change."""
 
     model_config = ConfigDict(json_schema_extra=shown({"role": "reader"}))
 
@@ -175,7 +176,7 @@ class TokenList(BaseModel):
 
 
 class MemberView(BaseModel):
-    """role: in the project. everywhere: whether it is what they are in the whole repository."""
+    """A member of a project. role: in the project. everywhere: whether the role comes from the whole repository."""
 
     model_config = ConfigDict(json_schema_extra=shown(_MEMBER))
 

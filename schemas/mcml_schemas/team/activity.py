@@ -1,4 +1,4 @@
-"""What was done in the repository, and by whom."""
+"""The activity log of the repository."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What people say about documents."""
+"""Comments on documents."""
 
 from __future__ import annotations
 

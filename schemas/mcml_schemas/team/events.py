@@ -1,4 +1,4 @@
-"""What happens in the repository, as it happens."""
+"""Live events of the repository."""
 
 from __future__ import annotations
 

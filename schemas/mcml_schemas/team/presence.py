@@ -1,4 +1,4 @@
-"""Who is at a document now."""
+"""People who view or edit a document now."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _PRESENT = {"name": "kim", "doing": "editing", "since": TIME}
 
 
 class PresenceRequest(RequestBody):
-    """tab: which of several windows of the same person, each of which says what is done there."""
+    """A report of presence. tab: distinguishes several windows of one person; each reports its own activity."""
 
     model_config = ConfigDict(json_schema_extra=shown({"doing": "editing", "tab": "t1"}))
 

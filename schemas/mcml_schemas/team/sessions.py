@@ -9,8 +9,9 @@ from mcml_schemas.request_body import RequestBody
 
 
 class SessionRequest(RequestBody):
-    """What a session is opened with: a token; name and password; or the code of a link or of an invitation, with the
-    name and password of the account that is made."""
+    """The credentials of a new session: a token; name and password; or the code of a link or of an invitation, with
+    the name and password of the new account.
+    """
 
     model_config = ConfigDict(json_schema_extra=shown({"name": "kim", "password": "four words in a row"}))
 

@@ -61,7 +61,7 @@ class ShareView(BaseModel):
 
 
 class ShareMade(ShareView):
-    """path: shown this once; what stands behind # never reaches a server's log."""
+    """A new link. path: shown only once; the part after # never reaches a server's log."""
 
     model_config = ConfigDict(json_schema_extra=shown({**_SHARE, "path": "/shared#Jx0…"}))
 
@@ -93,7 +93,7 @@ class SharedMotion(BaseModel):
 
 
 class Shared(BaseModel):
-    """What a link shows. formats: what its documents may be exported as."""
+    """The content of a link. formats: allowed export formats of its documents."""
 
     model_config = ConfigDict(
         json_schema_extra=shown({"name": "for the client", "expires": TIME, "formats": ["bvh"], "documents": [_MOTION]})

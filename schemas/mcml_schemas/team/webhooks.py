@@ -1,4 +1,4 @@
-"""Addresses that are told of events."""
+"""Webhooks, which send events to other programs."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ class AdmissionQueue:
 
     def __init__(self, places: int, most: int, seconds: float, left: Callable[[], None]) -> None:
         self._queue = FairQueue(places)
-        # Who has a place finds a thread.
+        # Requests with a place always get a thread.
         self._threads = CapacityLimiter(places)
         self._most = most
         self._seconds = seconds
@@ -89,7 +89,9 @@ class AdmissionQueue:
 
 
 class Admission:
-    """One for what reads and one for what writes, which may wait for the store: neither stands behind the other."""
+    """Admission of heavy requests, with one queue for reads and one for writes, which may wait for the store:
+    neither delays the other.
+    """
 
     def __init__(self, settings: Settings) -> None:
         places, most, seconds = settings.heavy_at_once, settings.heavy_waiting, settings.heavy_wait_seconds
@@ -133,7 +135,7 @@ async def while_connected(
 
 
 def _leaving(http: Request) -> AbstractAsyncContextManager[asyncio.Task[None]]:
-    """A task that is done once the client has left. What it sent must have been read."""
+    """Return a task that ends when the client disconnects. Its request must have been read."""
 
     async def wait_for_disconnect() -> None:
         while (await http.receive())["type"] != "http.disconnect":
@@ -153,15 +155,16 @@ async def _ending(waiting: Coroutine[Any, Any, Any]) -> AsyncIterator[asyncio.Ta
 
 
 def give_memory_back() -> None:
-    """What is free and the C library keeps: of many threads at once it never gives it back by itself."""
+    """Return free memory that the C library keeps: with many threads, it does not do so itself."""
     trim = _of_c("malloc_trim")
     if trim is not None:
         trim(0)
 
 
 def share_heaps() -> None:
-    """To be called before there are threads: else each of them has a heap of its own, where what it freed stays while
-    others ask the system for more."""
+    """Make threads share heaps. Call this before any thread starts: otherwise each thread keeps freed memory in its
+    own heap while others request more from the system.
+    """
     option = _of_c("mallopt")
     if option is not None:
         option(M_ARENA_MAX, HEAPS)

@@ -1,7 +1,7 @@
-"""Authentication of requests, by what the store keeps and by where a request comes from, not by what it claims.
+"""Authentication of requests, by the store's accounts and tokens and by the origin of a request, not by its claims.
 
 A proxy on the same machine looks like a local client: nginx's bare `proxy_pass` sends `Host: 127.0.0.1:8000` and no
-header that would betray it. So a store of several people is never open, whatever address is listened on.
+header that would reveal it. So a store of several people never allows anonymous access, on any listening address.
 """
 
 from __future__ import annotations
@@ -43,10 +43,10 @@ TLS_COOKIE = f"__Host-{COOKIE}"
 its neighbours under the same domain."""
 
 SHARE_COOKIE = "mcml_share"
-"""That carries the session of who has a link to some documents; sent below SHARED alone."""
+"""Cookie with the session of a visitor with a share link; sent only below SHARED."""
 
 SHARED = "/api/v1/shared"
-"""Below it stand the addresses of the API for who has a link to some documents, and for nobody else."""
+"""Prefix of the API paths for visitors with a share link only."""
 
 LOGIN = (
     "Send `Authorization: Bearer mcml_…`; `mcml token add NAME` on the server's machine makes one. Browsers: /login."
@@ -72,7 +72,8 @@ def why_closed(settings: Settings, database: Database) -> str | None:
 class Authentication:
     """Decides which requests a server answers.
 
-    secret: what commands on this machine send, read anew each time; None where there is none."""
+    secret: the secret that commands on this machine send, read again each time; None if there is none.
+    """
 
     def __init__(self, settings: Settings, database: Database, secret: Callable[[], str | None]) -> None:
         self._database = database
@@ -87,9 +88,8 @@ class Authentication:
             return False
 
     def refusal(self, scope: MutableMapping[str, Any], headers: Headers) -> Any:
-        """The answer to who has no token and needs one, or None. May wait for the store.
-
-        Notes who comes in with a request in `scope["mcml.entry"]` (`storage.accounts.Entry`).
+        """Return the answer to a request without a required token, or None. May wait for the store. Stores the identity
+        of the request in `scope["mcml.entry"]` (`storage.accounts.Entry`).
         """
         direct = _is_direct(scope, headers)
         kind, _, given = headers.get("authorization", "").partition(" ")
@@ -114,7 +114,7 @@ class Authentication:
         return None
 
     def link_refusal(self, scope: MutableMapping[str, Any], headers: Headers) -> Any:
-        """As `refusal`, of what stands below SHARED."""
+        """As `refusal`, for paths below SHARED."""
         visit = _cookie(headers, share_cookie_name(scope["scheme"]))
         with self._database.read() as tx:
             entry = None if visit is None else tx.sessions.share_entry(visit)
@@ -142,12 +142,12 @@ def cookie_name(scheme: str) -> str:
 
 
 def share_cookie_name(scheme: str) -> str:
-    """Of the cookie that carries the session of who has a link. Its path is not that of a name with `__Host-`."""
+    """Return the name of the cookie with the session of a share link. Its path excludes a name with `__Host-`."""
     return f"__Secure-{SHARE_COOKIE}" if scheme == "https" else SHARE_COOKIE
 
 
 def _cookie(headers: Headers, name: str) -> str | None:
-    """What a browser keeps under a name."""
+    """Return the value of a cookie."""
     try:
         cookies: SimpleCookie = SimpleCookie(headers.get("cookie", ""))
     except CookieError:

@@ -1,6 +1,5 @@
-"""Connections that keep to time and number: who sends next to nothing, or takes nothing, does not keep others out.
-
-uvicorn ends connections that rest between two requests, and no others.
+"""Limits of time and number for connections: clients that send or read almost nothing do not block others. uvicorn
+itself closes only connections that are idle between two requests.
 """
 
 from __future__ import annotations
@@ -83,7 +82,7 @@ class Connection(H11Protocol):
         super().shutdown()
 
     def _await(self) -> None:
-        """Set the time for what the client has to send now."""
+        """Set the timeout for the next data from the client."""
         state = self.conn.their_state
         # A connection that is kept after an answer has uvicorn's time.
         kept = state is h11.IDLE and self.timeout_keep_alive_task is not None
@@ -154,14 +153,14 @@ class Connection(H11Protocol):
 
 
 def connections_of(settings: Settings) -> Callable[..., asyncio.Protocol]:
-    """What uvicorn makes a connection with."""
+    """Return the factory with which uvicorn makes connections."""
     return functools.partial(
         Connection, most=_most(settings.connections), header=settings.header_seconds, stall=settings.stall_seconds
     )
 
 
 def _most(wanted: int) -> int:
-    """Files of the store and of uploads take half of what may be open."""
+    """Limit connections to half of the open files that the system allows; the store and uploads need the rest."""
     try:
         import resource
     except ImportError:  # Windows

@@ -1,4 +1,4 @@
-"""The API's description (OpenAPI): what FastAPI makes of the endpoints, with its problems and examples told right."""
+"""The API's description (OpenAPI): FastAPI's description of the endpoints, with corrected problems and examples."""
 
 from __future__ import annotations
 

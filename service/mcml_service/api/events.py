@@ -1,6 +1,5 @@
-"""What happens, live: the progress of a job, and all that is new in the store.
-
-By hand: a stream of events waits between them, so it is async, as no operation is.
+"""Live events: the progress of a job, and all changes in the store. Written by hand: a stream waits between events, so
+it is async, unlike operations.
 """
 
 from __future__ import annotations
@@ -35,10 +34,10 @@ SILENCE_SECONDS = 15.0
 """After so long without news a stream says that it is still there, or proxies would close it."""
 
 STREAM_SECONDS = 300.0
-"""After so long a stream ends; whoever follows it asks again, with what they know."""
+"""Length of a stream; its client then reconnects with the last event id."""
 
 RIGHTS_SECONDS = 3.0
-"""How often it is looked whether whoever follows a stream may still see the same."""
+"""Interval of checking that the rights of a stream's client have not changed."""
 
 _EVENTS: dict[int | str, dict[str, Any]] = {
     200: {
@@ -106,12 +105,12 @@ async def follow_events(
         ),
     ] = None,
 ) -> StreamingResponse:
-    """What happens in the store, as server-sent events, from now on or since an event.
+    """Stream events of the store as server-sent events, from now on or since an event.
 
-    `document` and `label` have a revision that was made, `job` a job that is further, `comment` what was done with a
-    comment. `ready` comes first, `reset`
-    where so much was missed that lists are to be read anew. A stream ends after five minutes, and soon when what one
-    may see becomes another: ask again with the id of the last event, as browsers do by themselves.
+    `document` and `label` have a new revision, `job` the progress of a job, `comment` a change of a comment. `ready`
+    comes first. `reset` means that too many events were missed and lists must be read again. A stream ends after five
+    minutes, and soon after the rights of its client change: reconnect with the id of the last event, as browsers do
+    automatically.
     """
     database, stay = _follow(http), Stay(http)
     mark = last_event_id or since
@@ -139,7 +138,7 @@ async def follow_events(
 
 
 def _follow(http: Request) -> Database:
-    """The store as whoever asks sees it. AccessError for who has but a link to documents."""
+    """Return the store as the user may see it. Raises AccessError for visitors with a share link."""
     call = call_of(http)
     if call.share is not None:
         raise AccessError("A link to documents follows no events.", remedy="Reload the state that it shows.")
@@ -181,7 +180,7 @@ class Stay:
 
 
 def _begin(database: Database, mark: str | None) -> News:
-    """What is known by the id of an event; without one, all that there is."""
+    """Return the position of an event id; without one, the current position."""
     with database.read() as tx:
         if mark is None:
             news = News(tx.newest_commit(), now(), tx.activity.newest())

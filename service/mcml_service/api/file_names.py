@@ -1,4 +1,4 @@
-"""The names of uploaded files as senders write them: `filename*` alone, UTF-8, or what their system uses."""
+"""The names of uploaded files as senders write them: `filename*` alone, UTF-8, or the encoding of their system."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What proxies that the server trusts (MCML_TRUSTED_PROXIES) say of the clients they speak for."""
+"""Information about clients from trusted proxies (MCML_TRUSTED_PROXIES)."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 
 
 def as_the_client_sent_it(scope: MutableMapping[str, Any], trusted: Sequence[Network]) -> MutableMapping[str, Any]:
-    """The request with the client, scheme and host that a trusted proxy names in X-Forwarded-For, -Proto and -Host.
+    """Return the request with the client, scheme and host from a trusted proxy's X-Forwarded-For, -Proto and -Host.
 
-    Each proxy adds to the right, so the client is the first address from the right that is no trusted proxy's: what
-    lies left of it anybody may have written. What others than trusted proxies say counts nothing.
+    Each proxy adds to the right, so the client is the first address from the right that is not a trusted proxy:
+    addresses to the left may be forged. Headers from other senders are ignored.
     """
     client = scope.get("client")
     if not trusted or client is None or not _is_of(client[0], trusted):

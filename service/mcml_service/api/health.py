@@ -41,7 +41,7 @@ def readyz(request: Request, response: Response) -> Health:
 
 @router.get("/metrics", operation_id="metrics", response_class=PlainTextResponse, responses=_METRICS)
 def metrics(request: Request) -> str:
-    """Counters in the Prometheus text format, for who may see the whole store."""
+    """Counters in the Prometheus text format. Needs access to the whole store."""
     call = call_of(request)
     if not call.view.is_whole:
         raise AccessError(

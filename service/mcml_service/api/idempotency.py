@@ -69,7 +69,7 @@ def _again(operation: Operation, digest: str, before: Remembered) -> Response:
 
 
 def _digest(operation: Operation, given: dict[str, Any]) -> str:
-    """Of what is asked: arguments, and the bytes of files."""
+    """Return the digest of a request: its arguments, and the bytes of files."""
     made = hashlib.sha256(operation.name.encode())
     for name, value in sorted(given.items()):
         made.update(name.encode())

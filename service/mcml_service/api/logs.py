@@ -20,7 +20,7 @@ REQUEST: ContextVar[str | None] = ContextVar("request", default=None)
 """The id of the request that is worked on, in threads too."""
 
 AGAIN_SECONDS = 60.0
-"""For so long a fault that was told of is only counted."""
+"""Time in which a repeated fault is only counted."""
 
 MANY = 500
 """Kinds of faults that are remembered."""
@@ -32,7 +32,7 @@ requests = logging.getLogger("mcml.requests")
 
 
 def begin_request(said: str | None) -> str:
-    """The id of a request: what its client, or a proxy, says it is, where that is one; else a new one."""
+    """Return the id of a request: the id from its client or a proxy if valid, else a new one."""
     name = said if said is not None and _ID.fullmatch(said) else secrets.token_hex(8)
     REQUEST.set(name)
     return name
@@ -47,7 +47,7 @@ def keep_log(settings: Settings) -> None:
 
 
 class Line(logging.Formatter):
-    """Time, level, source, id of the request, and what there is to say."""
+    """Format a line: time, level, source, id of the request, and message."""
 
     def format(self, record: logging.LogRecord) -> str:
         told = _describe(record)
@@ -56,7 +56,7 @@ class Line(logging.Formatter):
             head += f" (and {told['repeated']} times since the last message)"
         # Addresses may hold line ends: nobody writes lines of his own here.
         head = _CONTROL.sub(lambda found: ascii(found[0])[1:-1], head)
-        # Nor in what an exception says: lines of a traceback stand further in.
+        # Nor in the text of an exception: lines of a traceback are indented.
         traced = [_CONTROL.sub("?", line) for line in told.get("traceback", "").splitlines()]
         return "\n    ".join([head, *traced])
 
@@ -87,9 +87,8 @@ def _describe(record: logging.LogRecord) -> dict[str, Any]:
 
 
 class Faults(logging.StreamHandler[Any]):
-    """Tells of a fault once, then counts it for a while. A disk that is full, or a lack of files, would fill the log.
-
-    again: seconds after which it is told anew, and how often it came.
+    """Logs a fault once, then counts it for a while. Otherwise a full disk, or a lack of files, would fill the log.
+    again: seconds after which it is logged again, with its count.
     """
 
     def __init__(self, stream: Any = None, again: float = AGAIN_SECONDS) -> None:
@@ -112,7 +111,7 @@ class Faults(logging.StreamHandler[Any]):
 
     def _is_news(self, record: logging.LogRecord) -> bool:
         error = record.exc_info[1] if record.exc_info else None
-        # uvicorn tells again of an error that was told of here.
+        # uvicorn logs an error again that was logged here.
         if error is not None and vars(error).setdefault("told_by", record.name) != record.name:
             return False
         key = (record.name, record.levelno, *((record.msg,) if error is None else _place(error)))
@@ -136,7 +135,7 @@ class Faults(logging.StreamHandler[Any]):
 
 @dataclass
 class _Fault:
-    """One that was told of. since: when (seconds of the monotonic clock). count: how often it came again."""
+    """A logged fault. since: time (seconds of the monotonic clock). count: number of repetitions."""
 
     source: str
     level: int

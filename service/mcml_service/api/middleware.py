@@ -34,7 +34,7 @@ SAFE_METHODS = {"GET", "HEAD", "OPTIONS"}
 COUNTED_METHODS = SAFE_METHODS | {"POST", "PUT", "PATCH", "DELETE"}
 OPEN_PATHS = {"/healthz", "/readyz"}
 OPEN_FILES = ("/assets/", "/favicon.svg", "/shared")
-"""The program of the studio, which is no secret; and the page for who has a link to some documents."""
+"""Public files: the program of the studio, and the page for visitors with a share link."""
 ASKERS = ("Cookie", "Authorization")
 """Headers of requests by which answers differ."""
 ENTRIES = {LOGIN_PATH, "/api/v1/session", SHARED, f"{LOGIN_PATH}/openid", f"{LOGIN_PATH}/openid/back"}
@@ -205,7 +205,7 @@ def _protect(message: MutableMapping[str, Any], request: str, scheme: str) -> No
 
 
 def depends_on_asker(path: str) -> bool:
-    """Whether answers at an address differ with who asks: all but what is open to everybody."""
+    """Tell whether answers at a path depend on the user: all except public ones."""
     return path not in OPEN_PATHS and not path.startswith(OPEN_FILES)
 
 

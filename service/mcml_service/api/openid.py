@@ -1,6 +1,6 @@
 """Sign-in with a provider of OpenID Connect: the authorization code flow with PKCE (RFC 7636).
 
-What the flow must know when the browser comes back stands in a cookie of this browser alone; nothing is kept here.
+The state of the flow is kept in a cookie of the browser; the server stores nothing.
 """
 
 from __future__ import annotations
@@ -38,7 +38,9 @@ router = APIRouter(include_in_schema=False)
 
 
 class Flow(TypedDict):
-    """What the browser keeps on its way. then: the path to go on with. invitation, link: what an account comes by."""
+    """The state in the browser's cookie. then: path after the sign-in. invitation, link: codes that allow a new
+    account.
+    """
 
     state: str
     nonce: str
@@ -49,7 +51,7 @@ class Flow(TypedDict):
 
 
 class Claims(TypedDict):
-    """What the provider says of somebody."""
+    """Claims of the provider about a person."""
 
     sub: str
     name: str
@@ -96,7 +98,7 @@ def back(
     state: Annotated[str | None, Query()] = None,
     error: Annotated[str | None, Query()] = None,
 ) -> Response:
-    """Where the provider sends the browser with a code, which is exchanged for who it is."""
+    """Receive the browser from the provider, with a code that is exchanged for the person's identity."""
     settings = _settings(http)
     database: Database = http.app.state.repository.database
     address = http.client.host if http.client else ""
@@ -151,7 +153,9 @@ def _person(database: Database, settings: Settings, claims: Claims, flow: Flow) 
 
 
 def _claims(settings: Settings, http: Request, code: str, flow: Flow) -> Claims:
-    """Who the provider says that it is (OpenID Connect Core 1.0, 3.1.3). AccessError for what it did not sign so."""
+    """Return the person's identity from the provider (OpenID Connect Core 1.0, 3.1.3). Raises AccessError for
+    invalid signatures or claims.
+    """
     from authlib.common.errors import AuthlibBaseError
     from joserfc import jwt
     from joserfc.errors import JoseError
@@ -215,7 +219,7 @@ def _client(settings: Settings, http: Request) -> Any:
 
 
 def _provider(settings: Settings) -> dict[str, Any]:
-    """What the provider says of itself (OpenID Connect Discovery 1.0, 4)."""
+    """Return the provider's metadata (OpenID Connect Discovery 1.0, 4)."""
     return _discover(str(settings.openid_issuer))
 
 
@@ -235,7 +239,7 @@ def _discover(issuer: str) -> dict[str, Any]:
 
 
 def _flow(packed: str | None) -> Flow | None:
-    """What the browser kept, None where it kept nothing that makes sense."""
+    """Read the state from the browser's cookie, None if it is missing or invalid."""
     try:
         flow = json.loads(urlsafe_b64decode(packed or ""))
         kept = {name: flow[name] for name in Flow.__annotations__}

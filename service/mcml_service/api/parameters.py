@@ -38,7 +38,7 @@ def _names(route: APIRoute) -> tuple[frozenset[str], frozenset[str]]:
 
 
 def _all(dependant: Dependant) -> Iterator[Dependant]:
-    """What an endpoint asks for, and what this asks for in turn."""
+    """Yield the dependencies of an endpoint, and their dependencies."""
     yield dependant
     for each in dependant.dependencies:
         yield from _all(each)

@@ -1,4 +1,4 @@
-"""What browsers are told of every answer: what it may load and run, that it is what it says, and who may frame it."""
+"""Security headers of every answer: allowed sources and scripts, no type sniffing, and allowed frames."""
 
 from __future__ import annotations
 
@@ -26,9 +26,8 @@ not ours to close."""
 def page_policy(
     styles: Sequence[str] = (), scripts: Sequence[str] = (), more: str = "", *, forms: bool = False
 ) -> dict[str, str]:
-    """The header of a page that may use these texts of its own, named by their hashes, and nothing else.
-
-    styles, scripts: what stands between the tags, exactly. more: further directives. forms: it sends some here.
+    """Return the header of a page that may use only these inline texts, identified by their hashes. styles, scripts:
+    the exact text between the tags. more: further directives. forms: whether it submits forms to this server.
     """
     own = [("style-src", styles), ("script-src", scripts)]
     listed = "; ".join(f"{name} {' '.join(map(_source, texts))}" for name, texts in own if texts)

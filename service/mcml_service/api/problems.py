@@ -76,7 +76,7 @@ def install(app: FastAPI, unknown: Callable[[Request], Response | None]) -> None
     @app.exception_handler(ValidationError)
     @app.exception_handler(RequestValidationError)
     def _invalid(_request: Request, error: RequestValidationError | ValidationError) -> JSONResponse:
-        # A ValidationError comes from a model that an endpoint makes of what it was sent.
+        # A ValidationError comes from a model that an endpoint makes from its input.
         faults: list[dict[str, Any]] = [
             {"in": ".".join(str(part) for part in fault["loc"]), "what": _words(fault["msg"])}
             for fault in error.errors()
@@ -98,7 +98,7 @@ def install(app: FastAPI, unknown: Callable[[Request], Response | None]) -> None
         if shown is not None:
             return shown
         if isinstance(error.__cause__, OSError) and errors.is_full(error.__cause__):
-            # FastAPI says 400 for whatever goes wrong while it keeps the parts of an upload.
+            # FastAPI answers 400 for every error while it stores the parts of an upload.
             return respond(problem_of(errors.SpaceError()))
         if error.status_code == 400 and error.__cause__ is not None:
             # FastAPI names no reason where a body cannot even be decoded.

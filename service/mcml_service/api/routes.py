@@ -33,7 +33,7 @@ TRIES = 4
 BYTES = "application/octet-stream"
 
 LOCAL = Entry("local")
-"""Who comes in where no door is closed."""
+"""The identity of anonymous requests on a store with anonymous access."""
 
 LASTING = {"cache-control": "private, max-age=31536000, immutable"}
 """Of answers about a revision that the question names: a client that has one never asks for it again."""
@@ -103,7 +103,7 @@ def _make_queued_endpoint(operation: Operation) -> Callable[..., Any]:
 
 
 def respond(operation: Operation, call: Call, http: Request, given: dict[str, Any]) -> Response:
-    """What an operation answers, as HTTP says it."""
+    """Run an operation; return its answer as an HTTP response."""
     key = given.pop("idempotency_key", None)
     values = {name: _value(value) for name, value in given.items()}
     if key is not None:
@@ -112,8 +112,9 @@ def respond(operation: Operation, call: Call, http: Request, given: dict[str, An
 
 
 def _try(operation: Operation, call: Call, http: Request, values: dict[str, Any]) -> Response:
-    """The answer, asked for anew where the replica went away, or where the database ended a transaction for another's
-    sake and nothing was written."""
+    """Run an operation, again if the replica became unreachable, or if the database aborted a transaction because of
+    another one and nothing was written.
+    """
     for _ in range(TRIES - 1):
         written = call.database.writes
         try:
@@ -211,7 +212,7 @@ def _reading(most: int) -> Callable[[Request], Any]:
 
 def _calling(operation: Operation) -> Callable[[Request], Any]:
     async def call(request: Request) -> Call:
-        """What is async needs no thread. Who may not do it is told so before what they send is looked at."""
+        """Async endpoints need no thread. Users without the right are refused before their data is read."""
         made = call_of(request)
         made.from_replica = operation.effect in (Effect.READS, Effect.STREAMS)
         operation.allow(made)

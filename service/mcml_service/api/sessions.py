@@ -81,7 +81,7 @@ def open_session(
 def close_session(http: Request) -> Response:
     """End the session of this browser."""
     _end(http)
-    # What pages have kept of documents ends with it.
+    # Documents that pages have cached end with it.
     response = Response(status_code=204, headers={"clear-site-data": '"cache", "storage"'})
     response.delete_cookie(cookie_name(http.url.scheme), secure=_by_tls(http), httponly=True, samesite="strict")
     return response
@@ -105,7 +105,7 @@ def open_shared(http: Request, response: Response, request: SharedRequest) -> Sh
         view = tx.shares.view(shown)
         tx.attempts.forget(counted)
     with database.for_call(view).read() as tx:
-        # What was deleted meanwhile, or is in another project now, is not there.
+        # Documents that were deleted or moved to another project meanwhile are left out.
         motions = [SharedMotion(**vars(motion)) for motion in tx.shares.motions(shown)]
     named, lasts = share_cookie_name(http.url.scheme), SESSION_HOURS * 3600
     response.set_cookie(
@@ -139,7 +139,7 @@ def post_login(
     invitation: Annotated[str | None, Form()] = None,
     then: Annotated[str, Form()] = "/",
 ) -> Response:
-    """What the forms send."""
+    """Receive the forms."""
     try:
         request = SessionRequest(token=token, name=name, password=password, link=link, invitation=invitation)
         _, secret = _open_session(http, request)
@@ -155,7 +155,7 @@ def post_login(
 
 
 def safe_path(then: str) -> str:
-    """Only a path of this server: what looks like another address is the front page."""
+    """Return a path of this server: the front page for anything that looks like another address."""
     return then if then.startswith("/") and not then.startswith(("//", "/\\")) else "/"
 
 
@@ -179,14 +179,14 @@ def _provider(http: Request) -> str | None:
 
 
 def _signing(provider: str | None, **carried: str) -> str:
-    """A way to the provider, with what comes back from there."""
+    """Return the link to the provider, with values that come back from there."""
     if provider is None:
         return ""
     return SIGN_IN.format(address=html.escape(f"{LOGIN_PATH}/openid?{urlencode(carried)}"), name=html.escape(provider))
 
 
 def _follow_link(http: Request, link: str) -> str:
-    """What a link offers: the first account where there is none, and to open the repository without one."""
+    """Follow a sign-in link: it offers the first account if there is none, and access without an account."""
     with http.app.state.repository.database.read() as tx:
         first = not tx.accounts.have_owner()
     follow = FOLLOW.format(path=LOGIN_PATH, link=html.escape(link))
@@ -198,7 +198,9 @@ def _follow_link(http: Request, link: str) -> str:
 
 
 def _open_session(http: Request, request: SessionRequest) -> tuple[str, str]:
-    """(author, secret of a new session). AccessError for what opens nothing, AttemptsError for who tries too often."""
+    """Return (author, secret of a new session). Raises AccessError for invalid credentials, AttemptsError for too
+    many attempts.
+    """
     database: Database = http.app.state.repository.database
     address, name = http.client.host if http.client else "", (request.name or "").strip()
     # Tokens and links have no name, and lock nobody else out.

@@ -36,10 +36,9 @@ _HEADERS = {"total-count": "x-total-count"}
 def make_response(
     content: Content, headers: dict[str, str], held: ExitStack, http: Request, again: Again | None = None
 ) -> Response:
-    """Content as a response whose beginning is made here: a short one whole, of a long one enough for errors to show.
-
-    held: what the content reads from; it is let go when the answer is sent. again: gives the same bytes from the
-    beginning, for when the replica goes away that they are read from.
+    """Return content as a response. Its beginning is produced here: short content completely, long content far enough
+    to detect errors. held: resources that the content reads from; released when the answer is sent. again: gives the
+    same bytes from the beginning, if the replica that they are read from becomes unreachable.
     """
     headers |= {_HEADERS.get(name, f"x-mcml-{name}"): _latin(text) for name, text in content.facts.items()}
     if content.name is not None:
@@ -112,7 +111,9 @@ def _holding(kept: ExitStack, blocks: Iterator[Bytes]) -> Generator[Bytes]:
 
 
 def _resume(blocks: Iterator[Bytes], at: int, again: Again | None) -> Generator[Bytes]:
-    """Blocks, of which the first begins at a byte; where their replica goes away, the rest of what `again` gives."""
+    """Yield blocks, the first of which begins at byte `at`; if their replica becomes unreachable, continue with the
+    blocks of `again`.
+    """
     try:
         for block in blocks:
             at += len(block)
@@ -143,9 +144,8 @@ def pieces(content: Iterator[Bytes]) -> Generator[Bytes]:
 
 
 async def ahead(content: Generator[Bytes], first: Bytes = b"") -> AsyncIterator[Bytes]:
-    """`first`, then each piece of a content, of which none is empty; while one is sent, a thread makes the next.
-
-    Whoever reads no more closes this, and so the content, as soon as no thread is in it.
+    """Yield `first`, then each non-empty piece of a content; while one is sent, a thread makes the next. A reader that
+    stops must close this generator; it closes the content as soon as no thread uses it.
     """
 
     def end(made: asyncio.Future[Bytes]) -> None:

@@ -19,7 +19,7 @@ from mcml_service.resources import studio_path
 router = APIRouter(include_in_schema=False)
 
 STATIC = studio_path() / "static"
-"""What is served: index.html and what it loads."""
+"""The served files: index.html and the files that it loads."""
 PAGES = studio_path() / "pages.json"
 """The pages of the studio: a row each, for the server and for src/pages.ts."""
 
@@ -81,7 +81,7 @@ for address in page_addresses(PAGES):
 
 @router.get("/shared")
 def show_shared_page(accept_encoding: Annotated[str, Header()] = "") -> Response:
-    """What a link to some documents opens; what stands behind # in it stays in the browser."""
+    """Show the page of a share link; the part of the link after # stays in the browser."""
     return _file(
         "shared.html", accept_encoding, {**POLICY, "cache-control": "no-cache", "referrer-policy": "no-referrer"}
     )

@@ -1,11 +1,11 @@
-"""Whether somebody is served just now, so that what can wait does."""
+"""Tracks whether requests are being served, so that background work can wait."""
 
 from __future__ import annotations
 
 import time
 
 QUIET_SECONDS = 0.5
-"""After an answer: who asked often asks again."""
+"""Time after an answer in which another request is likely."""
 FOLLOWING = "/events"
 """Paths that end so are followed for hours, and take next to nothing."""
 

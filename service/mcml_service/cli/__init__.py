@@ -89,7 +89,7 @@ GROUPS = {
 }
 
 MODULES = {"analyse": "mcml_service.cli.analyse", "jobs": "mcml_service.cli.jobs"}
-"""Groups that a module makes: from the catalogue of analyses, and what belongs to it."""
+"""Groups made by a module, from the catalogue of analyses."""
 
 
 def _make_app() -> typer.Typer:
@@ -178,7 +178,7 @@ def main() -> None:
 
 
 def _leave_quietly() -> NoReturn:
-    """Whoever read the output, such as `head`, has seen enough."""
-    # What is still buffered would fail again when Python ends.
+    """The reader of the output, such as `head`, has ended."""
+    # Buffered output would fail again when Python ends.
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     sys.exit(0)

@@ -116,6 +116,6 @@ def reopen(name: Name, database: DatabaseOption = None, server: ServerOption = N
 
 
 def _ask_password() -> str:
-    """A password, typed twice, or read from what is piped in."""
+    """Read a password: typed twice, or from a pipe."""
     answer: str = typer.prompt("Password", hide_input=True, confirmation_prompt=True)
     return answer

@@ -1,4 +1,4 @@
-"""`mcml analyse SUBJECT VERB`: a command for every entry of the catalogue, and for what its results can do."""
+"""`mcml analyse SUBJECT VERB`: a command for every entry of the catalogue, and for the operations on its results."""
 
 from __future__ import annotations
 
@@ -209,6 +209,6 @@ def music(
     beats_per_bar: Annotated[int | None, typer.Option(min=2, max=4, help="Beats of a bar, where known")] = None,
     database: DatabaseOption = None,
 ) -> None:
-    """Find the beats of music, as JSON: what to correct, and to give to `make` as music=…"""
+    """Find the beats of music, as JSON: correct them and pass them to `make` as music=…"""
     with file.open("rb") as stream:
         print_json(read_music(SourceFile(file.name, stream), choose_settings(database), bpm, beats_per_bar))

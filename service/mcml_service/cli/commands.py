@@ -64,7 +64,7 @@ def add_group(group: typer.Typer, name: str) -> None:
 
 
 def command_of(operation: Operation) -> Callable[[], tuple[Callable[..., None], str]]:
-    """What makes the command of an operation: what it does, and its help."""
+    """Return the factory of an operation's command: its function and its help."""
     return lambda: (_command(operation), operation.description)
 
 
@@ -109,7 +109,7 @@ def _slots(operation: Operation) -> list[_Slot]:
     arguments = [argument for argument in operation.arguments if argument.name != "cursor"]
     fields = {argument.name: _plain_fields(argument) for argument in arguments if argument.place == "body"}
     named = {_METAVARS.get(argument.name, argument.name).lower() for argument in arguments}.union(*fields.values())
-    # What names nothing is a file with the body.
+    # An argument that names no parameter is a file with the body.
     sent = {argument.name for argument in arguments if argument.place == "content"}
     file = next((word for word in words if (word not in named or word in sent) and word != "output"), None)
     slots: list[_Slot] = []

@@ -1,4 +1,4 @@
-"""Bodies of documents for questions about motion: `mcml db derive`, and what `mcml import` does at its end."""
+"""Derive bodies of documents for queries about motion: `mcml db derive`, and the last step of `mcml import`."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 FEW = 8
 """Documents of an import of which each is told what is known of its body; of more, how many are known how well."""
 CALIBRATED = {"unit": "metres", "up": "up", "floor": "floor", "leg": "leg"}
-"""What is told, and what it rests on."""
+"""Printed values, and the values that they depend on."""
 
 
 def derive(database: DatabaseOption = None, as_json: JsonOption = False) -> None:
@@ -71,7 +71,7 @@ def _build_columns(store: Database, settings: Settings, *, quiet: bool) -> tuple
 
 
 def derive_stored(store: Database, ids: set[str], *, quiet: bool) -> None:
-    """Derive the bodies of what an import stored, which stays stored whatever happens here."""
+    """Derive the bodies of imported documents. Errors here do not affect the import."""
     try:
         _derive(store, ids, quiet=quiet)
     except KeyboardInterrupt:

@@ -1,4 +1,4 @@
-"""What `mcml doctor` tells of documents that would be read otherwise today."""
+"""The report of `mcml doctor` on documents that the current version would read differently."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SECONDS = 60.0
 
 
 def tell_differing(database: Database, project: str | None, count: int) -> None:
-    """Print them, the first ones with what mends each. count: documents that there are."""
+    """Print them, the first ones with the command that fixes each. count: number of documents."""
     end = time.monotonic() + SECONDS
     looked = told = found = 0
     unread: list[str] = []

@@ -87,7 +87,7 @@ def export(
 
 
 def local_name(said: str) -> str:
-    """Only a name: whatever a server says, nothing is written outside the folder that was asked for."""
+    """Return only the name of a file, so that a server cannot make the command write outside the given folder."""
     from mcml.files.check_names import file_name
 
     return file_name(said) or "document"

@@ -113,7 +113,7 @@ def import_(
 
 
 def _derive(client: Client, documents: list[ImportedDocument], *, no_derive: bool, quiet: bool) -> None:
-    """Derive bodies in a store here; a server does so by itself. Tell what is known of them."""
+    """Derive bodies in a local store; a server does so automatically. Print their calibration."""
     stored = [document for document in documents if not document.skipped]
     here = isinstance(client, Local) and client.repository.settings.derive and not no_derive
     if isinstance(client, Local) and here:

@@ -40,7 +40,7 @@ def search(
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """The poses or motions of the library that are most like one, whatever rig they are of."""
+    """Find the poses or motions of the library that are most similar to a given one, on any rig."""
     client = open_client(database, server)
     inside = [id_of(client, text) for text in within or ()]
     if all(Path(text).is_file() for text in what):

@@ -34,8 +34,10 @@ from mcml_service.storage.lists.filtering import DocumentFilter
 OPEN = "Open to everything on this machine, a proxy included, until the first account or token is made"
 
 KEPT_SECONDS = 75
-"""How long a connection may rest. Longer than proxies and clients let it (60 s is usual): who asks just as it is closed
-gets no answer. Where there are too many, the one that has rested longest makes room."""
+"""Idle timeout of a connection. It is longer than that of proxies and clients (usually 60 s), because a request sent
+just as the server closes the connection gets no answer. If there are too many connections, the one idle longest is
+closed.
+"""
 
 
 def serve(
@@ -173,7 +175,7 @@ EXTRAS = {
     "plots": "matplotlib",
     "usd": "pxr",
 }
-"""What can be installed beside the program, and a module of it."""
+"""Optional extras of the program, each with one of its modules."""
 
 
 def doctor(
@@ -183,7 +185,7 @@ def doctor(
         typer.Option(help="Check only documents of this project for names that an import would now read differently"),
     ] = None,
 ) -> None:
-    """Say what this installation has, what it lacks, and how to mend it."""
+    """Check this installation: list its parts, missing parts, and how to install them."""
     from mcml_service.cli.differing import tell_differing
     from mcml_service.clips.bodies import MADE
     from mcml_service.storage.core.replica import Replica

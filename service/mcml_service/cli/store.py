@@ -61,7 +61,7 @@ def check(
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Compare every row with its checksum, read every kept upload once, and say what does not fit."""
+    """Compare every row with its checksum, read every uploaded file once, and report errors."""
     settings = choose_settings(database)
     store = open_database(settings)
     faults, unread = store.check(past=deep), []

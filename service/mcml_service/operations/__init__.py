@@ -1,9 +1,8 @@
 """OPERATIONS: everything that a user can ask of the repository, readable from top to bottom.
 
-A row says the name, the address below /api/v1, what the operation does to the store, what right it needs, its words,
-the module beside this one with the function of that name, and the command with its positional arguments in capitals. A
-row without a command has none, or one made by hand (`mcml_service.cli`). Nothing is imported until an operation is
-used.
+A row has the name, the path below /api/v1, the effect on the store, the required right, the description, the module in
+this package with the function of that name, and the command with its positional arguments in capitals. A row without a
+command has none, or one written by hand (`mcml_service.cli`). Nothing is imported until an operation is used.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mcml_service.actions.reading.preview_motion import Window
 
 MOST = 2**31 - 1
-"""Of numbers in requests: what every database can compare."""
+"""Greatest number in requests that every database can compare."""
 
 DocumentId = Annotated[str, Field(description="Id of the document", examples=[DOCUMENT])]
 Documents = Annotated[
@@ -59,7 +59,7 @@ class Page:
     ] = None
 
     def after(self, *kinds: type) -> list[Any] | None:
-        """What the cursor says, None on the first page. QueryError where it is none of ours."""
+        """Decode the cursor, None on the first page. Raises QueryError for an invalid cursor."""
         return None if self.cursor is None else decode_cursor(self.cursor, *kinds)
 
     def most(self, call: Call) -> int:
@@ -69,9 +69,8 @@ class Page:
     def cut(
         self, call: Call, found: Sequence[Item], place: Callable[[Item], tuple[Any, ...]]
     ) -> tuple[Sequence[Item], str | None]:
-        """(the page, the cursor of the next), of items of which one more was fetched where there is one.
-
-        place: what the cursor behind an item says.
+        """Return (the page, the cursor of the next page) of items; one item more than the page is fetched if it exists.
+        place: returns the cursor values of an item.
         """
         shown = found[: self.most(call)]
         return shown, encode_cursor(*place(shown[-1])) if len(found) > len(shown) else None
@@ -79,7 +78,7 @@ class Page:
 
 @dataclass(frozen=True)
 class Shown:
-    """Positions of what is made, to be looked at."""
+    """Options for positions of the new motion, for viewing."""
 
     positions: Annotated[Literal["f4"] | None, Field(description="Include positions, as 32-bit floats in base64")] = (
         None
@@ -105,7 +104,7 @@ def encode_cursor(*parts: Any) -> str:
 
 
 def decode_cursor(cursor: str, *kinds: type) -> list[Any]:
-    """The parts of a cursor. QueryError where it is none of ours."""
+    """Return the parts of a cursor. Raises QueryError for an invalid cursor."""
     try:
         parts = orjson.loads(base64.urlsafe_b64decode(cursor + "=" * (-len(cursor) % 4)))
     except (binascii.Error, ValueError):

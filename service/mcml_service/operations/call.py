@@ -1,4 +1,4 @@
-"""One call of an operation: the repository it works on, who asks, and what is said of the answer beside itself."""
+"""One call of an operation: its repository, the user, and metadata of the answer."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ if TYPE_CHECKING:
 
 
 class Repository:
-    """A store and what works on it for as long as the process runs. What a call does not need is never imported."""
+    """A store and its services, for the lifetime of the process. Services that no call needs are never imported."""
 
     def __init__(self, database: Database, settings: Settings) -> None:
         self.database = database
         self.settings = settings
         self.wake: Callable[[], None] = lambda: None
-        """Tells whoever runs jobs that there is one."""
+        """Notifies the runner of a new job."""
         self.runner: str | None = None
-        """Who alone may run the jobs that are started; None: any server of the store."""
+        """The only runner allowed to run new jobs; None: any server of the store."""
         self.import_pool: ImportPool | None = None
         """Processes that read uploads of many files, of a server."""
         self.evaluated: Literal["here", "bounded", "apart"] = "here"
@@ -55,7 +55,7 @@ class Repository:
 
     @cached_property
     def register(self) -> Register:
-        """What lists are read from."""
+        """The register of documents, from which lists are read."""
         from mcml_service.listing.register import Register
 
         return Register()
@@ -82,7 +82,7 @@ class Repository:
 
 
 class SameError(Exception):
-    """A signal: whoever asked has this representation already."""
+    """Signals that the client already has this representation."""
 
     def __init__(self, tag: str) -> None:
         super().__init__(tag)
@@ -91,16 +91,14 @@ class SameError(Exception):
 
 @dataclass
 class Call:
-    """repository: what is worked on. author: who asks. view: what of it they see, and may do there. account: its name,
-    None for who has none. share: the link that they came by. client: those who share a turn in fair queues.
-    from_replica: the store's replica may answer. origin: from where they come, None for who opens the store itself.
-
-    known: how whoever asks names this version of the answer, None where they do not have it.
-
-    media_type: of the body that was sent, where one says it. progress: is told how far work on files is.
-    tag: version of the answer (an entity tag without its quotes), set by the operation. created: address of what was
-    made, below /api/v1. lasting: the answer never changes, so it need not be asked again. made: whether anything was,
-    for operations that can also only look.
+    """One call of an operation. repository: the repository. author: name of the user. view: the visible documents and
+    the rights of the user. account: its name, None without an account. share: the share link of a visitor. client: key
+    of the user in fair queues. from_replica: whether the store's replica may answer. origin: address of the client,
+    None for a process that opens the store itself. known: version of the answer that the client has, None if it has
+    none. media_type: of the request body, if stated. progress: is called with the progress of work on files. tag:
+    version of the answer (an entity tag without its quotes), set by the operation. created: path of the created
+    resource, below /api/v1. lasting: the answer never changes, so it can be cached. made: whether anything was created,
+    for operations that may only read.
     """
 
     repository: Repository
@@ -122,11 +120,11 @@ class Call:
 
     @cached_property
     def database(self) -> Database:
-        """The store as whoever asks sees it."""
+        """The store as the user may see it."""
         return self.repository.database.for_call(self.view, self.origin, from_replica=self.from_replica)
 
     def begin_again(self) -> None:
-        """Forget what was said of the answer: it is asked for anew, of the store itself."""
+        """Reset the metadata of the answer, before the operation runs again on the primary store."""
         self.from_replica, self.held = False, ExitStack()
         self.tag, self.lasting, self.created, self.made = None, False, None, True
         for name in ("database", "queries"):
@@ -146,12 +144,12 @@ class Call:
 
     @property
     def scope(self) -> str:
-        """What they may do where they may do most (`operation.RIGHTS`)."""
+        """The highest scope of the user in any project (`operation.RIGHTS`)."""
         return self.view.most
 
     @cached_property
     def limits(self) -> Limits:
-        """Time and memory of a query of this call; who leaves cancels it."""
+        """Limits of time and memory for a query of this call; a disconnected client cancels it."""
         return self.queries.limits(self.client, self.author)
 
     def makes(self, document: str | None) -> None:
@@ -164,9 +162,8 @@ class Call:
         return self.held.enter_context(self.database.read())
 
     def set_tag(self, tag: str, *, lasting: bool = False) -> None:
-        """Say the version of the answer. SameError where whoever asks has it.
-
-        lasting: it is of a revision that the question names, so it will never be another.
+        """Set the version of the answer. Raises SameError if the client already has it. lasting: the request names the
+        revision, so the answer never changes.
         """
         self.tag, self.lasting = tag, lasting
         known = self.known(tag)

@@ -1,4 +1,4 @@
-"""What the repository knows: formats, joint names, motion names, skeletons, projects."""
+"""Catalogues of the repository: formats, joint names, motion names, skeletons, projects."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def list_skeletons(call: Call, page: Page, project: InProject = None) -> Skeleto
 
 
 def get_rest_pose(call: Call, id: DocumentId, revision: AtRevision = None) -> RestPose:
-    """What stands where before anything moves, for those who draw a skeleton."""
+    """Return the rest pose of a skeleton, for drawing it."""
     with call.database.read() as tx:
         then, stored = at_revision(tx, id, revision)
         call.set_tag(tag(stored, "rest"))

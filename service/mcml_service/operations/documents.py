@@ -43,7 +43,7 @@ from mcml_service.storage.lists.orders import TYPES, Order, Place, parse_order
 from mcml_service.storage.transaction import Transaction
 
 PLAIN = ("name", "key")
-"""What documents are ordered by whose name and key alone say where they stand."""
+"""The order by name and key."""
 
 TABLE = "name,age (year),height (cm)\nwalk,23,172.4\n"
 
@@ -234,7 +234,7 @@ def _cards(call: Call, tx: Transaction, shown: Sequence[StoredDocument], also: f
 def get_document(call: Call, id: DocumentId, revision: AtRevision = None) -> DocumentDetail:
     with call.database.read() as tx:
         then, stored = at_revision(tx, id, revision)
-        # What it carries for reference belongs to no revision, and changes without one.
+        # The reference file belongs to no revision, and changes without one.
         media = tx.media.of(stored.key)
         call.set_tag(tag(stored, "json" if media is None else f"json-{media.sha256[:12]}-{media.offset!r}"))
         return detail(then, stored)

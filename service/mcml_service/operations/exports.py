@@ -107,7 +107,7 @@ def _content(call: Call, uuid: str, revision: int | None, options: ExportOptions
     if options.whole and not options.pretty:
         call.set_tag(tag(stored, f"{options.format}{'-raw' * options.raw}"))
     export = exported(then, stored, options)
-    # A conversion looks through the motion before its first block, and says then what the target cannot hold.
+    # A conversion reads the whole motion before its first block, and then reports losses.
     content = chain((next(export.content, b""),), export.content)
     return Content(content, export.media_type, export.file_name, export.size, notices=export.notices)
 

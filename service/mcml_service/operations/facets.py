@@ -1,4 +1,4 @@
-"""What the list of documents can be narrowed by."""
+"""Values by which the list of documents can be filtered."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reference video and audio of documents: kept, served in ranges, moved in time, taken away."""
+"""Reference video and audio of documents: stored, served in ranges, shifted in time, deleted."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def put_media(
         float, Field(ge=-86_400, le=86_400, description="Seconds in it at the first frame", examples=[1.25])
     ] = 0.0,
 ) -> MediaInfo:
-    """In the place of what it carried. No revision: it belongs to the document in all of them."""
+    """Replaces an existing file. Makes no revision: the file belongs to the document in all revisions."""
     return media_info(keeping.keep_media(call.database, id, file, offset, call.author))
 
 

@@ -1,8 +1,8 @@
-"""What an operation is: one thing that a user can ask of the repository, said once.
+"""Operations: the functions of the repository for users, each declared once.
 
-Its row in OPERATIONS has its name, address, command, effect, right and words; the function of that name has its
+Its row in OPERATIONS has its name, address, command, effect, right and description; the function of that name has its
 arguments and its answer, as types. The HTTP route, its entry in OpenAPI, the command, the Python call and the tables of
-the documentation follow.
+the documentation are generated from these.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Place = Literal["path", "query", "header", "body", "form", "file", "content"]
 
 
 class Effect(StrEnum):
-    """What an operation does to the store."""
+    """The effect of an operation on the store."""
 
     READS = "reads"
     STREAMS = "streams"
@@ -40,7 +40,7 @@ class Effect(StrEnum):
 
 
 class Right(StrEnum):
-    """What one needs to be allowed to do: to see, to change, to decide about a project, to keep the repository."""
+    """The rights of users: to see, to change, to manage a project, to maintain the repository."""
 
     READ = "read"
     EDIT = "edit"
@@ -54,8 +54,9 @@ RIGHTS: Mapping[str, frozenset[Right]] = {
     "own": frozenset({Right.READ, Right.EDIT, Right.OWN}),
     "operate": frozenset(Right),
 }
-"""What each scope allows. It is of a project or of all (`storage.views`): what an operation then touches, the
-transaction looks at."""
+"""The rights of each scope. A scope holds for a project or for all (`storage.views`); the transaction checks the
+data that an operation touches.
+"""
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,7 @@ class Upload:
 
 @dataclass(frozen=True)
 class Media:
-    """Answers that are no JSON: what they are, and their media types with an example of each or None."""
+    """Answers other than JSON: their description, and their media types with an example of each or None."""
 
     words: str
     types: Mapping[str, Any]
@@ -86,8 +87,8 @@ class Media:
 class Argument:
     """One argument of an operation.
 
-    name: in Python and on the command line. wire: what a request calls it. kind: its type with constraints, as
-    pydantic reads it. group: the parameter of the function that it is a field of, None where it is one itself.
+    name: in Python and on the command line. wire: its name in requests. kind: its type with constraints, for pydantic.
+    group: the parameter of the function of which it is a field, None if it is a parameter itself.
     """
 
     name: str
@@ -146,13 +147,13 @@ class Operation:
     """A row of OPERATIONS.
 
     name: of the function in `mcml_service.operations`, the operationId, the Python call.
-    address: method and path below /api/v1; None for what is done on the machine of the store alone.
-    command: how a terminal calls it, with positional arguments in capitals; None where none is made from this row.
-    status: of a success. ok_description: of an answer 200, for operations that answer 200 where they made nothing.
+    address: method and path below /api/v1; None for operations on the machine of the store only. command: its command,
+    with positional arguments in capitals; None if no command is generated from this row.
+    status: of a success. ok_description: of an answer 200, for operations that answer 200 if they created nothing.
     omit_null: answers leave out values that are null. cancel_on_disconnect: the operation ends when its client leaves.
-    queued: it takes long, so a server works on few at a time; or the name of the argument that makes it long.
-    open_to_links: people who have a link to a document may ask for it, as far as the link shows.
-    summary: a title, where the words are too long for one. implementation: the function, where no module has it.
+    queued: it takes long, so a server runs few at a time; or the name of the argument that makes it long.
+    open_to_links: visitors with a share link may use it, for the documents of the link. summary: a title, if the
+    description is too long for one. implementation: the function, if no module has it.
     """
 
     name: str
@@ -181,7 +182,7 @@ class Operation:
 
     @cached_property
     def function(self) -> Callable[..., Any]:
-        """What does it: (call, arguments) to an answer. Imported when it is asked for."""
+        """The implementation, from (call, arguments) to an answer. Imported on first use."""
         if self.implementation is not None:
             return self.implementation
         function: Callable[..., Any] = getattr(import_module(f"mcml_service.operations.{self.module}"), self.name)
@@ -189,7 +190,7 @@ class Operation:
 
     @cached_property
     def description(self) -> str:
-        """The words, and what the function says beyond them."""
+        """The description of the row, and of the function's docstring."""
         more = inspect.getdoc(self.function)
         return f"{self.words}\n\n{more}" if more else self.words
 
@@ -231,7 +232,7 @@ class Operation:
         return given.get(self.queued) is not None if isinstance(self.queued, str) else self.queued
 
     def allow(self, call: Call) -> None:
-        """AccessError where whoever asks may not do this. Every call passes here."""
+        """Check the right of the user. Raises AccessError without it. Every call is checked here."""
         if call.share is not None and not self.open_to_links:
             raise AccessError(
                 f"A link to some documents does not open {self.name}.",
@@ -244,7 +245,9 @@ class Operation:
             )
 
     def run(self, call: Call, given: Mapping[str, Any]) -> Any:
-        """The answer. given: checked values by the names of the arguments. AccessError for who may not."""
+        """Run the operation and return its answer. given: validated values by the names of the arguments. Raises
+        AccessError without the right.
+        """
         self.allow(call)
         if call.share is not None:
             given = _as_shared(call.share, given)
@@ -270,8 +273,9 @@ class Operation:
 
 
 def _as_shared(share: Share, given: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Arguments of a call by who has a link, with the revision that it shows. NotFoundError for another document or
-    revision, AccessError for a format that is not given away."""
+    """Return the arguments of a call by a visitor with a share link, with the revision of the link. Raises
+    NotFoundError for another document or revision, AccessError for a format that the link does not allow.
+    """
     document = share.documents.get(given["id"])
     if document is None:
         raise NotFoundError("This link shows no such document.", remedy="Take one that it shows.")

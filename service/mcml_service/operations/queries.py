@@ -1,4 +1,4 @@
-"""XPath: questions, and what may come next in one."""
+"""XPath: queries, and completions of expressions."""
 
 from __future__ import annotations
 

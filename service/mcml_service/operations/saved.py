@@ -1,5 +1,6 @@
-"""What projects keep under names: queries, collections of documents, colours of motion names; and the vocabulary that a
-project agrees on."""
+"""Saved items of projects: queries, collections of documents, colours of motion names; and the vocabulary of a
+project.
+"""
 
 from __future__ import annotations
 
@@ -176,7 +177,7 @@ def _delete(call: Call, kind: Kind, project: str, name: str, if_match: str | Non
 
 
 def _check(tx: Transaction, kind: Kind, project: str, name: str, if_match: str | None) -> None:
-    # Whoever saves an equal name at this moment is waited for.
+    # Wait for a concurrent save of the same name.
     tx.order()
     thing = tx.saved.find(kind, project, name)
     if thing is not None:

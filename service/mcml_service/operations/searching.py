@@ -1,4 +1,4 @@
-"""What of the library is most like a pose or a motion."""
+"""Search for poses and motions similar to a given one."""
 
 from __future__ import annotations
 

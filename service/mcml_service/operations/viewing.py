@@ -1,4 +1,4 @@
-"""What those ask for who draw a document: its skeleton, and the small picture of it."""
+"""Data for drawing a document: its skeleton, and its thumbnail."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`mcml delete`, `rename`, `move`, `set`: what becomes of documents, of one or of many."""
+"""`mcml delete`, `rename`, `move`, `set`: changes of one or many documents."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`mcml element set` and `move`: edits whose arguments are shorter than what the API takes."""
+"""`mcml element set` and `move`: edits with shorter arguments than in the API."""
 
 from __future__ import annotations
 

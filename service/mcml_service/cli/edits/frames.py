@@ -22,7 +22,7 @@ from mcml_service.cli.terminal.present import present
 from mcml_service.operations import OPERATIONS
 
 _EDITS = {get_args(kind.model_fields["do"].annotation)[0]: kind for kind in get_args(get_args(FrameEdit)[0])}
-"""What can be done with frames, by name."""
+"""Edits of frames, by name."""
 _NAMES = {"insert": {"to": "at", "source": "document"}}
 """Options that the API calls otherwise."""
 

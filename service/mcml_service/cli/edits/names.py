@@ -1,4 +1,4 @@
-"""What joints and motions are called: `mcml names apply`, `mcml mapping save`, `alias`, `mcml project vocabulary`."""
+"""Names of joints and motions: `mcml names apply`, `mcml mapping save`, `alias`, `mcml project vocabulary`."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def apply(
 
 
 def print_by_rig(made: list[AppliedNames]) -> None:
-    """What would be renamed, once for all documents whose joints would change alike; the most documents first."""
+    """Print renamed joints, grouped by documents whose joints would change in the same way; the largest group first."""
     rigs: dict[tuple[tuple[str, str, str], ...], list[str]] = {}
     for item in made:
         if item.items:
@@ -94,7 +94,7 @@ def alias(
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Say what a project calls joints, for imports to come. `mcml names apply` renames documents that exist."""
+    """Set names of joints in a project, for future imports. `mcml names apply` renames joints of existing documents."""
     from mcml.language.joint_names import alias_key
 
     pairs_of_texts = [text.rpartition("=")[::2] for text in pairs or ()]

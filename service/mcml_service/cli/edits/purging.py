@@ -39,7 +39,7 @@ def purge(
     database: DatabaseOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Remove documents for good: all revisions and files, and what was made of them alone. Nothing brings them back."""
+    """Remove documents permanently: all revisions and files, and results made only from them. This cannot be undone."""
     chooses = any(option is not None for option in (project, motion_name, xpath))
     if not ids and deleted_before is None and not chooses:
         raise McmlError("Nothing is named.", remedy="Name full ids, --deleted-before DAYS, or --project NAME.")

@@ -1,1 +1,1 @@
-"""What commands share: options, making them late, how answers look on a terminal."""
+"""Shared code of commands: options, lazy loading, and output on a terminal."""

@@ -14,9 +14,8 @@ SECONDS_DRAWN = 0.1
 
 
 class Bar:
-    """How many are done, how fast, and how long the others take. doing: a word for it. things: what they are.
-
-    It is drawn by whoever tells it: beside a thread that drew it, no import could fork.
+    """A progress bar with count, speed and remaining time. doing: a word for the work. things: their name. The caller
+    draws it: with a drawing thread, imports could not fork.
     """
 
     def __init__(self, doing: str, things: str = "files", *, disable: bool) -> None:

@@ -17,13 +17,13 @@ gc.disable()
 
 
 def collect_again() -> None:
-    """What was imported is there; from now on garbage is collected, if it was before."""
+    """Enable garbage collection again after imports, if it was enabled before."""
     if _was_on:
         gc.enable()
 
 
 def spare_what_stays() -> None:
-    """For a program of its own: let what there is now, and at the end what there is then, never be looked through."""
+    """Exclude existing objects from garbage collection, now and at exit. Only for a program that owns its process."""
     gc.freeze()
     gc.set_threshold(FEW)
     atexit.register(gc.freeze)

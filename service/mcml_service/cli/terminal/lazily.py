@@ -1,4 +1,6 @@
-"""Commands that are made when they are asked for: what others need is not imported, mathematics takes a second."""
+"""Commands that are created on use: imports of other commands are avoided, because mathematics takes a second to
+import.
+"""
 
 from __future__ import annotations
 
@@ -53,7 +55,7 @@ def lazy_group(module: str) -> type[TyperGroup]:
 
 
 def from_module(address: str) -> Callable[[], tuple[Callable[..., None], None]]:
-    """What makes a command of a function: `module:function` of this package."""
+    """Return the factory of a command from a function: `module:function` of this package."""
 
     def make() -> tuple[Callable[..., None], None]:
         module, _, name = address.partition(":")

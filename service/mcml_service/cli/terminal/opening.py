@@ -38,7 +38,7 @@ console = Console(highlight=False, markup=False, soft_wrap=True, width=None if s
 
 
 def choose_settings(database: str | None = None, **changes: Any) -> Settings:
-    """Settings from the environment, with what the command line says. McmlError for a variable that makes no sense."""
+    """Return settings from the environment and the command line. Raises McmlError for an invalid variable."""
     overrides = {key: value for key, value in {"database": database, **changes}.items() if value is not None}
     try:
         return Settings().model_copy(update=overrides)
@@ -49,7 +49,7 @@ def choose_settings(database: str | None = None, **changes: Any) -> Settings:
 
 
 def find_database(settings: Settings) -> Database:
-    """The store as it is, whatever its schema; the folder of an SQLite file is made."""
+    """Open the store with any schema; create the folder of an SQLite file."""
     url = settings.database_url
     if url.startswith("sqlite:///"):
         private_folder(Path(url.removeprefix("sqlite:///")).parent)
@@ -65,7 +65,7 @@ def open_database(settings: Settings) -> Database:
 
 
 def upgrade_database(settings: Settings) -> Database:
-    """The store, made or upgraded where it is needed; says what was upgraded, and where it is kept as it was."""
+    """Open the store, create or upgrade it if needed; print the upgrade and the path of the copy made before."""
     from mcml_service.actions.keeping.keep_store import upgrade
 
     database = find_database(settings)
@@ -77,7 +77,7 @@ def upgrade_database(settings: Settings) -> Database:
 
 
 def open_client(database: str | None, server: str | None) -> Client:
-    """What a command works on: a store here, or a server."""
+    """Return the client of a command: a local store, or a server."""
     settings = choose_settings(database)
     if server is None:
         from mcml_service.local_store import Local
@@ -96,7 +96,7 @@ def open_client(database: str | None, server: str | None) -> Client:
 
 
 def write_to_the_end() -> None:
-    """Let this command go on, though whoever reads what it prints leaves: it writes more than what it says of it."""
+    """Let this command continue if the reader of its output ends: it also writes other data."""
     sys.stdout = _Unheard(sys.stdout)
 
 
@@ -118,12 +118,12 @@ class _Unheard:
         try:
             self._out.flush()
         except BrokenPipeError:
-            # What is still buffered would fail again when Python ends.
+            # Buffered output would fail again when Python ends.
             os.dup2(os.open(os.devnull, os.O_WRONLY), self._out.fileno())
 
 
 def match_of(revision: int | None) -> str:
-    """For which revision a change is made: for one, or for whatever is current."""
+    """Return the `If-Match` of a change: a given revision, or the current one."""
     return "*" if revision is None else f'"{revision}"'
 
 

@@ -105,7 +105,7 @@ def print_items(answer: Any) -> None:
 
 
 def _columns(answer: Any) -> dict[str, str]:
-    """All plain fields of what is listed."""
+    """Return all plain fields of the listed items."""
     first = next(iter(answer.items), None)
     if not isinstance(first, BaseModel):
         return {}

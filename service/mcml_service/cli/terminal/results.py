@@ -19,7 +19,7 @@ MOST_SHOWN = 12
 
 
 def show_result(found: Result) -> None:
-    """A result with its parts and what their summaries say."""
+    """Print a result with its parts and their summaries."""
     console.print(
         Text.assemble(
             (found.name, "bold"),
@@ -33,7 +33,7 @@ def show_result(found: Result) -> None:
 
 
 def show_job(job: Job) -> None:
-    """How far a job is, and what came of it."""
+    """Print the progress and the outcome of a job."""
     console.print(f"{job.state:<9} {job.name}  {job.id}  {job.share:.0%} {job.stage}")
     if job.left_out:
         console.print(f"          without {job.left_out} clips that an analysis made (--include-made)")
@@ -86,7 +86,7 @@ def _plain(value: Any) -> str:
 
 
 def _gist(part: PartSummary) -> str:
-    """What a part says, in a line: its plain numbers and texts, and the sizes of the rest."""
+    """Summarise a part in one line: its plain numbers and texts, and the sizes of other values."""
     words = []
     for key, value in part.data.items():
         words.append(f"{key}: {len(value)}" if isinstance(value, list | dict) else f"{key} {_plain(value)}")

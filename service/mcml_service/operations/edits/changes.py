@@ -1,4 +1,4 @@
-"""All changes of a draft as one revision: tried, merged with what others did meanwhile, made."""
+"""Save all changes of a draft as one revision: test them, merge them with changes by others, and write them."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class _UndoneError(Exception):
 
 @dataclass
 class _Wanted:
-    """A request as the store takes it, and what of it could not even be read."""
+    """A decoded request, and its unreadable parts."""
 
     elements: list[tuple[int, list[ElementEdit]]] = field(default_factory=list)
     frames: list[Values] = field(default_factory=list)
@@ -69,8 +69,8 @@ def make_changes(
     dry_run: Annotated[bool, Field(description="Report all errors and conflicts without changing anything")] = False,
     if_match: IfMatch = None,
 ) -> ChangesMade:
-    """All, or nothing. Values come first, then labels, then elements, then facts. A conflict says what was, what is and
-    what was wanted (`details.conflicts`), and `details.mergeable` what could be carried over.
+    """All, or nothing. Values come first, then labels, then elements, then facts. A conflict has the old, the current
+    and the requested value (`details.conflicts`); `details.mergeable` lists the other changes.
     """
     edit = Edit(merge=merge, if_match=if_match)
     wanted = _read(call, id, changes, edit.base, tell=dry_run)

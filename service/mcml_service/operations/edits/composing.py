@@ -33,9 +33,9 @@ def split_document(call: Call, id: DocumentId, request: SplitRequest) -> SplitPa
 
 
 def retarget(call: Call, id: DocumentId, request: RetargetRequest, shown: Shown) -> Retargeted:
-    """Joints are matched by their MCML names, or as `mapping` says; bones point as they did, the way through the room
-    is scaled by the length of the legs. The answer says what was matched, how far bones point elsewhere, and how feet
-    slide. With `preview` nothing is stored.
+    """Joints are matched by their MCML names, or as `mapping` says; bones keep their directions, the travel of the body
+    is scaled by the length of the legs. The answer has the matched joints, the errors of directions, and the sliding of
+    feet. With `preview` nothing is stored.
     """
     made = retarget_motion.retarget_motion(call.database, call.settings, id, request, call.author, shown.window)
     call.makes(made.document)
@@ -47,8 +47,8 @@ def retarget(call: Call, id: DocumentId, request: RetargetRequest, shown: Shown)
     {"application/x-ndjson": orjson.dumps(example_of(RetargetedOne)).decode() + "\n"},
 )
 def retarget_many(call: Call, request: RetargetMany) -> Content:
-    """The answer is a line a document, as soon as it is done: what was made, or the problem that kept it from being
-    made. Who leaves stops the work; documents that are done stay. With `preview` nothing is stored.
+    """The answer has one line for each document, sent as soon as it is done: the new document, or the problem. If the
+    client disconnects, the work stops; finished documents stay. With `preview` nothing is stored.
     """
     made = retarget_motion.retarget_many(call.database, call.queries, call.settings, request, call.author)
 

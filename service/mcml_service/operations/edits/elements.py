@@ -43,7 +43,9 @@ MOST_ELEMENTS = 10_000
 _ADDRESS = re.compile(
     r"/mcml/motion/frame\[[1-9]\d{0,8}\](?:/@id|/(?:frame_bone|motion_name)\[[1-9]\d{0,8}\](?:/@\w+)?)?"
 )
-"""What can select but one node, and says which: nobody needs to be asked. Whether it is there, the edit finds out."""
+"""An expression that can select only one node, and is its address: it needs no query. The edit checks that the node
+exists.
+"""
 
 One = Annotated[
     str,
@@ -60,7 +62,7 @@ Fragment = Annotated[
 
 @dataclass(frozen=True)
 class Edit:
-    """For which revision an edit is made, and what it may do."""
+    """The revision and the options of an edit."""
 
     merge: Annotated[
         bool,
@@ -129,7 +131,7 @@ def list_children(
 def change_element(
     call: Call, id: DocumentId, xpath: One, change: ElementChange, edit: Edit, many: Many = False
 ) -> ElementEdited:
-    """Only what is touched is written; the rest of the document stays."""
+    """Only the changed part is written; the rest of the document does not change."""
     new = Change(change.attributes, change.text)
     targets = _addresses(call, id, xpath, many, edit.base)
     return _edit(call, id, edit, [ElementEdit(address, new) for address in targets], change.message)
@@ -213,7 +215,7 @@ def make_edits(
 
 
 def _addresses(call: Call, uuid: str, xpath: str, many: bool, revision: int | None = None) -> list[str]:
-    """The canonical addresses of what an expression selects: one node, or several."""
+    """Return the canonical addresses of the nodes that an expression selects: one node, or several."""
     if _ADDRESS.fullmatch(xpath):
         return [xpath]
     # Imported here: an address alone needs no engine.

@@ -306,10 +306,10 @@ def put_frames(
     channel: Annotated[list[str] | None, Field(description="Channels of every `bone`", examples=[["Rx"]])] = None,
     if_match: IfMatch = None,
 ) -> FramesEdited:
-    """Only what changes is written.
+    """Only changed tracks are written.
 
     Columns are named by `column`, or by `bone` and `channel`, which may be repeated: all channels of the first bone,
-    then those of the next. JSON is `{columns, values}`, or a list of numbers or rows where the query names the columns.
+    then those of the next. JSON is `{columns, values}`, or a list of numbers or rows if the query names the columns.
     """
     stated = [*(column or []), *(f"{joint}.{other}" for joint in bone or [] for other in channel or [])]
     plain = call.media_type in ("", "application/json") and not content.startswith(b"\x93NUMPY")

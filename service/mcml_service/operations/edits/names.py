@@ -1,4 +1,4 @@
-"""Names of joints: what a project calls them, mappings between rigs, and documents that get the present names."""
+"""Names of joints: aliases of a project, mappings between rigs, and renaming joints of existing documents."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def save_mapping(
 
 
 def delete_mapping(call: Call, name: MappingName, project: Keeper = "default", if_match: IfMatch = None) -> None:
-    """What was made with it stays."""
+    """Documents made with it stay."""
     with call.database.write(call.author) as tx:
         tx.order()
         stored = tx.mappings.get(project, name)

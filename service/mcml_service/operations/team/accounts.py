@@ -45,7 +45,7 @@ Number = Annotated[int, Field(ge=1, le=MOST, description="Number of the invitati
 
 
 def get_account(call: Call) -> Me:
-    """Who has no account has a token, or is on the server's own machine."""
+    """Users without an account have a token, or are on the server's own machine."""
     role: Any = None
     with call.database.read() as tx:
         if call.account is not None:
@@ -63,8 +63,8 @@ def list_accounts(call: Call) -> AccountList:
 
 
 def add_owner(call: Call, request: OwnerRequest) -> AccountView:
-    """Whoever keeps the server makes it, as long as nobody owns the repository: from then on it needs an account or a
-    token. Owners invite everybody else.
+    """The administrator of the server creates it while the repository has no owner. From then on requests need an
+    account or a token. Owners invite everybody else.
     """
     # Imported here: other operations hash nothing.
     from mcml_service.passwords import check_name, hash_password
@@ -111,8 +111,8 @@ def change_password(call: Call, change: PasswordChange) -> None:
 
 
 def invite(call: Call, request: InvitationRequest) -> InvitationMade:
-    """Its link is for one person, who chooses a name and a password there. It is shown this once. Owners of a project
-    invite into it: who comes so sees nothing else.
+    """The link is for one person: choose a name and a password there. It is shown only once. Owners of a project can
+    invite to that project; new members see no other project.
     """
     if request.project is not None and request.role == "member":
         raise RequestError("In a project one is a reader, an editor or an owner.", remedy="Name one of these roles.")
@@ -123,7 +123,7 @@ def invite(call: Call, request: InvitationRequest) -> InvitationMade:
 
 
 def list_invitations(call: Call) -> InvitationList:
-    """Those that can be accepted still; of who owns projects alone, those into them."""
+    """Lists invitations that can still be accepted. Owners of single projects see those for their projects."""
     with call.database.read() as tx:
         invitations: list[Any] = tx.accounts.invitations()
     return InvitationList(items=[InvitationView(**vars(invitation)) for invitation in invitations])
@@ -136,15 +136,15 @@ def revoke_invitation(call: Call, number: Number) -> None:
 
 
 def list_tokens(call: Call) -> TokenList:
-    """One's own; of who keeps the server running all. The tokens themselves are kept nowhere."""
+    """Lists your own tokens; users with the right `operate` see all. The tokens themselves are not stored."""
     with call.database.read() as tx:
         tokens: list[Any] = [token for token in tx.tokens.all() if _sees(call, token.account)]
     return TokenList(items=[TokenView(**vars(token)) for token in tokens])
 
 
 def add_token(call: Call, request: TokenRequest) -> TokenMade:
-    """It belongs to the account that makes it: it may do no more, and ends with it. It is shown this once. The first
-    token closes the repository to who has none, so an owner's account comes first.
+    """The token belongs to the account that creates it, never has more rights, and ends with it. It is shown only once.
+    The first token ends anonymous access, so create an owner's account first.
     """
     if SCOPES.index(request.scope) > SCOPES.index(call.scope):
         raise AccessError(
@@ -159,7 +159,7 @@ def add_token(call: Call, request: TokenRequest) -> TokenMade:
         owner = None if call.account is None else tx.accounts.get(call.account)
         projects = [tx.projects.get(name) for name in dict.fromkeys(request.projects)]
         if call.view.limited and not projects:
-            # What a token of some projects makes opens no others.
+            # A token of some projects cannot create tokens for others.
             projects = sorted(call.view.readable)
         secret = tx.tokens.add(request.name, expires, scope=request.scope, owner=owner, projects=projects)
         return TokenMade(name=request.name, token=secret)

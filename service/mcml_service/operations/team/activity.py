@@ -1,4 +1,4 @@
-"""What was done in the repository, by whom and when."""
+"""The activity log of the repository."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ def list_activity(
         ),
     ] = None,
 ) -> ActivityPage:
-    """In projects that one sees; what concerns accounts and tokens is for owners of the repository. Events are kept for
-    so many days as the server's settings say.
+    """Lists events in projects that you can see. Events of accounts and tokens are visible to owners of the repository.
+    The server's settings limit the days for which events are kept.
     """
     before = page.after(int)
     wanted = EventFilter(project, document, author, kind, since)

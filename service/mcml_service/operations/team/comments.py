@@ -28,8 +28,9 @@ def list_comments(call: Call, id: DocumentId, page: Page) -> CommentPage:
 
 
 def add_comment(call: Call, id: DocumentId, comment: CommentRequest) -> CommentView:
-    """Whoever sees the document may comment on it; who came by a link may not. @name mentions somebody
-    of the project."""
+    """Everybody with access to the document may comment on it, except visitors with a share link. @name mentions a
+    person of the project.
+    """
     with call.database.write(call.author) as tx:
         stored = tx.documents.get(id)
         then, looked_at = at_revision(tx, id, comment.revision)
@@ -50,12 +51,12 @@ def change_comment(call: Call, id: DocumentId, comment: CommentId, change: Comme
 
 
 def resolve_comment(call: Call, id: DocumentId, comment: CommentId) -> CommentView:
-    """Its author may, and who may change the document."""
+    """Allowed for its author and for editors of the document."""
     return _resolve(call, id, comment, resolved=True)
 
 
 def reopen_comment(call: Call, id: DocumentId, comment: CommentId) -> CommentView:
-    """Its author may, and who may change the document."""
+    """Allowed for its author and for editors of the document."""
     return _resolve(call, id, comment, resolved=False)
 
 

@@ -1,5 +1,6 @@
-"""Who is at a document now: people with an account. Whoever comes without one, or by a token of nobody's, is not told
-of."""
+"""Presence: people with an account who view or edit a document now. Visitors without an account, and tokens without
+a person, are not listed.
+"""
 
 from __future__ import annotations
 

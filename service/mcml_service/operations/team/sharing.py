@@ -24,8 +24,8 @@ def list_shares(call: Call, project: InProject = None) -> ShareList:
 
 
 def add_share(call: Call, request: ShareRequest) -> ShareMade:
-    """Who has it sees these documents moving, reads their frames, and exports them in the formats that are named; no
-    lists, questions, history or files as they were uploaded. It is shown this once.
+    """Visitors with the link can play these documents, read their frames, and export them in the allowed formats. They
+    cannot see lists, history or uploaded files, or run queries. The link is shown only once.
     """
     for name in request.formats:
         find_target(name)
@@ -38,7 +38,7 @@ def add_share(call: Call, request: ShareRequest) -> ShareMade:
 
 
 def revoke_share(call: Call, number: Number) -> None:
-    """Who came by it sees nothing from then on."""
+    """Visitors with the link lose access at once."""
     with call.database.write(call.author) as tx:
         tx.shares.remove(number)
 

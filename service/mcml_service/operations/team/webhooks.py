@@ -1,4 +1,4 @@
-"""Webhooks: addresses that a server tells of events, and the log of what it sent."""
+"""Webhooks, which send events to other programs, and the log of sent messages."""
 
 from __future__ import annotations
 
