@@ -9,8 +9,9 @@ import numpy as np
 
 
 class Frames(np.ndarray):
-    """An array of frames: (frames, columns) of channels, or (frames, bones, 3 or 4) of positions or rotations. columns:
-    labels of the second axis: BONE.CHANNEL, or bones. times: (frames,) seconds from the first frame, NaN where
+    """An array of frames: (frames, columns) of channels, or (frames, bones, 3 or 4) of positions or rotations.
+
+    columns: labels of the second axis: BONE.CHANNEL, or bones. times: (frames,) seconds from the first frame, NaN where
     the rate is unknown. ids: of the frames. units: of the columns, for quantities of the body; "" for channels. Results
     of NumPy functions are plain arrays without these attributes.
     """

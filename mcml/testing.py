@@ -64,8 +64,9 @@ def check_block(block: FrameBlock) -> None:
 
 
 class FormatContract:
-    """The contract of a format. name: of the format in the catalogue. samples: small files, by their feature; each
-    must be readable.
+    """The contract of a format.
+
+    name: of the format in the catalogue. samples: small files, by their feature; each must be readable.
     """
 
     name: str

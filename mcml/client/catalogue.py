@@ -17,8 +17,10 @@ PATH = Path(__file__).with_name("operations.json")
 
 @dataclass(frozen=True)
 class Argument:
-    """wire: its name in requests. place: "path", "query", "header", "body" (JSON), "form", "file" or "content" (bytes
-    that are the body, of one of the media types).
+    """wire: its name in requests.
+
+    place: "path", "query", "header", "body" (JSON), "form", "file" or "content" (bytes that are the body, of one of the
+    media types).
     """
 
     wire: str

@@ -83,8 +83,9 @@ def _is_json(answer: httpx.Response, operation: Operation) -> bool:
 
 
 def _is_busy(answer: httpx.Response) -> bool:
-    """Tell whether the server did nothing of a request and it can be repeated. An unreachable store, for example, is
-    reported at once.
+    """Tell whether the server did nothing of a request and it can be repeated.
+
+    An unreachable store, for example, is reported at once.
     """
     return b"#busy-error" in answer.content or b"#share-error" in answer.content
 

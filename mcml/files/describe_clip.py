@@ -64,8 +64,9 @@ def up_facts(head: ClipHead, extent: Array) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class SkeletonFacts:
-    """The facts about a skeleton in a receipt. extent: of its rest pose along X, Y, Z. orders: number of joints for
-    each rotation order.
+    """The facts about a skeleton in a receipt.
+
+    extent: of its rest pose along X, Y, Z. orders: number of joints for each rotation order.
     """
 
     extent: Array

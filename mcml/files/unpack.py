@@ -74,8 +74,9 @@ class _Budget:
 def unpacked(
     files: list[SourceFile], limits: FileLimits, stack: ExitStack, problems: list[tuple[str, McmlError]]
 ) -> Iterator[SourceFile]:
-    """The files, and those in archives among them. problems: receives (file name, error) for files that cannot be
-    unpacked.
+    """The files, and those in archives among them.
+
+    problems: receives (file name, error) for files that cannot be unpacked.
     """
     budget = _Budget(limits)
     for file in files:

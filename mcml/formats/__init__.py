@@ -1,5 +1,6 @@
-"""Motion files to clips and back. `FORMATS` is the catalogue of readers, `WRITERS` of writers. `find_format` recognises
-the format of a file.
+"""Motion files to clips and back.
+
+`FORMATS` is the catalogue of readers, `WRITERS` of writers. `find_format` recognises the format of a file.
 """
 
 from __future__ import annotations

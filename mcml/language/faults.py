@@ -31,8 +31,9 @@ def read_frames(head: Element, frames: Sequence[Element]) -> list[FrameBlock]:
 
 
 def all_faults(head: Element, frames: Sequence[Element], at: int, first: DocumentError) -> DocumentError:
-    """Return the error for frames that are inserted at position `at`: each fault with its address, in order. first: the
-    error without addresses; it is used if no part of a frame has a fault.
+    """Return the error for frames that are inserted at position `at`: each fault with its address, in order.
+
+    first: the error without addresses; it is used if no part of a frame has a fault.
     """
     found: list[tuple[str, str]] = []
     for number, frame in enumerate(frames):

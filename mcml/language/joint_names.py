@@ -57,8 +57,10 @@ _FOREIGN = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class SureName:
-    """A joint with a recognised name. source: its own name. name: MCML's. confidence: 0 to 1. how: the evidence:
-    "word", "tree", "rest pose", or "alias" for a project's own.
+    """A joint with a recognised name.
+
+    source: its own name. name: MCML's. confidence: 0 to 1. how: the evidence: "word", "tree", "rest pose", or "alias"
+    for a project's own.
     """
 
     source: str
@@ -69,10 +71,11 @@ class SureName:
 
 @dataclass(frozen=True, slots=True)
 class NamingReport:
-    """The result of naming, for the receipt. kind: kind of the joints: PERSON, PART, NOBODY or UNKNOWN
-    (`mcml.motion.rigs.recognise`), MCML or MARKERS.
-    named: joints with a name of MCML's. unmapped: (source name, kept name, reason). refused: reason why it is not a
-    person. told: sentences about missing joints, doubts and contradictions. landmarks: of markers, by their own names.
+    """The result of naming, for the receipt.
+
+    kind: kind of the joints: PERSON, PART, NOBODY or UNKNOWN (`mcml.motion.rigs.recognise`), MCML or MARKERS. named:
+    joints with a name of MCML's. unmapped: (source name, kept name, reason). refused: reason why it is not a person.
+    told: sentences about missing joints, doubts and contradictions. landmarks: of markers, by their own names.
     """
 
     kind: str

@@ -37,9 +37,10 @@ _ROOT = re.compile(rb"<[A-Za-z_:\x80-\xff]")
 
 
 def utf8_chunks(stream: BinaryIO, max_bytes: int, encoding: str | None = None) -> Iterator[bytes]:
-    """Yield the document from the stream's position on, as UTF-8 without BOM and without the allowed DOCTYPE. encoding:
-    the encoding stated by the upload, for a document that does not state it. Lines stay where they are. Raises
-    LimitError beyond max_bytes, DocumentError if the bytes are not in the stated encoding.
+    """Yield the document from the stream's position on, as UTF-8 without BOM and without the allowed DOCTYPE.
+
+    encoding: the encoding stated by the upload, for a document that does not state it. Lines stay where they are.
+    Raises LimitError beyond max_bytes, DocumentError if the bytes are not in the stated encoding.
     """
     chunks = _limited(stream, max_bytes)
     head = b""

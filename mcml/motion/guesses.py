@@ -1,5 +1,6 @@
-"""Guess the unit or the up axis of a clip that does not state them. Guesses are reported, but never written to
-files.
+"""Guess the unit or the up axis of a clip that does not state them.
+
+Guesses are reported, but never written to files.
 """
 
 from __future__ import annotations
@@ -67,8 +68,9 @@ _CLEAR = 1.5
 
 @dataclass(frozen=True)
 class LikelyUp:
-    """axis: "X", "Y", "Z", or with a minus. why: the reason, as text. sure: whether the evidence is more than the
-    shape.
+    """axis: "X", "Y", "Z", or with a minus.
+
+    why: the reason, as text. sure: whether the evidence is more than the shape.
     """
 
     axis: str

@@ -33,9 +33,11 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class Known:
-    """Existing values that need not be computed. values: (n, D) in the skeleton's columns. holds: (n, J) where they
-    are valid for a joint: its channels are copied bit by bit. near: whether they are a guess elsewhere: the angles
-    of each frame are then the nearest to it; else angles continue from the previous frame.
+    """Existing values that need not be computed.
+
+    values: (n, D) in the skeleton's columns. holds: (n, J) where they are valid for a joint: its channels are copied
+    bit by bit. near: whether they are a guess elsewhere: the angles of each frame are then the nearest to it; else
+    angles continue from the previous frame.
     """
 
     values: Array

@@ -172,8 +172,10 @@ class Skeleton:
 
 
 def once_a_skeleton(function: Callable[Concatenate[Skeleton, P], Found]) -> Callable[Concatenate[Skeleton, P], Found]:
-    """Cache the results of a function of a skeleton and of hashable values with the skeleton. Clips of one session
-    share a skeleton, and computing these facts takes longer than reading a short clip. Treat results as read-only.
+    """Cache the results of a function of a skeleton and of hashable values with the skeleton.
+
+    Clips of one session share a skeleton, and computing these facts takes longer than reading a short clip. Treat
+    results as read-only.
     """
 
     @wraps(function)

@@ -152,8 +152,10 @@ class ProjectList(BaseModel):
 
 
 class ProjectView(BaseModel):
-    """A project. archived: time since which it is read-only. documents: number of documents. bytes: of uploaded
-    files and media, including deleted documents. most_documents, most_bytes: quotas, none: no limit.
+    """A project.
+
+    archived: time since which it is read-only. documents: number of documents. bytes: of uploaded files and media,
+    including deleted documents. most_documents, most_bytes: quotas, none: no limit.
     """
 
     model_config = ConfigDict(json_schema_extra=shown(_PROJECT))

@@ -46,8 +46,9 @@ class FrameBlock(RequestBody):
 
 
 class ChangeSet(RequestBody):
-    """Changes of a document; everything refers to the document before the changes. labels: the complete new list; if
-    omitted, labels do not change.
+    """Changes of a document; everything refers to the document before the changes.
+
+    labels: the complete new list; if omitted, labels do not change.
     """
 
     model_config = ConfigDict(json_schema_extra=shown(_CHANGES))

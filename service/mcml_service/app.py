@@ -49,7 +49,7 @@ EXPOSED = [
 """Headers that pages of other origins may read."""
 
 AS_THEY_ARE = (*DEFAULT_EXCLUDED_CONTENT_TYPES, TYPES["block"])
-"""Media types that are not compressed. Numbers of a motion hardly shrink, and whoever plays it waits for them."""
+"""Media types that are not compressed. Numbers of a motion hardly compress, and playback waits for them."""
 
 DESCRIPTION = """
 Every motion-capture clip in one open XML language, stored element by element, searched with XPath.
@@ -66,11 +66,11 @@ def create_app(
     *,
     ready: bool = False,
 ) -> FastAPI:
-    """The service on a store whose schema is current.
+    """Create the service on a store with the current schema.
 
-    database: of whoever uses the service in its own process; default from the settings. secret: what is read each time
-    that it is asked for; who sends it from this machine may come in as the owner of the store. ready: start what
-    evaluates questions before the first one comes.
+    database: of a program that uses the service in its own process; default from the settings. secret: returns the
+    local secret; requests from this machine with it have the rights of an owner of the store. ready: start the
+    processes that evaluate queries before the first query.
     """
     read_names_in_forms()
     store = database or Database(settings.database_url, settings.database_read_url)
@@ -153,13 +153,16 @@ def create_app(
 
 @cache
 def _routes() -> list[BaseRoute]:
-    """All routes. They hold nothing of an application, and what FastAPI makes of them takes a fifth of a second."""
+    """Return all routes.
+
+    They contain no state of an application, and FastAPI takes a fifth of a second to make them.
+    """
     router = APIRouter(prefix=PREFIX, dependencies=[Depends(require_known_parameters)])
     add_routes(router, all_operations())
     for part in (events.router, sessions.router):
         router.include_router(part)
     pages = APIRouter()
-    # Pages and health checks are asked with what others append.
+    # Requests for pages and health checks may have unknown parameters.
     for part in (health.router, page.router, studio.router, sessions.pages, openid.router):
         pages.include_router(part)
     return [*router.routes, *pages.routes]

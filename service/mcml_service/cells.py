@@ -1,4 +1,4 @@
-"""Cells of CSV that spreadsheets open: what one would take for a formula is written with an apostrophe before it."""
+"""Cells of CSV for spreadsheets: text that looks like a formula gets a leading apostrophe."""
 
 from __future__ import annotations
 

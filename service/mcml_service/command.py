@@ -6,7 +6,7 @@ import sys
 
 
 def main() -> None:
-    """Run the command line, or say what to install."""
+    """Run the command line, or name the package to install."""
     try:
         from mcml_service.cli import main as run
     except ModuleNotFoundError as error:

@@ -1,4 +1,4 @@
-"""Operations on a store of this machine. Whoever may open the file may do everything."""
+"""Operations on a local store. Anybody who can open the file has all rights."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Passwords of accounts: Argon2 hashes, and what a password must be."""
+"""Passwords of accounts: Argon2 hashes, and rules for passwords."""
 
 from __future__ import annotations
 
@@ -13,8 +13,11 @@ from mcml.errors import RequestError
 from mcml_service.resources import common_passwords_path
 
 LEAST, MOST = 10, 256
-"""Characters of a password. Nothing else is asked of it but that it is none of those that are tried first: common ones,
-the owner's name, repetitions, and keys in a row (NIST SP 800-63B, 5.1.1.2)."""
+"""Limits of a password's length.
+
+The only other rule excludes passwords that attackers try first: common ones, the owner's name, repetitions, and
+keyboard rows (NIST SP 800-63B, 5.1.1.2).
+"""
 LEAST_OWN = 7
 """Characters, spaces aside, that are left of a password without its owner's name, repetitions and keys in a row."""
 _ROWS = (
@@ -39,7 +42,7 @@ def _hasher() -> PasswordHash:
 
 @cache
 def _nobodys() -> str:
-    """What passwords of names that are not there are compared with, so that they take as long."""
+    """Return the hash for comparing passwords of unknown names, so that they take as long."""
     return _hasher().hash("nobody has this password")
 
 
@@ -81,8 +84,9 @@ def hash_password(password: str, name: str) -> str:
 
 
 def own_characters(password: str, name: str) -> str:
-    """What is left of a password without spaces, its owner's name, rows of keys and repetitions; nothing of one that
-    repeats fewer than LEAST characters."""
+    """Return a password without spaces, its owner's name, keyboard rows and repetitions; empty if it repeats fewer
+    than LEAST characters.
+    """
     text = "".join(password.casefold().split())
     words = ["".join(name.casefold().split()), *name.casefold().split()]
     for word in words:

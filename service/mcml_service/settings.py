@@ -31,7 +31,7 @@ def data_folder() -> Path:
 
 
 def cache_folder() -> Path:
-    """The user's folder of what may be lost (XDG on Linux, the platform's own elsewhere)."""
+    """Return the user's cache folder (XDG on Linux, the platform's own elsewhere)."""
     if sys.platform == "darwin":
         return Path.home() / "Library" / "Caches" / "mcml"
     if sys.platform == "win32":
@@ -85,7 +85,7 @@ OTHERS = frozenset(
 
 
 def unknown_variables(names: Iterable[str]) -> list[str]:
-    """What is wrong with variables of the environment that look like settings and are none, each in a sentence."""
+    """Return a message for each environment variable that looks like a setting but is none."""
     known = [f"MCML_{name.upper()}" for name in Settings.model_fields]
     told = []
     for name in sorted(names):
@@ -203,7 +203,7 @@ class Settings(BaseSettings):
 
     @property
     def file_limits(self) -> FileLimits:
-        """Bounds of what is read of files."""
+        """Limits for reading files."""
         return FileLimits(
             size=self.max_upload_bytes,
             archive_files=self.max_zip_files,

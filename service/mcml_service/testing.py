@@ -1,4 +1,4 @@
-"""What every analysis and every store keeps: a subclass with samples gets all of it tested."""
+"""The contracts of analyses and stores: a subclass with samples tests all of it."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ _SAVED = select(saved.c.name, saved.c.author).order_by(saved.c.name)
 
 
 class StoreContract:
-    """What a store keeps, whatever kind of database it is in. A fixture `database` gives each test a new, empty one."""
+    """The contract of a store, for every kind of database. A fixture `database` gives each test a new, empty one."""
 
     def test_its_schema_is_the_program_s(self, database: Database) -> None:
         found, wanted = database.schema_versions()

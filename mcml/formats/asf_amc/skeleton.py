@@ -27,8 +27,9 @@ _BONE_FIELDS = frozenset({"id", "name", "direction", "length", "axis", "dof", "l
 
 @dataclass
 class AsfFile:
-    """The content of an ASF other than the skeleton. fields: as ClipHead.fields. keywords: section lines in their
-    order.
+    """The content of an ASF other than the skeleton.
+
+    fields: as ClipHead.fields. keywords: section lines in their order.
     """
 
     skeleton: Skeleton

@@ -68,9 +68,10 @@ class TranslationReading:
 
 
 def read_translations(skeleton: Skeleton, sample: Array) -> tuple[TranslationReading, ...]:
-    """Return the readings of all joints whose OFFSET and position channels are ambiguous, in any mode. skeleton: of the
-    convention LISTED; other conventions are never ambiguous. sample: (n, D) frames of the motion in the skeleton's
-    columns, spread over it; NaN where a sample is missing.
+    """Return the readings of all joints whose OFFSET and position channels are ambiguous, in any mode.
+
+    skeleton: of the convention LISTED; other conventions are never ambiguous. sample: (n, D) frames of the motion in
+    the skeleton's columns, spread over it; NaN where a sample is missing.
     """
     if not _choices(skeleton) or not len(sample):
         return ()

@@ -30,8 +30,9 @@ _AXES = {"Y": (0.0, 0.0, 0.0), "Z": (-0.5, 0.0, 0.0), "X": (0.0, 0.0, 0.5)}
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """The data of a scene. clip: the clip to write. rest: (J, 3) position of each joint in its parent at rest; all axes
-    are the world's.
+    """The data of a scene.
+
+    clip: the clip to write. rest: (J, 3) position of each joint in its parent at rest; all axes are the world's.
 
     metres: of a unit of length, up: "Y", "-Z" …; None if not stated. likely: metres of the unit in which the body has
     the size of a person, None if there is none. seconds: of a frame. moving, turning: (J,) joints that leave their
@@ -89,9 +90,10 @@ class Stage:
 
 
 def look_through(clip: ClipStream, title: str, taken_for: str) -> Stage:
-    """Collect the data of a scene in one pass over the frames. title: of the format. taken_for: the unit that readers
-    of the format assume. Raises ConversionError for numbers beyond single precision. Adds notices for a missing unit or
-    axis.
+    """Collect the data of a scene in one pass over the frames.
+
+    title: of the format. taken_for: the unit that readers of the format assume. Raises ConversionError for numbers
+    beyond single precision. Adds notices for a missing unit or axis.
     """
     clip = with_scale_factor(clip)
     head, notices = clip.head, clip.notices

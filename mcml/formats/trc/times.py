@@ -35,6 +35,7 @@ class Times:
 
 def decide_rate(times: Times, stated: str, usable: bool, notices: list[Notice]) -> str | None:
     """Return the frame rate in Hz as text: DataRate, or the rate of the times if they are even and differ from it.
+
     stated: DataRate as written. usable: whether it is a valid rate. Returns None if the rate is unknown.
     """
     rate = float(stated) if usable else None
@@ -71,6 +72,7 @@ def follows(seconds: Array, rate: float, allowed: float) -> bool:
 
 def even_rate(seconds: Array, allowed: float) -> str | None:
     """Return the rate with the fewest decimals that matches times (F,), each within `allowed`; None if they are uneven.
+
     At least three times are needed, because two are always even.
     """
     count = len(seconds)

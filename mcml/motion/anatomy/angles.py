@@ -1,8 +1,9 @@
-"""Speeds of the anatomical movements of each part of the body. A part rotates relative to its parent segment with
-angular velocity w. With d the direction of its bone, v = w x d is the velocity of the bone's end, w . d its rotation
-about itself. With l to the left, u up and f on (in the reference pose, rotated with the parent segment), a hanging limb
-that swings to f flexes, away from the body abducts, and one held out that swings to f about u adducts horizontally.
-Turning the front of a limb to the middle of the body is medial.
+"""Speeds of the anatomical movements of each part of the body.
+
+A part rotates relative to its parent segment with angular velocity w. With d the direction of its bone, v = w x d is
+the velocity of the bone's end, w . d its rotation about itself. With l to the left, u up and f on (in the reference
+pose, rotated with the parent segment), a hanging limb that swings to f flexes, away from the body abducts, and one held
+out that swings to f about u adducts horizontally. Turning the front of a limb to the middle of the body is medial.
 """
 
 from __future__ import annotations
@@ -38,8 +39,10 @@ class Rate:
 
 @dataclass(frozen=True)
 class _Moving:
-    """A part in motion. bone: (n, 3) unit vectors, spin: (n, 3) radians a second, both in the axes of the parent
-    segment; own: (n, 3) spin in its own axes.
+    """A part in motion.
+
+    bone: (n, 3) unit vectors, spin: (n, 3) radians a second, both in the axes of the parent segment; own: (n, 3) spin
+    in its own axes.
     """
 
     segment: Segment
@@ -229,6 +232,7 @@ _UNTWISTED = 1e-6
 
 def turned_angles(segment: Segment, stance: Stance, turns: Array) -> list[tuple[str, str, Array]]:
     """Return (movement, opposite, radians (n,)) by which a part is rotated from the reference pose, NaN where unknown.
+
     turns: (n, 4) of the part relative to its parent segment (`relative_turns`). For parts that twist, each rotation is
     split into a twist about the bone (of the trunk, neck and head about the vertical), within half a turn, and a swing
     after it, whose rotation vector has a component for each other movement. So a forearm pronated by 60 degrees gives

@@ -27,9 +27,10 @@ STANDS = 0.3
 
 @dataclass(frozen=True)
 class AnatomicalPart:
-    """A part of the body. name: in the vocabulary of motion names. kind: class of its movements, see
-    `anatomical_rates`. joints: MCML's names, nearest to the trunk first, `*` for the side; only those in the skeleton
-    are used.
+    """A part of the body.
+
+    name: in the vocabulary of motion names. kind: class of its movements, see `anatomical_rates`. joints: MCML's names,
+    nearest to the trunk first, `*` for the side; only those in the skeleton are used.
     """
 
     name: str

@@ -35,8 +35,9 @@ Measured: TypeAlias = Callable[[Stretch, str], Array]
 
 @dataclass(frozen=True)
 class Angle:
-    """An angle of a limb. needs: joints, `{side}` for the side, alternatives with `|`. sign: -1 for the opposite
-    movement.
+    """An angle of a limb.
+
+    needs: joints, `{side}` for the side, alternatives with `|`. sign: -1 for the opposite movement.
     """
 
     needs: tuple[str, ...]

@@ -41,12 +41,14 @@ SAMPLE = 20_000
 
 @dataclass(frozen=True, eq=False)
 class PoseIndex:
-    """An index of consecutive documents. frames: of each. lengths: frames of its segments, the last of which may have
-    fewer. ends: the index after its last segment. kind_of: the kind of its poses, by their joints. kinds: (k, 20) these
-    joints. means: (k, WIDTH), bases: (k, COMPONENTS, WIDTH): for computing components. points: (segments, COMPONENTS +
-    2) the components of each centre, the square of their length, and 1: the product with the vector of a pose is the
-    squared distance. radius, reach: (segments,) the greatest distance of a pose from the centre, and from its
-    projection on the components; infinite if unbounded.
+    """An index of consecutive documents.
+
+    frames: of each. lengths: frames of its segments, the last of which may have fewer. ends: the index after its last
+    segment. kind_of: the kind of its poses, by their joints. kinds: (k, 20) these joints. means: (k, WIDTH), bases: (k,
+    COMPONENTS, WIDTH): for computing components. points: (segments, COMPONENTS + 2) the components of each centre, the
+    square of their length, and 1: the product with the vector of a pose is the squared distance. radius, reach:
+    (segments,) the greatest distance of a pose from the centre, and from its projection on the components; infinite if
+    unbounded.
     """
 
     frames: Places

@@ -269,8 +269,9 @@ class AskedQuantity:
 
 
 def asked_quantity(text: str) -> AskedQuantity:
-    """Parse a quantity such as `speed:right_hand,Root`. Raises RequestError or VocabularyError for an unknown one,
-    with the valid names.
+    """Parse a quantity such as `speed:right_hand,Root`.
+
+    Raises RequestError or VocabularyError for an unknown one, with the valid names.
     """
     name, _, rest = text.partition(":")
     arguments = tuple(part.strip() for part in rest.split(",")) if rest else ()

@@ -1,4 +1,5 @@
 """Consecutive frames of a document, with cached values of the body that are needed often: vectors, sides, the trunk.
+
 The neighbours of a frame are those in the document, also if they come from different takes. Numbers are steps of the
 rounded positions until they become metres at the end.
 """

@@ -45,8 +45,9 @@ class PlannedJoint:
 
 @dataclass(frozen=True)
 class Plan:
-    """A plan of a conversion. joints: of the target in pre-order; skeleton: built from them; fields: header fields
-    for it.
+    """A plan of a conversion.
+
+    joints: of the target in pre-order; skeleton: built from them; fields: header fields for it.
     """
 
     joints: tuple[PlannedJoint, ...]

@@ -20,8 +20,10 @@ _LENGTHS = (*TRANSLATIONS, "residual")
 
 
 def scale(clip: ClipStream, factor: float, unit: str | None = None) -> ClipStream:
-    """Multiply every length of a clip. unit: the new unit, if the lengths are converted; else the size of the body
-    changes. Raises ConversionError for a factor that is not positive and finite.
+    """Multiply every length of a clip.
+
+    unit: the new unit, if the lengths are converted; else the size of the body changes. Raises ConversionError for a
+    factor that is not positive and finite.
     """
     if not (np.isfinite(factor) and factor > 0):
         raise ConversionError(f"{factor} is no factor of lengths", remedy="Give a positive number.")

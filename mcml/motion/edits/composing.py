@@ -64,8 +64,10 @@ class Seam:
 
 @dataclass(frozen=True)
 class Composed:
-    """The result of a composition. spans: (piece, first frame, last frame) in the result, from 0, of the part of
-    each piece outside transitions; omitted if empty.
+    """The result of a composition.
+
+    spans: (piece, first frame, last frame) in the result, from 0, of the part of each piece outside transitions;
+    omitted if empty.
     """
 
     block: FrameBlock

@@ -85,10 +85,11 @@ def placed(skeleton: Skeleton, poses: Poses, carriers: tuple[int, ...], placemen
 def going_on(
     skeleton: Skeleton, before: Poses, after: Poses, carriers: tuple[int, ...], up: Array, steps: float, points: bool
 ) -> Placement:
-    """Place a motion so that it continues from another's last frame, `steps` frames later. It has the facing of the
-    other: the rotation about `up` nearest to the one that takes one body to the other; for points (markers), the one
-    that brings the clouds nearest. Between the two frames the body moves with the mean of its two speeds. Heights do
-    not change.
+    """Place a motion so that it continues from another's last frame, `steps` frames later.
+
+    It has the facing of the other: the rotation about `up` nearest to the one that takes one body to the other; for
+    points (markers), the one that brings the clouds nearest. Between the two frames the body moves with the mean of its
+    two speeds. Heights do not change.
     """
     where, faces = _carried(skeleton, before.rows(max(len(before) - 2, 0), len(before)), carriers)
     start, faced = _carried(skeleton, after.rows(0, 2), carriers)

@@ -36,8 +36,10 @@ _MIDDLE: tuple[tuple[str, tuple[tuple[str, ...], ...]], ...] = (
 
 @dataclass(frozen=True, slots=True)
 class Centre:
-    """The centre of a joint. name: MCML's, after the prefix of a person if there are several. markers: indices of
-    the averaged markers. landmarks: their landmarks.
+    """The centre of a joint.
+
+    name: MCML's, after the prefix of a person if there are several. markers: indices of the averaged markers.
+    landmarks: their landmarks.
     """
 
     name: str

@@ -1,5 +1,6 @@
-"""Check landmarks by their positions: up is from the ankles to the pelvis, forward from its back to its front. Names
-are kept in any case: positions cannot distinguish a mirrored trial from exchanged names.
+"""Check landmarks by their positions: up is from the ankles to the pelvis, forward from its back to its front.
+
+Names are kept in any case: positions cannot distinguish a mirrored trial from exchanged names.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
-"""Recognise the landmark of each marker of a trial: by the set that explains most of its names, else by words. Values
-computed by a model (angles, forces, axes of segments) would hide the set and are excluded first. Markers of several
-people have several prefixes: each prefix is a separate body.
+"""Recognise the landmark of each marker of a trial: by the set that explains most of its names, else by words.
+
+Values computed by a model (angles, forces, axes of segments) would hide the set and are excluded first. Markers of
+several people have several prefixes: each prefix is a separate body.
 """
 
 from __future__ import annotations

@@ -46,6 +46,7 @@ _HEAD = struct.Struct("<3s5B3f")
 
 def busiest(moved: Array, spacing: float) -> tuple[float, float]:
     """Return (start, end) of the loop in seconds: the LOOP_SECONDS with the most movement, or all of a shorter clip.
+
     moved: (n, P, 3) positions, without the travel over the ground. spacing: seconds between them.
     """
     whole = (len(moved) - 1) * spacing

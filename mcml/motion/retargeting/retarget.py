@@ -1,8 +1,9 @@
-"""Retarget a motion to another skeleton. Every matched joint is rotated in the world like its source, Q_t = Q_s A_s^-1
-D A_t: A are the two at rest (or in poses that show the same), D takes the target's bones there to the source's, by
-their directions in the world. Where bones between matched joints bend that the target does not have, the remaining
-difference of directions is corrected by the shortest arc. The hips are at the source's position, times the ratio of the
-lengths of the legs.
+"""Retarget a motion to another skeleton.
+
+Every matched joint is rotated in the world like its source, Q_t = Q_s A_s^-1 D A_t: A are the two at rest (or in poses
+that show the same), D takes the target's bones there to the source's, by their directions in the world. Where bones
+between matched joints bend that the target does not have, the remaining difference of directions is corrected by the
+shortest arc. The hips are at the source's position, times the ratio of the lengths of the legs.
 """
 
 from __future__ import annotations
@@ -65,9 +66,9 @@ def retarget(
 
     matches: of `suggest_matches`, or changed. source_pose, target_pose: (J, 4) local rotations of the hub form that
     show the same body pose on both; the rest poses by default. clean: lock planted feet. scale: of positions, by
-    default from the legs. match_rest: joints rotate from rest as their sources do, whatever direction their bones have
-    at rest; else bones point as they do in the source. frame_time: seconds, up: "X", "Y" or "Z", for the feet. Both
-    have the same up axis. Raises ConversionError for a mapping that is empty, or names a joint twice or an unknown
+    default from the legs. match_rest: joints rotate from rest as their sources do, for any directions of their bones at
+    rest; else bones point as they do in the source. frame_time: seconds, up: "X", "Y" or "Z", for the feet. Both have
+    the same up axis. Raises ConversionError for a mapping that is empty, or names a joint twice or an unknown
     joint, and for impossible results: a rest pose without lengths, hips that point elsewhere (`checks`).
     """
     if not matches:

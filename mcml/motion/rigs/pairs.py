@@ -89,8 +89,9 @@ def _are_alike(tree: Tree, above: int, first: Sequence[int], second: Sequence[in
 
 
 def arms_and_legs(tree: Tree, pairs: Sequence[Pair], head_way: Sequence[int]) -> dict[str, Pair]:
-    """Return {"arm": a pair, "leg": a pair} of exactly two pairs; empty if they are not those of a person. head_way:
-    joints of the longest other chain below the upper pair's joint.
+    """Return {"arm": a pair, "leg": a pair} of exactly two pairs; empty if they are not those of a person.
+
+    head_way: joints of the longest other chain below the upper pair's joint.
     """
     if len(pairs) != 2:
         return {}

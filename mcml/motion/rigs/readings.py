@@ -50,14 +50,14 @@ _VERTEBRAE = {"l": (5, "spine"), "vl": (5, "spine"), "t": (12, "chest"), "vt": (
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """The meaning of the words of a name. side: "left", "right", "centre" or "". part: the part of a limb, "" for none;
-    limb: "arm", "leg" or "".
-    slots: slot of the limb → value. trunk: "head", "neck", "chest", "spine", "waist", "pelvis", "root", "nose" or "".
-    finger: 1 to 5 for a named finger, 0 for a numbered or unnumbered one, -1 for none. metacarpal: whether it is a
-    metacarpal. helper: whether it is not part of the body. end: whether it ends a chain. half: twist bones and similar.
-    weight: 0 to 1.
-    both_sides: its name says left and right. numbers: its digits. key: its words without the side, to find its mirror.
-    words: all words; parts: the parts that they name.
+    """The meaning of the words of a name.
+
+    side: "left", "right", "centre" or "". part: the part of a limb, "" for none; limb: "arm", "leg" or "". slots: slot
+    of the limb → value. trunk: "head", "neck", "chest", "spine", "waist", "pelvis", "root", "nose" or "". finger: 1 to
+    5 for a named finger, 0 for a numbered or unnumbered one, -1 for none. metacarpal: whether it is a metacarpal.
+    helper: whether it is not part of the body. end: whether it ends a chain. half: twist bones and similar. weight: 0
+    to 1. both_sides: its name says left and right. numbers: its digits. key: its words without the side, to find its
+    mirror. words: all words; parts: the parts that they name.
     """
 
     side: str = ""

@@ -40,9 +40,11 @@ class NamedJoint:
 
 @dataclass(frozen=True)
 class Recognition:
-    """The recognition of a rig. joints: joints with a name, in the order of the rig. verdict: PERSON, PART, NOBODY or
-    UNKNOWN; the latter two have no names. reason: why it is not a person. told: sentences for the receipt.
-    asks_for_frames: whether poses of the motion could help, because the rest pose is not a standing body.
+    """The recognition of a rig.
+
+    joints: joints with a name, in the order of the rig. verdict: PERSON, PART, NOBODY or UNKNOWN; the latter two have
+    no names. reason: why it is not a person. told: sentences for the receipt. asks_for_frames: whether poses of the
+    motion could help, because the rest pose is not a standing body.
     """
 
     joints: tuple[NamedJoint, ...]
@@ -174,8 +176,8 @@ def _find_trunk(rig: _Rig) -> None:
     inside = [False] * len(tree)
     for joint, parent in enumerate(tree.parents):
         inside[joint] = joint in tops or (parent >= 0 and inside[parent])
-    # Joints below a hand or foot never belong to the trunk, whatever their names; in a list without a tree there is no
-    # below.
+    # Joints below a hand or foot never belong to the trunk, regardless of their names; in a list without a tree there
+    # is no below.
     rig.trunk = find_trunk(tree, rig.readings, rig.limbs, rig.out.__getitem__, inside.__getitem__)
 
 

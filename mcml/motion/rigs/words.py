@@ -48,8 +48,10 @@ _LIMB_PARTS = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """A word of a name. parts: the parts that it names, empty for an unknown word. glued: whether it follows the
-    previous word without a gap. Digits are words too, and name nothing.
+    """A word of a name.
+
+    parts: the parts that it names, empty for an unknown word. glued: whether it follows the previous word without a
+    gap. Digits are words too, and name nothing.
     """
 
     text: str
@@ -177,8 +179,10 @@ def _join_words(
 
 
 def _split_sides(texts: Sequence[tuple[str, bool]], words: Vocabulary, flags: tuple[bool, bool, bool, bool]) -> Words:
-    """Split words into sides and parts. Single letters are interpreted by their neighbours: LU Arm is a left upper
-    arm, and if another word has the side, the l of `larm` means lower.
+    """Split words into sides and parts.
+
+    Single letters are interpreted by their neighbours: LU Arm is a left upper arm, and if another word has the side,
+    the l of `larm` means lower.
     """
     _, le_and_ri, lf_and_rt, upper_too = flags
     result: list[Word] = []

@@ -69,8 +69,9 @@ class RunTotals(BaseModel):
 
 
 class ValueItem(BaseModel):
-    """One of several values, such as those of distinct-values(). document, frame, time: of the node, if it is the
-    value of a node; time in seconds since frame 1.
+    """One of several values, such as those of distinct-values().
+
+    document, frame, time: of the node, if it is the value of a node; time in seconds since frame 1.
     """
 
     value: str | int | float | bool

@@ -126,8 +126,9 @@ class Colours(ColoursToSave):
 
 
 class VocabularyWord(RequestBody):
-    """A motion name that a project agrees on. description: its meaning in the project. colour: one of the studio's
-    eight colours.
+    """A motion name that a project agrees on.
+
+    description: its meaning in the project. colour: one of the studio's eight colours.
     """
 
     model_config = ConfigDict(json_schema_extra=shown(_WORDS["items"][0]))

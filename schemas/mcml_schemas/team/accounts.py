@@ -42,8 +42,10 @@ class Belonging(BaseModel):
 
 
 class Me(BaseModel):
-    """The current user. name: the name in revisions. role: None without an account. scope: the highest scope in any
-    project. projects: those with another role than in the repository; for a token of some projects, only these.
+    """The current user.
+
+    name: the name in revisions. role: None without an account. scope: the highest scope in any project. projects: those
+    with another role than in the repository; for a token of some projects, only these.
     """
 
     model_config = ConfigDict(json_schema_extra=shown(_ME))

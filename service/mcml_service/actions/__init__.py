@@ -1,1 +1,1 @@
-"""What a user does, one verb a file, one transaction each. Called by the API, the command line and jobs."""
+"""The actions of users, one verb in each file, one transaction each. Called by the API, the command line and jobs."""

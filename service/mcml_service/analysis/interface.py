@@ -1,6 +1,6 @@
-"""What an analysis gets and gives: motions in, parts of a result out. Knows neither HTTP nor SQL.
+"""The interface of analyses: motions in, parts of a result out.
 
-Frames are 0-based in arrays; whoever answers users adds one. Quaternions are x, y, z, w.
+Independent of HTTP and SQL. Frames are 0-based in arrays; answers to users add one. Quaternions are x, y, z, w.
 """
 
 from __future__ import annotations
@@ -105,8 +105,8 @@ class MadeClip:
 class Part:
     """One part of a result.
 
-    kind: how it is shown. data: plain JSON values, for people and programs; small. arrays: what is kept beside it in
-    full, by name; a client gets each as JSON or npy, operations get them as they are. clip: for kind "clip".
+    kind: its presentation. data: plain JSON values, for people and programs; small. arrays: large data, by name; a
+    client gets each as JSON or npy, operations get them unchanged. clip: for kind "clip".
     """
 
     kind: Kind
@@ -120,8 +120,9 @@ Parts = Mapping[str, Part]
 
 @dataclass(frozen=True)
 class Answer:
-    """What an operation on a result gives: a value, and perhaps a clip, and perhaps parts to keep as a result of their
-    own, which then has operations of the same analysis too."""
+    """The output of an operation on a result: a value, optionally a clip, and optionally parts to store as a
+    separate result, which then also has the operations of the same analysis.
+    """
 
     value: BaseModel
     clip: MadeClip | None = None
@@ -138,10 +139,10 @@ class PartInfo:
 
 @dataclass(frozen=True)
 class ResultUse:
-    """What can be done with a finished result in milliseconds, such as making a motion with a fitted model.
+    """A fast operation on a finished result (milliseconds), such as synthesising a motion with a fitted model.
 
-    parameters, answer: models of what comes in and goes out.
-    run: (what `Analysis.prepare` made of the result's parts, parameters) -> Answer; pure. Raises AnalysisError.
+    parameters, answer: models of input and output. run: (the output of `Analysis.prepare` for the result's parts,
+    parameters) -> Answer; pure. Raises AnalysisError.
     """
 
     description: str
@@ -154,7 +155,7 @@ class ResultUse:
 class Picture:
     """A picture of a finished result, for a page or a paper.
 
-    parts: what it is drawn of; those that a result lacks are left out, and without the first there is no picture.
+    parts: the drawn parts; missing parts are left out, and without the first there is no picture.
     draw: (parts, an empty figure of matplotlib) fills the figure. inches: width and height.
     """
 
@@ -169,19 +170,17 @@ class Analysis:
     """An entry of the catalogue.
 
     name: in addresses and on the command line. title, description: for people. parameters: the model whose fields,
-    limits and descriptions make the API's documentation and forms. fewest, most: clips it takes.
+    limits and descriptions make the API's documentation and forms. fewest, most: limits of the number of clips.
     parts: by name, those a result may have. operations: by name.
     run: (motions sorted by document id, parameters, progress) -> parts. Raises AnalysisError. Deterministic.
-    prepare: (parts of a stored result) -> what its operations get as first argument, kept between calls.
-    proceed: (what is ready of a result, the parts that an operation on it kept) -> what is ready of those; shares
-    what is the same.
-    extend: (parts of a stored result, motions to add, parameters, progress) -> parts of a new one; None where a result
-    cannot grow.
-    check: (parameters, ids of the documents) raises AnalysisError for what is wrong on sight, before there is a job.
+    prepare: (parts of a stored result) -> the first argument of its operations, cached between calls. proceed: (the
+    prepared result, the parts that an operation on it stored) -> the prepared result of those; shares common data.
+    extend: (parts of a stored result, motions to add, parameters, progress) -> parts of a new one; None if a result
+    cannot be extended. check: (parameters, ids of the documents) raises AnalysisError for obvious errors, before there
+    is a job.
     rules: the versions of its rules, by name, which results record: a rule whose results change gets a new one.
-    spreads: whether it does pieces of its work by `pieces.each` and `pieces.spread_of`, so that several workers can.
-    pictures: by name, the first is the one that is meant where none is named. Where there are none, each part is drawn
-    as its kind says.
+    spreads: whether it splits its work with `pieces.each` and `pieces.spread_of`, so that several workers can share it.
+    pictures: by name, the first is the default. Without pictures, each part is drawn by its kind.
     """
 
     name: str

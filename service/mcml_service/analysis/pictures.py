@@ -1,6 +1,6 @@
-"""Drawing results with matplotlib: inks and manners that all pictures share, and a part drawn as its kind says.
+"""Draw results with matplotlib: shared colours and styles, and drawing a part by its kind.
 
-Figures and axes come from whoever saves them (`actions.analysing.draw_result`); nothing here opens a window.
+The caller (`actions.analysing.draw_result`) provides figures and axes; nothing here opens a window.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def axis_words(about: Mapping[str, Any] | None) -> str:
 
 
 def say_more(axes: Axes, what: str) -> None:
-    """Words below a picture for what it leaves out."""
+    """Add text below a picture about omitted data."""
     axes.annotate(
         what, (1, 0), (0, -28), "axes fraction", "offset points", ha="right", va="top", fontsize=7, color=QUIET
     )

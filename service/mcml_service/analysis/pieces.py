@@ -10,10 +10,10 @@ from mcml_service.analysis.interface import Motion
 
 
 class Spread(Protocol):
-    """Does pieces of work, and gives what comes of them in their order.
+    """Runs pieces of work, and yields their results in order.
 
-    function: of a module, (piece, *shared) -> value; pure. shared: what all pieces need, such as large arrays.
-    told: called with the share of the pieces that are done. Raises what a piece raises.
+    function: of a module, (piece, *shared) -> value; pure. shared: data for all pieces, such as large arrays. told:
+    called with the share of finished pieces. Raises the errors of pieces.
     """
 
     def __call__(
@@ -64,7 +64,9 @@ def each(
     shared: Sequence[Any] = (),
     told: Callable[[float], None] = lambda share: None,
 ) -> list[Any]:
-    """What a function of a module, (motion, *shared) -> value, gives for each clip, in the order of document ids."""
+    """Return the values of a module's function, (motion, *shared) -> value, for each clip, in the order of document
+    ids.
+    """
     if isinstance(motions, ApartMotions):
         return motions.each(function, shared, told)
     return spread_here(function, sorted(motions, key=lambda motion: motion.document), shared, told)

@@ -162,8 +162,10 @@ def give_memory_back() -> None:
 
 
 def share_heaps() -> None:
-    """Make threads share heaps. Call this before any thread starts: otherwise each thread keeps freed memory in its
-    own heap while others request more from the system.
+    """Make threads share heaps.
+
+    Call this before any thread starts: otherwise each thread keeps freed memory in its own heap while others request
+    more from the system.
     """
     option = _of_c("mallopt")
     if option is not None:

@@ -88,8 +88,9 @@ class Authentication:
             return False
 
     def refusal(self, scope: MutableMapping[str, Any], headers: Headers) -> Any:
-        """Return the answer to a request without a required token, or None. May wait for the store. Stores the identity
-        of the request in `scope["mcml.entry"]` (`storage.accounts.Entry`).
+        """Return the answer to a request without a required token, or None.
+
+        May wait for the store. Stores the identity of the request in `scope["mcml.entry"]` (`storage.accounts.Entry`).
         """
         direct = _is_direct(scope, headers)
         kind, _, given = headers.get("authorization", "").partition(" ")

@@ -1,5 +1,6 @@
-"""Limits of time and number for connections: clients that send or read almost nothing do not block others. uvicorn
-itself closes only connections that are idle between two requests.
+"""Limits of time and number for connections: clients that send or read almost nothing do not block others.
+
+uvicorn itself closes only connections that are idle between two requests.
 """
 
 from __future__ import annotations

@@ -1,5 +1,6 @@
-"""Live events: the progress of a job, and all changes in the store. Written by hand: a stream waits between events, so
-it is async, unlike operations.
+"""Live events: the progress of a job, and all changes in the store.
+
+Written by hand: a stream waits between events, so it is async, unlike operations.
 """
 
 from __future__ import annotations

@@ -87,8 +87,10 @@ def _describe(record: logging.LogRecord) -> dict[str, Any]:
 
 
 class Faults(logging.StreamHandler[Any]):
-    """Logs a fault once, then counts it for a while. Otherwise a full disk, or a lack of files, would fill the log.
-    again: seconds after which it is logged again, with its count.
+    """Logs a fault once, then counts it for a while.
+
+    Otherwise a full disk, or a lack of files, would fill the log. again: seconds after which it is logged again, with
+    its count.
     """
 
     def __init__(self, stream: Any = None, again: float = AGAIN_SECONDS) -> None:

@@ -38,8 +38,9 @@ router = APIRouter(include_in_schema=False)
 
 
 class Flow(TypedDict):
-    """The state in the browser's cookie. then: path after the sign-in. invitation, link: codes that allow a new
-    account.
+    """The state in the browser's cookie.
+
+    then: path after the sign-in. invitation, link: codes that allow a new account.
     """
 
     state: str
@@ -153,8 +154,9 @@ def _person(database: Database, settings: Settings, claims: Claims, flow: Flow) 
 
 
 def _claims(settings: Settings, http: Request, code: str, flow: Flow) -> Claims:
-    """Return the person's identity from the provider (OpenID Connect Core 1.0, 3.1.3). Raises AccessError for
-    invalid signatures or claims.
+    """Return the person's identity from the provider (OpenID Connect Core 1.0, 3.1.3).
+
+    Raises AccessError for invalid signatures or claims.
     """
     from authlib.common.errors import AuthlibBaseError
     from joserfc import jwt

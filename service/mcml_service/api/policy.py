@@ -26,8 +26,10 @@ not ours to close."""
 def page_policy(
     styles: Sequence[str] = (), scripts: Sequence[str] = (), more: str = "", *, forms: bool = False
 ) -> dict[str, str]:
-    """Return the header of a page that may use only these inline texts, identified by their hashes. styles, scripts:
-    the exact text between the tags. more: further directives. forms: whether it submits forms to this server.
+    """Return the header of a page that may use only these inline texts, identified by their hashes.
+
+    styles, scripts: the exact text between the tags. more: further directives. forms: whether it submits forms to this
+    server.
     """
     own = [("style-src", styles), ("script-src", scripts)]
     listed = "; ".join(f"{name} {' '.join(map(_source, texts))}" for name, texts in own if texts)

@@ -198,8 +198,9 @@ def _follow_link(http: Request, link: str) -> str:
 
 
 def _open_session(http: Request, request: SessionRequest) -> tuple[str, str]:
-    """Return (author, secret of a new session). Raises AccessError for invalid credentials, AttemptsError for too
-    many attempts.
+    """Return (author, secret of a new session).
+
+    Raises AccessError for invalid credentials, AttemptsError for too many attempts.
     """
     database: Database = http.app.state.repository.database
     address, name = http.client.host if http.client else "", (request.name or "").strip()

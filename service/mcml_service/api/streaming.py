@@ -36,9 +36,11 @@ _HEADERS = {"total-count": "x-total-count"}
 def make_response(
     content: Content, headers: dict[str, str], held: ExitStack, http: Request, again: Again | None = None
 ) -> Response:
-    """Return content as a response. Its beginning is produced here: short content completely, long content far enough
-    to detect errors. held: resources that the content reads from; released when the answer is sent. again: gives the
-    same bytes from the beginning, if the replica that they are read from becomes unreachable.
+    """Return content as a response.
+
+    Its beginning is produced here: short content completely, long content far enough to detect errors. held: resources
+    that the content reads from; released when the answer is sent. again: gives the same bytes from the beginning, if
+    the replica that they are read from becomes unreachable.
     """
     headers |= {_HEADERS.get(name, f"x-mcml-{name}"): _latin(text) for name, text in content.facts.items()}
     if content.name is not None:
@@ -144,8 +146,9 @@ def pieces(content: Iterator[Bytes]) -> Generator[Bytes]:
 
 
 async def ahead(content: Generator[Bytes], first: Bytes = b"") -> AsyncIterator[Bytes]:
-    """Yield `first`, then each non-empty piece of a content; while one is sent, a thread makes the next. A reader that
-    stops must close this generator; it closes the content as soon as no thread uses it.
+    """Yield `first`, then each non-empty piece of a content; while one is sent, a thread makes the next.
+
+    A reader that stops must close this generator; it closes the content as soon as no thread uses it.
     """
 
     def end(made: asyncio.Future[Bytes]) -> None:

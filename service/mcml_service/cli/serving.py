@@ -34,9 +34,10 @@ from mcml_service.storage.lists.filtering import DocumentFilter
 OPEN = "Open to everything on this machine, a proxy included, until the first account or token is made"
 
 KEPT_SECONDS = 75
-"""Idle timeout of a connection. It is longer than that of proxies and clients (usually 60 s), because a request sent
-just as the server closes the connection gets no answer. If there are too many connections, the one idle longest is
-closed.
+"""Idle timeout of a connection.
+
+It is longer than that of proxies and clients (usually 60 s), because a request sent just as the server closes the
+connection gets no answer. If there are too many connections, the one idle longest is closed.
 """
 
 
@@ -99,7 +100,7 @@ def serve(
         workers=workers,
         host=settings.host,
         port=settings.port,
-        http=connections_of(settings),  # type: ignore[arg-type]  # whatever makes one
+        http=connections_of(settings),  # type: ignore[arg-type]  # any factory
         backlog=BACKLOG,
         log_config=None,
         access_log=False,

@@ -1,1 +1,1 @@
-"""Stored documents as clips, and what follows from them: bodies in space, and what is known of them."""
+"""Stored documents as clips, and derived data: bodies in space, and their calibration."""

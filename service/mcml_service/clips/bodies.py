@@ -1,4 +1,6 @@
-"""The body of a stored document in space: where its joints are in every frame, and what is known of the clip."""
+"""The body of a stored document in space: the positions of its joints in every frame, and the calibration of the
+clip.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,9 @@ LONG = 65_536
 MOST_LOOKED_AT = 8
 """Clips of a skeleton, where a reference pose is looked for."""
 MADE = 3
-"""Counts on when positions or calibrations come to be made in another way: what was kept before is derived again."""
+"""Version of bodies: increased when the computation of positions or calibrations changes, so that stored bodies are
+derived again.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +76,7 @@ class Body:
 
     @classmethod
     def restore(cls, stored: StoredBody) -> Body | None:
-        """What was kept; None where it was made in another way."""
+        """Restore a stored body; None if it has another version."""
         facts = stored.facts
         if facts["made"] != MADE:
             return None
@@ -156,7 +160,7 @@ class References:
 
 
 def read_bodies(tx: Transaction, documents: Sequence[Listed]) -> dict[int, Body]:
-    """By the keys of documents: what is kept of them, else worked out now."""
+    """Return bodies by the keys of documents: stored ones, others computed now."""
     restored = {key: Body.restore(stored) for key, stored in tx.bodies.of(documents).items()}
     sound = {key: body for key, body in restored.items() if body is not None}
     missing = [listed for listed in documents if listed.key not in sound]

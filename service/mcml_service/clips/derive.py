@@ -18,7 +18,7 @@ LOOKED_AT, TOGETHER = 512, 128
 """Documents of which it is asked at once whether they have a body, and whose bodies are derived and kept together."""
 
 Failed: TypeAlias = Callable[[Listed, Exception], None]
-"""Told of a document whose body cannot be worked out, and why; others go on."""
+"""Called with a document whose body cannot be computed, and the error; other documents continue."""
 
 
 def _refuse(_listed: Listed, error: Exception) -> None:
@@ -31,9 +31,9 @@ def derive_missing(
     failed: Failed = _refuse,
     only: Collection[str] | None = None,
 ) -> int:
-    """Keep the bodies of all documents that have none at their newest revision; answers how many.
+    """Derive and store the bodies of all documents that have none at their newest revision; return their number.
 
-    told: how many documents are done, and of how many; may raise to end it: what was done by then stays done. only:
+    told: called with the number of finished documents and the total; may raise to stop: finished bodies stay. only:
     documents with these ids.
     """
     with database.read() as tx:

@@ -21,7 +21,7 @@ Stage: TypeAlias = Literal["columns", "bodies"]
 log = logging.getLogger("mcml.derive")
 
 LOOK_SECONDS = 1.0
-"""How often it is looked for what came in, from other processes too."""
+"""Interval of checks for new documents, also from other processes."""
 QUIET_SECONDS = 0.5
 """After a commit, and how often it is asked meanwhile whether others are at work, a tenth of it."""
 PATIENCE_SECONDS = 10.0
@@ -61,7 +61,7 @@ class Deriver:
         self._thread.start()
 
     def stop(self) -> None:
-        """End after the bodies that are being worked out; what is missing then is derived by the next server."""
+        """Stop after the bodies in progress; the next server derives the missing ones."""
         self._stopping.set()
         if self._thread.is_alive():
             self._thread.join(timeout=10)

@@ -47,9 +47,9 @@ _LAG = 0.025
 
 @dataclass(frozen=True)
 class Truth:
-    """What is known of a clip. beats: (4n,) seconds from the first frame. bars: (n, 4) of them.
+    """The true beats and bars of a clip. beats: (4n,) seconds from the first frame. bars: (n, 4) of them.
 
-    period: seconds a beat, 60 / tempo. figures: (n,) which figure each bar is.
+    period: seconds a beat, 60 / tempo. figures: (n,) the figure of each bar.
     """
 
     style: Style

@@ -138,10 +138,10 @@ def reach_clips(
     noise: bool = True,
     deviations: float = 1.0,
 ) -> list[ReachClip]:
-    """185 clips of 41 people, or of as many as `young` and `old` have trials for each.
+    """Generate 185 clips of 41 people, or of people with the numbers of trials in `young` and `old`.
 
     fps: frames a second; the same seed gives the same movements at any rate. noise: of the measurement.
-    deviations: of people and trials from what their attributes say, as a share; 0: the law alone.
+    deviations: of people and trials from the values for their attributes, as a factor; 0: no deviations.
     """
     rng = np.random.default_rng(seed)
     drawn = _draw(rng, young, old, deviations)

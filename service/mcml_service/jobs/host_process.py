@@ -22,7 +22,7 @@ class Kept:
 
 
 class Started:
-    """What this process was started with, if it is a worker. running: the number of jobs on this host."""
+    """The start parameters of this process, if it is a worker. running: the number of jobs on this host."""
 
     running: Any = None
     kept: tuple[Any, ...] = ()
@@ -37,7 +37,7 @@ def start(memory: int, running: Any, kept: tuple[Any, ...]) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_with_starter()
     os.environ.update(ONE_THREAD)
-    # What every job needs is loaded before the memory of the jobs is counted.
+    # Modules for all jobs are loaded before the memory of the jobs is counted.
     import mcml_service.jobs.worker  # noqa: F401
 
     started.running, started.kept = running, kept

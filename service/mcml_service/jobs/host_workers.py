@@ -81,9 +81,9 @@ class HostWorkers(Workers):
         return worker.submit(call, function, args, kwargs), worker
 
     def _settle(self, future: Future[Any], inner: Future[Any]) -> None:
-        """Free the process, then tell who waits for it: he may have work for it at once."""
+        """Free the process, then notify its waiter, which may have work for it at once."""
         error = BrokenExecutor() if inner.cancelled() else inner.exception()
-        # What a process keeps may be half made when its memory ended.
+        # Cached data of a process may be incomplete after it ran out of memory.
         is_over = isinstance(error, (BrokenExecutor, MemoryError))
         with self._lock:
             worker = self._busy.pop(future)

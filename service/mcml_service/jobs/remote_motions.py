@@ -20,7 +20,7 @@ Urls = tuple[str, str | None]
 """Of the store, and of its replica."""
 
 PIECES = 4
-"""Of each worker, in the mean: who has fast ones gets more of them."""
+"""Average number of pieces for each worker: workers with fast pieces get more of them."""
 
 
 @lru_cache(maxsize=4)

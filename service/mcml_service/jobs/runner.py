@@ -1,7 +1,7 @@
-"""Takes jobs that wait and has them done: one runner a server process.
+"""Runs waiting jobs: one runner in each server process.
 
-A job belongs to a runner as long as its lease is renewed. A server that was killed renews nothing: after
-`LEASE_SECONDS` another one, or the same started anew, takes its jobs up again from the beginning.
+A job belongs to a runner as long as its lease is renewed. A killed server renews nothing: after `LEASE_SECONDS` another
+server, or the same after a restart, starts its jobs again from the beginning.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class Runner:
         self._wake.set()
 
     def stop(self) -> None:
-        """End in order: what is not done waits for the next server."""
+        """Stop in order: unfinished jobs wait for the next server."""
         self._stopping.set()
         self._wake.set()
         self._thread.join(timeout=10)
@@ -114,7 +114,7 @@ class Runner:
             else:
                 self._run(job)
         except (ConflictError, UnavailableError) as error:
-            # A store that is away fails no job: it is begun anew when its lease is over.
+            # An unreachable store does not fail a job: it starts again after its lease has ended.
             log.warning("job %s: %s", job.uuid, error)
         except InterruptionError as error:
             self._begin_again(job, error)
@@ -177,7 +177,7 @@ class Runner:
         return True
 
     def _outcome(self, future: Future[Outcome]) -> Outcome | None:
-        """What the worker gave; None where it heard that the job was cancelled. BrokenExecutor where it died."""
+        """Return the output of the worker; None if the job was cancelled. Raises BrokenExecutor if it died."""
         try:
             return future.result()
         except CancelledError:
@@ -232,7 +232,7 @@ class Runner:
 
 
 def keep_outcome(database: Database, settings: Settings, job: StoredJob, runner: str, outcome: Outcome | None) -> None:
-    """End a job with what came of it: parts, a problem, or None where it was cancelled."""
+    """End a job with its outcome: parts, a problem, or None if it was cancelled."""
     if outcome is not None and not isinstance(outcome, Refused):
         save_results(database, settings, job, runner, outcome)
         return

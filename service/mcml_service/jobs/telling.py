@@ -1,4 +1,4 @@
-"""How a job tells of its progress and hears that it shall end: through its row, whatever process runs it."""
+"""Report the progress of a job and detect its cancellation, through its row, from any process."""
 
 from __future__ import annotations
 
@@ -22,10 +22,11 @@ class CancelledError(Exception):
 
 
 class Teller(threading.Thread):
-    """Called with a stage and a share while the block lasts, it raises CancelledError once the job shall end.
+    """Reports progress inside a `with` block.
 
-    A thread writes the row, so the work never waits for a store that is busy or away. runner: whose job it is.
-    renews: whether to keep the lease; not where another process does that.
+    A call with a stage and a share raises CancelledError if the job is cancelled. A thread writes the row, so the work
+    never waits for a busy or unreachable store. runner: owner of the job. renews: whether to renew the lease; false if
+    another process does that.
     """
 
     def __init__(self, database: Database, uuid: str, runner: str, *, renews: bool = False) -> None:

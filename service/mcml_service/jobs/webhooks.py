@@ -1,7 +1,7 @@
-"""Sends webhooks, as https://www.standardwebhooks.com says: one thread a server.
+"""Sends webhooks in the format of https://www.standardwebhooks.com: one thread in each server.
 
-A message belongs to who claimed it for as long as its lease lasts, so several servers send each once; one whose server
-was killed meanwhile is sent again, with the same id.
+A message belongs to the server that claimed it as long as its lease lasts, so several servers send each once. If the
+server is killed meanwhile, the message is sent again with the same id.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from mcml_service.storage.team.webhooks import Claimed
 log = logging.getLogger("mcml.webhooks")
 
 LOOK_SECONDS = 1.0
-"""How often it is looked for what is to be sent."""
+"""Interval of checks for messages to send."""
 
 TOGETHER = 4
 """Messages that are sent at a time."""

@@ -1,6 +1,6 @@
-"""What a worker does: reads clips from the store, runs an analysis, gives its parts back.
+"""The work of a worker: read clips from the store, run an analysis, return its parts.
 
-It writes nothing but the progress of its job.
+It writes only the progress of its job.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ Outcome = Parts | Refused
 
 @dataclass(frozen=True)
 class Task:
-    """What a worker needs to know of a job. urls: of the store, and of its replica. runner: whose job it is."""
+    """The description of a job for a worker. urls: of the store, and of its replica. runner: owner of the job."""
 
     urls: Urls
     uuid: str
@@ -56,10 +56,10 @@ def perform(
     progress: Progress,
     apart: Callable[[list[Input], Input | None], Sequence[Motion]] | None = None,
 ) -> Outcome:
-    """The parts of the result; or why there is none.
+    """Return the parts of the result, or the problem.
 
-    apart: gives the clips, by inputs and skeleton, to an analysis that spreads its work; None: it does it here.
-    Raises whatever `progress` raises.
+    apart: gives the clips, by inputs and skeleton, to an analysis that splits its work; None: all work is done here.
+    Raises the errors of `progress`.
     """
     chosen = find_analysis(analysis)
     try:
@@ -88,7 +88,7 @@ def perform(
 
 
 def work_on(task: Task, crew: Crew) -> Outcome:
-    """Perform a job in a worker process. crew: who helps. Raises CancelledError once the job shall end."""
+    """Perform a job in a worker process. crew: helpers. Raises CancelledError if the job is cancelled."""
     database = database_of(*task.urls)
     reader = database.for_call(WHOLE, from_replica=True)
     with Teller(database, task.uuid, task.runner) as tell:

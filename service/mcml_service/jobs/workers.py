@@ -1,4 +1,4 @@
-"""What runs jobs: an executor of the standard library, whose work can be ended midway."""
+"""Executors of jobs: executors of the standard library whose work can be killed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from mcml.errors import McmlError
 
 
 class InterruptionError(McmlError):
-    """What ran a job ended before the job had begun, through no fault of the job."""
+    """The executor of a job ended before the job began, not because of the job."""
 
 
 class Crew(Protocol):
@@ -29,7 +29,7 @@ class Crew(Protocol):
         ...
 
     def helpers(self, shared: Sequence[Any]) -> AbstractContextManager[tuple[Executor, Sequence[Any]]]:
-        """Return an executor, and what its calls get in place of the shared values. Each value is sent only once."""
+        """Return an executor, and the replacements of the shared values for its calls. Each value is sent only once."""
         ...
 
 
@@ -44,4 +44,4 @@ class Workers(Executor):
 
     @abstractmethod
     def kill(self, future: Future[Any]) -> None:
-        """End the process that does this work, whatever it is doing."""
+        """Kill the process of this work."""

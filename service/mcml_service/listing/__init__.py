@@ -1,1 +1,1 @@
-"""Lists of documents from memory: what they are narrowed, ordered and counted by, of all documents as columns."""
+"""Lists of documents from memory: values for filters, sort orders and counts of all documents, as columns."""

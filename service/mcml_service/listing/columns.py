@@ -1,4 +1,4 @@
-"""What lists need of all documents, as columns in the order of names. They never change: a commit makes others."""
+"""Data of all documents for lists, as columns in the order of names. They never change: a commit makes new ones."""
 
 from __future__ import annotations
 
@@ -38,7 +38,10 @@ class Vocabularies:
 
 @dataclass(frozen=True)
 class Pairs:
-    """What documents have. places: of documents in the columns. codes: of what they have, in its vocabulary."""
+    """Pairs of documents and values.
+
+    places: indices of documents in the columns. codes: of the values, in their vocabulary.
+    """
 
     places: Codes
     codes: Codes
@@ -80,18 +83,18 @@ _KINDS: dict[str, Any] = {
     "revisions": np.int64,
     "modified": np.int64,
 }
-"""What is kept of each document, in the order of `ListRows.documents`."""
+"""Columns of each document, in the order of `ListRows.documents`."""
 
 _COUNTED = {"codes of skeletons": np.int32, "codes of seconds": np.int32, "codes of lengths": np.int32}
-"""What is kept beside it, to be counted."""
+"""Additional columns, for counts."""
 
 
 @dataclass(frozen=True)
 class Columns:
-    """The library as a commit left it. whole_since: since when its history was whole then.
+    """The library at a commit. whole_since: the commit since which its history was complete.
 
-    table: columns of `_KINDS`, by name, then key. said: texts in which words are looked for. named: motion names.
-    having: properties, of which `properties` tells more. kept: what was worked out of it, by what it is.
+    table: columns of `_KINDS`, by name, then key. said: texts for word search. named: motion names. having: properties,
+    with details in `properties`. kept: cached derived data, by key.
     """
 
     commit: int
@@ -111,7 +114,7 @@ class Columns:
         return self.table[name]
 
     def once(self, name: Any, make: Callable[[], Any]) -> Any:
-        """What is worked out when it is first asked for."""
+        """Return derived data, computed on first use."""
         value = self.kept.get(name)
         if value is None:
             value = self.kept[name] = make()

@@ -93,7 +93,7 @@ def _properties(columns: Columns, name: str, least: float | None, greatest: floa
 def _within(values: Any, bounds: Range) -> Mask | np.bool_:
     least, greatest = bounds
     mask: Mask | np.bool_ = np.True_
-    # What is unknown, NaN, is within no bounds.
+    # Unknown values, NaN, are outside all bounds.
     if least is not None:
         mask = mask & (values >= least)
     if greatest is not None:

@@ -1,4 +1,4 @@
-"""What there is among documents of the columns, counted; `storage.facets` says the same in SQL."""
+"""Counts of values among documents of the columns; `storage.facets` does the same in SQL."""
 
 from __future__ import annotations
 

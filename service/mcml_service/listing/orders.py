@@ -35,7 +35,7 @@ def _direct(columns: Columns, order: Order) -> Column:
 
 
 def _values(columns: Columns, column: str) -> Column:
-    """Numbers that stand in an order for the values of a column; NaN, which comes last, for what is unknown."""
+    """Return sortable numbers for the values of a column; NaN, which is last, for unknown values."""
     if column == "name":
         names = columns["names"]
         return np.cumsum(np.concatenate([np.zeros(1), names[1:] != names[:-1]])[: len(names)])

@@ -34,9 +34,10 @@ class Found(NamedTuple):
 
 
 class Register:
-    """What lists are read from. Threads may share it.
+    """The register of documents for lists.
 
-    patience: questions that the store answers before all is read: who asks once need not wait for that.
+    Threads may share it. patience: number of lists that the store answers before everything is read: a single list need
+    not wait for that.
     """
 
     def __init__(self, patience: int = 1) -> None:
@@ -65,9 +66,9 @@ class Register:
         return facets_of(columns, _mark_seen(tx, columns, fulfilling(columns, wanted)), tx.heads.joints, most, bins)
 
     def columns(self, tx: Transaction, wanted: DocumentFilter, *, is_needed: bool = True) -> Columns | None:
-        """As the transaction sees the library; None where the store shall answer.
+        """Return the library as the transaction sees it; None if the store should answer.
 
-        is_needed: else what is not there is not read.
+        is_needed: if false, missing columns are not read.
         """
         newest = tx.newest_commit()
         if tx.at < newest or not can_tell(wanted) or self._is_too_large:

@@ -31,7 +31,7 @@ class Numbering(Generic[Value]):
         return len(self.values)
 
     def add(self, value: Value) -> None:
-        """What is to be done with a value that is new."""
+        """Process a new value."""
 
     def codes(self, values: Iterable[Value]) -> Codes:
         """Their numbers; values that are new get some. For one thread at a time."""

@@ -70,6 +70,7 @@ class Page:
         self, call: Call, found: Sequence[Item], place: Callable[[Item], tuple[Any, ...]]
     ) -> tuple[Sequence[Item], str | None]:
         """Return (the page, the cursor of the next page) of items; one item more than the page is fetched if it exists.
+
         place: returns the cursor values of an item.
         """
         shown = found[: self.most(call)]

@@ -91,14 +91,16 @@ class SameError(Exception):
 
 @dataclass
 class Call:
-    """One call of an operation. repository: the repository. author: name of the user. view: the visible documents and
-    the rights of the user. account: its name, None without an account. share: the share link of a visitor. client: key
-    of the user in fair queues. from_replica: whether the store's replica may answer. origin: address of the client,
-    None for a process that opens the store itself. known: version of the answer that the client has, None if it has
-    none. media_type: of the request body, if stated. progress: is called with the progress of work on files. tag:
-    version of the answer (an entity tag without its quotes), set by the operation. created: path of the created
-    resource, below /api/v1. lasting: the answer never changes, so it can be cached. made: whether anything was created,
-    for operations that may only read.
+    """One call of an operation.
+
+    repository: the repository. author: name of the user. view: the visible documents and the rights of the user.
+    account: its name, None without an account. share: the share link of a visitor. client: key of the user in fair
+    queues. from_replica: whether the store's replica may answer. origin: address of the client, None for a process that
+    opens the store itself. known: version of the answer that the client has, None if it has none. media_type: of the
+    request body, if stated. progress: is called with the progress of work on files. tag: version of the answer (an
+    entity tag without its quotes), set by the operation. created: path of the created resource, below /api/v1. lasting:
+    the answer never changes, so it can be cached. made: whether anything was created, for operations that may only
+    read.
     """
 
     repository: Repository
@@ -162,8 +164,10 @@ class Call:
         return self.held.enter_context(self.database.read())
 
     def set_tag(self, tag: str, *, lasting: bool = False) -> None:
-        """Set the version of the answer. Raises SameError if the client already has it. lasting: the request names the
-        revision, so the answer never changes.
+        """Set the version of the answer.
+
+        Raises SameError if the client already has it. lasting: the request names the revision, so the answer never
+        changes.
         """
         self.tag, self.lasting = tag, lasting
         known = self.known(tag)

@@ -54,8 +54,9 @@ RIGHTS: Mapping[str, frozenset[Right]] = {
     "own": frozenset({Right.READ, Right.EDIT, Right.OWN}),
     "operate": frozenset(Right),
 }
-"""The rights of each scope. A scope holds for a project or for all (`storage.views`); the transaction checks the
-data that an operation touches.
+"""The rights of each scope.
+
+A scope holds for a project or for all (`storage.views`); the transaction checks the data that an operation touches.
 """
 
 
@@ -245,8 +246,9 @@ class Operation:
             )
 
     def run(self, call: Call, given: Mapping[str, Any]) -> Any:
-        """Run the operation and return its answer. given: validated values by the names of the arguments. Raises
-        AccessError without the right.
+        """Run the operation and return its answer.
+
+        given: validated values by the names of the arguments. Raises AccessError without the right.
         """
         self.allow(call)
         if call.share is not None:
@@ -273,8 +275,9 @@ class Operation:
 
 
 def _as_shared(share: Share, given: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the arguments of a call by a visitor with a share link, with the revision of the link. Raises
-    NotFoundError for another document or revision, AccessError for a format that the link does not allow.
+    """Return the arguments of a call by a visitor with a share link, with the revision of the link.
+
+    Raises NotFoundError for another document or revision, AccessError for a format that the link does not allow.
     """
     document = share.documents.get(given["id"])
     if document is None:

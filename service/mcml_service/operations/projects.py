@@ -40,8 +40,9 @@ def get_project(call: Call, project: ProjectName) -> ProjectView:
 
 
 def change_project(call: Call, change: ProjectChange, project: ProjectName) -> ProjectView:
-    """An archived project is read-only until it is opened again; reading and exporting still work. New data over a
-    quota is refused. Existing data is kept.
+    """An archived project is read-only until it is opened again; reading and exporting still work.
+
+    New data over a quota is refused. Existing data is kept.
     """
     with call.database.write(call.author) as tx:
         tx.order()

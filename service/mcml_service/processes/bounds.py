@@ -14,7 +14,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 GRACE_SECONDS = 5.0
-"""More than who watches a program gives it: as long as somebody does, it is ended, and told of, by him."""
+"""Time beyond the watcher's limit: as long as there is a watcher, it ends the program and reports it."""
 
 
 def bound_growth(memory: int) -> None:
@@ -27,7 +27,10 @@ def bound_growth(memory: int) -> None:
 
 
 def end_after(seconds: float | None) -> None:
-    """End this process so many seconds from now, and some; None: no more. It needs nothing of what the process does."""
+    """End this process after this time plus GRACE_SECONDS; None: cancel the timer.
+
+    Works independently of the process's own code.
+    """
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     signal.setitimer(signal.ITIMER_REAL, 0 if seconds is None else seconds + GRACE_SECONDS)
 

@@ -21,7 +21,7 @@ class FairQueue:
         self._lock = threading.Lock()
 
     def ask(self, client: str) -> Future[None]:
-        """A place, there once this is done. Who does not wait any longer cancels it, or gives the place back."""
+        """Request a place, granted when the future is done. Cancel it to stop waiting, or give the place back."""
         turn: Future[None] = Future()
         with self._lock:
             self._waiting.setdefault(client, deque()).append(turn)
@@ -65,7 +65,7 @@ class FairQueue:
         for client, turns in list(self._waiting.items()):
             while turns and self._free and self._held[client] < self._most_each:
                 turn = turns.popleft()
-                # Who waits no longer is passed over.
+                # Cancelled requests are skipped.
                 if turn.set_running_or_notify_cancel():
                     self._free -= 1
                     self._held[client] += 1

@@ -1,8 +1,8 @@
-"""Programs of this house that work on what strangers give: started, watched, and ended from here.
+"""Start, watch and end separate programs for untrusted input.
 
-Decoders of sound may crash, hang or take all memory. In a process of their own that ends in an
-error of one request. A program is a module with `main`, which bounds itself too (`bounds.py`), so that it ends where
-nobody is left to watch it. Workers of an import are no programs: they run what the importer runs (`import_pool.py`).
+Decoders of sound may crash, hang or take all memory. In a separate process this causes only an error of one request. A
+program is a module with `main`, which also limits itself (`bounds.py`), so that it ends without a watcher. Workers of
+an import are not programs: they run the code of the importer (`import_pool.py`).
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _HOMES = [
 ]
 """Where the packages of this very installation lie: one folder in a wheel's, three in a checkout."""
 _LAST_WORDS = 1 << 16
-"""Of what a program writes as it ends; what kind of error ended it stands in its last line."""
+"""Limit of a program's last output; its last line has the kind of error."""
 
 
 def start_program(
@@ -47,7 +47,7 @@ def start_program(
 
 
 def end_program(process: subprocess.Popen[bytes]) -> None:
-    """Kill a process, whatever it is doing, and close its pipes."""
+    """Kill a process and close its pipes."""
     process.kill()
     for stream in (process.stdin, process.stdout):
         if stream is not None:
@@ -57,12 +57,10 @@ def end_program(process: subprocess.Popen[bytes]) -> None:
 
 
 class Watch(threading.Thread):
-    """Looks at a process while the block lasts: kills it once `is_over` says so, or it holds more memory than it may.
+    """Watches a process inside a `with` block: kills it if `is_over` is true, or if it uses too much memory.
 
-    Memory is seen from outside, for what a library reserves may escape the limits that the system sets.
-
-    memory: bytes. long_after: seconds after which a process gets only what time others leave.
-    is_long, is_too_large: what was seen.
+    Memory is measured from outside, because memory reserved by libraries may escape the limits of the system. memory:
+    bytes. long_after: seconds after which a process gets a lower priority. is_long, is_too_large: observed state.
     """
 
     def __init__(
@@ -104,9 +102,9 @@ class Watch(threading.Thread):
 
 
 def run_reader(module: str, *arguments: str, stream: BinaryIO, seconds: float, memory: int) -> BinaryIO:
-    """What a program writes when it gets a file as its input; a file that is gone once it is closed.
+    """Run a program with a file as its input; return its output as a temporary file.
 
-    Raises LimitError where it takes too long or too much memory (bytes), FormatError where it ends badly.
+    Raises LimitError if it takes too long or too much memory (bytes), FormatError if it fails.
     """
     target = tempfile.TemporaryFile()  # noqa: SIM115  # the caller closes it
     try:

@@ -12,7 +12,7 @@ from mcml_service.storage.transaction import Transaction
 ROWS = 2000
 
 _COPIED = [table for table in metadata.sorted_tables if table is not store]
-"""All tables but what a store says of itself, which its migration and `copy_rows` write."""
+"""All tables except the one that describes the store itself, which its migration and `copy_rows` write."""
 
 
 def find_filled_tables(tx: Transaction) -> list[str]:

@@ -1,4 +1,4 @@
-"""Attempts to log in counted, each in transactions of its own, so that what is refused counts too."""
+"""Count sign-in attempts, each in its own transaction, so that refused attempts count too."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from mcml_service.storage.database import Database
 def count_attempt(database: Database, of: dict[str, str]) -> None:
     """Count an attempt before it is made. AttemptsError where there were too many."""
     with database.read() as tx:
-        # Who is refused writes nothing, so that a flood of attempts keeps no writer waiting.
+        # Refused attempts write nothing, so that a flood of them does not block writers.
         tx.attempts.require(of)
     with database.write("session") as tx:
         keys = tx.attempts.add(of)

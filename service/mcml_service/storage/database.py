@@ -3,7 +3,7 @@
     with database.read() as tx: ...
     with database.write("kim") as tx: ...      # committed at the end, or nothing happened
 
-What a transaction offers is in `storage.transaction`.
+`storage.transaction` has the methods of a transaction.
 """
 
 from __future__ import annotations
@@ -71,11 +71,10 @@ class Database:
         return self.dialect.engine.dialect.name
 
     def for_call(self, view: View, origin: str | None = None, *, from_replica: bool = False) -> Database:
-        """The same store for one call, which counts its own writes. view: what whoever calls sees. origin: from where
-        they come, None: as before.
+        """Return the same store for one call, which counts its own writes.
 
-        from_replica: read the replica, where there is one that has all that was committed before; whoever asks for it
-        is ready for ReplicaError.
+        view: the access of the user. origin: address of the client, None: unchanged. from_replica: read the replica, if
+        there is one with everything committed before; callers must handle ReplicaError.
         """
         other = copy(self)
         other.view, other.from_replica, other.writes = view, from_replica, 0
@@ -84,13 +83,15 @@ class Database:
 
     @contextmanager
     def read(self, at: int = LATEST) -> Iterator[Transaction]:
-        """A snapshot: what other transactions commit meanwhile is not seen."""
+        """A snapshot: later commits of other transactions are invisible."""
         with translate(self.dialect), self._reading() as connection:
             yield Transaction(connection, self.dialect, at, view=self.view)
 
     @contextmanager
     def look(self) -> Iterator[Transaction]:
-        """What is there now, for who asks one statement, and often: two may not see the same."""
+        """Read the current state, for callers that often run a single statement: two statements may see different
+        states.
+        """
         with translate(self.dialect), self.dialect.looking() as connection:
             yield Transaction(connection, self.dialect, view=self.view)
 
@@ -105,7 +106,9 @@ class Database:
             yield connection
 
     def ask(self, question: Callable[[Transaction], Answer], at: int = LATEST) -> Answer:
-        """What a question finds in a read transaction; it is asked again where the replica goes away meanwhile."""
+        """Run a function in a read transaction and return its result; run it again if the replica becomes
+        unreachable meanwhile.
+        """
         try:
             with self.read(at) as tx:
                 return question(tx)
@@ -123,7 +126,8 @@ class Database:
     def migrate(self, mend: Mend | None = None) -> None:
         """Bring the schema to this program's version (a new store gets it whole).
 
-        mend: makes what rows of an older store lack, in the same transaction. StoreError for an older store without.
+        mend: fills in data that rows of an older store lack, in the same transaction. Raises StoreError for an older
+        store without it.
         """
         version, wanted = self.schema_versions()
         if version == wanted:

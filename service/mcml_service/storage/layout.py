@@ -1,4 +1,4 @@
-"""What a store and a program must agree on to understand each other, kept in the store."""
+"""The layout of a store, recorded in the store: values on which the store and the program must agree."""
 
 from __future__ import annotations
 

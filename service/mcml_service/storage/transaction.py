@@ -48,7 +48,7 @@ __all__ = ["COMMAND_LINE", "LATEST", "Transaction"]
 
 
 class Transaction(BaseTransaction):
-    """See `BaseTransaction`. What is never asked for is never made."""
+    """See `BaseTransaction`. Repositories are created on first use."""
 
     def damage(self, table: Table, row: tuple[Any, ...]) -> DamageError:
         return describe_damage(self, table, row)

@@ -1,1 +1,1 @@
-"""XPath: text to tree to plan, and the projected document for what no plan expresses."""
+"""XPath: from text to tree to plan; expressions without a plan use the projected document."""

@@ -27,9 +27,9 @@ SKELETON_QUERIES = ("count(//bone)", "count(distinct-values(//bone/name))")
 
 
 def build_columns(database: Database, settings: Settings, stage: Stage, go_on: Callable[[], bool]) -> None:
-    """Build the missing columns of a store on disk in a process of its own, and wait for its end.
+    """Build the missing columns of a store on disk in a separate process, and wait for its end.
 
-    stage: columns of documents, or those of their bodies. go_on: False ends the process; what is built stays.
+    stage: columns of documents, or those of their bodies. go_on: False ends the process; finished columns stay.
     """
     if path_of(database, settings.cache_dir) is None:
         return

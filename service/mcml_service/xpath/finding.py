@@ -1,4 +1,4 @@
-"""What questions find, for those who go on with it: documents, and addresses of elements."""
+"""Results of queries for further processing: documents, and addresses of elements."""
 
 from __future__ import annotations
 

@@ -12,8 +12,11 @@ PATIENCE = 0.5
 
 
 class Limits:
-    """seconds: how long the query may take, from now on. max_elements: how many elements it may look at, or answer, as
-    XML. client: who asks; those who ask share the evaluating processes fairly. author: their name."""
+    """Limits of a query.
+
+    seconds: time limit, from now on. max_elements: limit of elements that it may read or return as XML. client: key of
+    the client; clients share the evaluating processes fairly. author: name of the user.
+    """
 
     def __init__(self, seconds: float, max_elements: int, client: str = "", author: str = "") -> None:
         self.author = author
@@ -24,7 +27,7 @@ class Limits:
         self._left: float | None = None
 
     def begin(self, left: float) -> None:
-        """Go on with what is left of the time, in another process."""
+        """Continue with the remaining time, in another process."""
         self._end = time.monotonic() + left
 
     @property

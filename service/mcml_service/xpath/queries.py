@@ -56,7 +56,7 @@ LAST_SECONDS = 2.0
 
 
 class Queries:
-    """The query engine of one process: the store, the limits, and what is kept between questions."""
+    """The query engine of one process: the store, the limits, and the caches."""
 
     def __init__(self, database: Database, settings: Settings) -> None:
         self.database = database
@@ -78,10 +78,11 @@ class Queries:
             self.caches.sidecar.close(LAST_SECONDS)
 
     def answer(self, request: QueryRequest, limits: Limits | None = None) -> QueryAnswer:
-        """A page of the answer. limits: by the settings, if not given; another thread may cancel through them.
+        """Return a page of the answer.
 
-        Raises QueryError (with column and hint) for what is no XPath or a cursor of another question, NotFoundError
-        for a document or project that does not exist, LimitError for what exceeds the limits.
+        limits: by default from the settings; another thread may cancel through them. Raises QueryError (with column and
+        hint) for invalid XPath or a cursor of another query, NotFoundError for a document or project that does not
+        exist, LimitError beyond the limits.
         """
         start = time.perf_counter()
         limits = limits or self.limits()
@@ -155,7 +156,7 @@ class Queries:
                 return
 
     def _commit(self, request: QueryRequest) -> int:
-        """The state of the store that is asked: the newest, or that which a revision of the document left."""
+        """Return the commit of the query: the newest, or the one of a revision of the document."""
         if request.revision is None:
             return LATEST
         if len(request.document) != 1:
@@ -172,7 +173,7 @@ class Queries:
             return complete(text, at, lambda: scope.used_counts("span"), lambda: scope.used_counts("bone"))
 
     def limits(self, client: str = "", author: str = "") -> Limits:
-        """The limits of one query that begins now. client: who asks, in fair queues; author: by name."""
+        """Return the limits of a query that begins now. client: key in fair queues; author: name of the user."""
         return Limits(self.settings.query_seconds, self.settings.query_elements, client, author)
 
     def running(self) -> list[Running]:
@@ -180,7 +181,10 @@ class Queries:
         return []
 
     def end(self, number: int) -> None:
-        """End a question, as if whoever asks it had left. NotFoundError where none of this number is running."""
+        """Cancel a query, as if its client had disconnected.
+
+        Raises NotFoundError if no query with this number is running.
+        """
         raise no_such_question(number)
 
 
@@ -239,7 +243,7 @@ class _Asking:
         if call is not None and is_node_set(distinct_of(call) or call.arguments[0]):
             return self._aggregate(call, page)
         tree = self.whole.reduced(tree)
-        # From here on, what columns have no answer to is asked with the values of the whole scope in it.
+        # From here on, expressions that columns cannot answer contain the values of the whole scope.
         self.query = replace(self.query, tree=tree)
         if type_of(tree) == "nodes":
             return page.of(self.tx, self._nodes(tree), self.limits.max_elements)
@@ -325,7 +329,7 @@ class _Asking:
         return QueryAnswer(type=_kind(call), value=None if found is None else plain(found))
 
     def _constant(self, page: Page) -> QueryAnswer:
-        """The value of what asks no document."""
+        """Return the value of an expression without documents."""
         found = value_of_nothing(self.query)
         values = [item for item in found.items if not isinstance(item, Found)]
         if found.total == 1 and values:

@@ -1,1 +1,1 @@
-"""Analyses started, and what became of them used."""
+"""Start analyses, and use their results."""

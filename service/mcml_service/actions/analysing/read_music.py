@@ -20,11 +20,11 @@ _KINDS = {"UnsupportedError": UnsupportedError, "LimitError": LimitError}
 def read_music(
     file: SourceFile, settings: Settings, bpm: float | None = None, beats_per_bar: BeatsPerBar | None = None
 ) -> MusicBeats:
-    """Beats, tempo with its rivals, and whether it is even. Nothing is kept: what is wanted of it goes into the dance's
-    parameters. bpm, beats_per_bar: what is known of the music.
+    """Return beats, tempo with its rivals, and whether it is even.
 
-    Raises AnalysisError `music-undecodable`, `music-no-beats`; LimitError for more than 15 minutes; UnsupportedError
-    where the extra `audio` is not installed.
+    Nothing is stored: pass values to the dance's parameters. bpm, beats_per_bar: known values of the music. Raises
+    AnalysisError `music-undecodable`, `music-no-beats`; LimitError for more than 15 minutes; UnsupportedError if the
+    extra `audio` is not installed.
     """
     seconds, memory = 2 * settings.read_seconds, settings.read_memory_mib << 20
     stated = [] if bpm is None else [repr(check_bpm(bpm))]

@@ -1,4 +1,4 @@
-"""What a job has computed, kept: parts of a result, and clips as documents."""
+"""Store the output of a job: parts of a result, and clips as documents."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The motion that an analysis made, as an eye needs it: points in the world, and what joins them."""
+"""The motion that an analysis made, for viewing: points in the world, and the lines between them."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ from mcml_service.analysis.interface import MadeClip
 
 
 def show_motion(clip: MadeClip) -> tuple[MotionHead, NDArray[np.float32]]:
-    """Positions (F, P, 3) of joints and, after them, ends of chains, told from the first joint's in frame 1; and what
-    they mean. NaN where there is no sample."""
+    """Return positions (F, P, 3) of joints and then of ends of chains, relative to the first joint's in frame 1; and
+    their layout. NaN where there is no sample.
+    """
     skeleton = clip.skeleton
     tips = [(index, numbers(site.offset)) for index, joint in enumerate(skeleton.joints) for site in joint.end_sites]
     positions, turned = walked(skeleton, clip.translations, clip.rotations)

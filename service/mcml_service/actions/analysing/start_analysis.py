@@ -1,4 +1,4 @@
-"""An analysis that shall run: which documents at which revisions, with which parameters, as a job."""
+"""Start an analysis: its documents, their revisions and the parameters, as a job."""
 
 from __future__ import annotations
 
@@ -19,8 +19,9 @@ from mcml_service.storage.database import Database
 from mcml_service.xpath.queries import Queries
 
 EXTENDS, LEFT_OUT, SKELETON = "extends", "left_out", "skeleton_of"
-"""What stands beside the parameters of a job: the result that its documents are added to, how many selected clips were
-left out, and the document, {"document", "revision"}, on whose skeleton the clips are brought."""
+"""Values beside the parameters of a job: the result that its documents are added to, the number of excluded clips,
+and the document, {"document", "revision"}, to whose skeleton the clips are retargeted.
+"""
 
 
 def find_analysis(name: str) -> Analysis:
@@ -45,12 +46,12 @@ def start_analysis(
     extends: str | None = None,
     skeleton: str | None = None,
 ) -> str:
-    """A job for an analysis of the selected documents as they are now; its uuid.
+    """Add a job for an analysis of the current revisions of the selected documents; return its uuid.
 
-    project: where the result goes; default the documents' own, if they have one in common.
-    runner: who works on it at once; else it waits for one. extends: a result that the documents are added to.
-    skeleton: id of a document; the clips are brought onto its skeleton when they are read.
-    Raises AnalysisError for wrong parameters or too few documents, SizeError for too many.
+    project: of the result; default the documents' project, if they share one. runner: starts the job at once; else it
+    waits for one. extends: a result that the documents are added to. skeleton: id of a document; the clips are
+    retargeted to its skeleton when they are read. Raises AnalysisError for wrong parameters or too few documents,
+    SizeError for too many.
     """
     checked = check_parameters(analysis.parameters, parameters)
     if extends is not None:

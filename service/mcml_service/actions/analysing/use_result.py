@@ -1,4 +1,4 @@
-"""What can be done with finished results: a motion from a fitted model, a path through a space."""
+"""Operations on finished results: a motion from a fitted model, a path through a space."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ KEPT = 8
 
 @dataclass(frozen=True)
 class Done:
-    """What an operation gave. document, result: uuids of what was stored of it."""
+    """The output of an operation. document, result: uuids of stored output."""
 
     answer: Answer
     document: str | None = None
@@ -119,7 +119,7 @@ class Results:
             if prepared is not None:
                 self._ready.move_to_end(uuid)
                 return prepared
-        # What operations kept holds no more than what is new, so that all paths of a space share one copy of it.
+        # Stored output of operations has only new data, so that all paths of a space share one copy of it.
         chain: list[tuple[StoredResult, Parts]] = []
         above = uuid
         while prepared is None:

@@ -1,1 +1,1 @@
-"""What is checked before anything is done: names, preconditions; and how a refusal is told."""
+"""Checks before an action: names, preconditions; and errors for refusals."""

@@ -1,4 +1,4 @@
-"""What only documents with a frame time can be asked."""
+"""Check that documents have a frame time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""If-Match: whether a change was made for what is current."""
+"""If-Match: check that a change was made for the current revision."""
 
 from __future__ import annotations
 

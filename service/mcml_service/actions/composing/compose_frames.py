@@ -62,9 +62,9 @@ def compose_frames(
     author: str,
     window: Window | None = None,
 ) -> Composed:
-    """Make the document, or in a preview only say what it would be.
+    """Make the document, or in a preview only describe it.
 
-    Raises DocumentError where skeletons do not fit or a frame time is not known, NotFoundError for frames not there.
+    Raises DocumentError if skeletons do not fit or a frame time is unknown, NotFoundError for missing frames.
     """
     segments = list(_resolve_segments(queries, request.segments))
     with database.read() as tx:
@@ -134,7 +134,7 @@ def compose_frames(
 
 
 def _name(source: _Source, segment: Segment) -> str:
-    """Of the clip that pieces go on in, where they follow one another in it; none for what was changed."""
+    """Return the name of the clip in which pieces are consecutive; none for changed segments."""
     changed = segment.layers or segment.mirror or segment.transition is not None or segment.style is not None
     return "" if changed else source.name
 

@@ -31,7 +31,7 @@ def export_documents(
     name, part = find_target(options.format)
     parts = [item.name for item in WRITERS[name].parts] if name in WRITERS and part is None else [options.format]
     uuids, _ = select_documents(database, queries, selection)
-    # What was begun cannot be made again, as it would have to be where a replica goes away.
+    # A started export cannot be made again, which would be needed if a replica became unreachable.
     database = database.for_call(database.view)
     return zip_files(_files(database, [str(item["document"]) for item in uuids], options, parts))
 
@@ -47,7 +47,7 @@ def _files(
                 with database.read() as tx:
                     stored = tx.documents.get(uuid)
                     export = export_document(tx, stored, replace(options, format=part))
-                    # A conversion looks through the motion before its first block, and says then what cannot be held.
+                    # A conversion reads the whole motion before its first block, and then reports losses.
                     content = chain((next(export.content, b""),), export.content)
                     yield _free(export.file_name, uuid, taken), lambda content=content: content  # type: ignore[misc]
             except McmlError as error:

@@ -31,8 +31,10 @@ _OF_BODY = (
 
 @dataclass(frozen=True)
 class JointMapping:
-    """What somebody said of which joint is which. exact: every name must be there; else those that are not are left
-    out, as in a mapping that was saved for many rigs."""
+    """A mapping of joints by a person.
+
+    exact: every name must exist; else unknown names are ignored, as in a mapping that was saved for many rigs.
+    """
 
     pairs: tuple[JointPair, ...]
     exact: bool = True
@@ -40,18 +42,18 @@ class JointMapping:
 
 @dataclass(frozen=True)
 class Fitted:
-    """block: in the joints and channels of the other skeleton. notices: what was done, for people."""
+    """block: in the joints and channels of the other skeleton. notices: the changes, as text."""
 
     block: FrameBlock
     notices: tuple[str, ...] = ()
 
 
 def fit(source: Whole, body: ClipHead, mapping: JointMapping | None, frame_time: float) -> Fitted:
-    """Frames on the skeleton of `body`: bit by bit where it is the same one, whatever the order of its joints.
+    """Convert frames to the skeleton of `body`: bit by bit if it is the same one, in any order of its joints.
 
-    Markers keep their places, in the unit of `body`. Another body is retargeted by its MCML names, or as `mapping`
-    says; its way through the room is scaled by the legs, which reconciles units too. frame_time: seconds.
-    Raises DocumentError for markers on a skeleton or that lack some of `body`'s, and where hardly a joint is the same.
+    Markers keep their places, in the unit of `body`. Another body is retargeted by its MCML names, or by `mapping`; its
+    travel is scaled by the legs, which also converts units. frame_time: seconds. Raises DocumentError for markers on a
+    skeleton or that lack some of `body`'s, and if almost no joints match.
     """
     own, two = source.head.skeleton, body.skeleton
     kinds = are_markers(own), are_markers(two)
@@ -117,7 +119,7 @@ def match_joints(source: Skeleton, target: Skeleton, mapping: JointMapping | Non
 
 
 def with_body(head: ClipHead, body: ClipHead) -> ClipHead:
-    """What a header says of the motion, with the skeleton of another and all that says how its numbers are meant."""
+    """Return a header with the skeleton of another, and its units, axes and conventions."""
     fields = {name: text for name, text in head.fields.items() if name not in (*_OF_BODY, "num_frames", "num_segments")}
     fields |= {name: text for name, text in body.fields.items() if name in _OF_BODY}
     return replace(head, format=body.format, skeleton=body.skeleton, fields=fields, sources=body.sources)

@@ -1,4 +1,4 @@
-"""Mappings of joints under names: kept, changed by who knows the present version, and used."""
+"""Saved mappings of joints: store, change with the current version, and use them."""
 
 from __future__ import annotations
 

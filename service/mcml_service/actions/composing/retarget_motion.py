@@ -59,8 +59,9 @@ def retarget_motion(
 def retarget_many(
     database: Database, queries: Queries, settings: Settings, request: RetargetMany, author: str
 ) -> Iterator[RetargetedOne]:
-    """Bring the motions of all selected documents onto another skeleton, one after the other; each is done or says why
-    not. What fails for all, as a selection of nothing or a mapping that is not there, is raised before the first."""
+    """Retarget the motions of all selected documents to another skeleton, one after the other; each gives a document
+    or a problem. Errors for all, such as an empty selection or an unknown mapping, are raised before the first.
+    """
     selected, _ = select_documents(database, queries, request.selection)
     with database.read() as tx:
         other = tx.documents.get(request.skeleton)

@@ -43,10 +43,10 @@ def select_documents(database: Database, queries: Queries, selection: Selection)
 
 
 def select_captured(database: Database, selection: Selection, found: list[Input]) -> list[Input]:
-    """Selected documents without those that an analysis made: analysed again, they would count as what was captured.
+    """Return selected documents without those that an analysis made, because these are not captured motion.
 
-    All of them, where documents are named by their ids or `include_made` asks for it. What was composed or retargeted
-    of captured motion is captured motion.
+    All are returned if documents are named by their ids, or with `include_made`. Compositions and retargeted clips of
+    captured motion count as captured motion.
     """
     if selection.documents or selection.include_made:
         return found

@@ -30,7 +30,7 @@ POSE = OVERRIDES + "pose"
 
 
 def describe_calibration(tx: Transaction, stored: StoredDocument) -> wire.Calibration:
-    """What is known of the clip, and where from."""
+    """Describe the calibration of the clip, with origins."""
     kept = Body.restore(stored_body) if (stored_body := tx.bodies.of([stored]).get(stored.key)) is not None else None
     (listed,) = tx.columns.documents([stored.key])
     return _view(kept or read_bodies(tx, [listed])[stored.key], kept=kept is not None)
@@ -83,7 +83,7 @@ def change_calibration(tx: Transaction, stored: StoredDocument, change: wire.Cal
         if key == OVERRIDES + "reference" and value is not None:
             properties.append((key, "null" if value == "rest" else str(int(value) - 1), ""))
             if value != "rest":
-                # The clip may be cut: what the frame shows now stays the reference.
+                # The clip may be cut later: the current pose of the frame stays the reference.
                 properties.append((POSE, orjson.dumps(_pose(tx, stored, int(value)).to_json()).decode(), ""))
         elif value is not None:
             properties.append((key, orjson.dumps(value).decode(), ""))

@@ -1,5 +1,6 @@
-"""Changes that were made for an older revision, brought to the present one: what nobody touched meanwhile is carried
-over, all else is a conflict, with what was, what is, and what was wanted."""
+"""Merge changes for an older revision into the current one: changes of items that nobody else has changed since are
+applied, all others are conflicts, with the old, the current and the requested value.
+"""
 
 from __future__ import annotations
 
@@ -31,8 +32,11 @@ MOST_VALUES = 1000
 
 @dataclass(frozen=True)
 class Conflict:
-    """kind: element, frames, label or fact. address: of the element; or what is in conflict. base, theirs, mine: what
-    was, what is, what was wanted. first, last: frames, as they are in the present revision."""
+    """A conflict.
+
+    kind: element, frames, label or fact. address: of the element or other item. base, theirs, mine: the old, the
+    current and the requested value. first, last: frames, in the current revision.
+    """
 
     kind: str
     address: str
@@ -141,7 +145,7 @@ class Merge:
                 yield Values(to, block.columns, np.where(kept, wanted[rows], np.nan))
 
     def _labels(self, labels: Sequence[Label]) -> list[Label]:
-        """What is there now, without what was taken away since then, and with what was added."""
+        """Return the current labels, without removed and with added ones."""
         wanted = [moved for label in labels if (moved := self._label(motion_names.canonical(label[0]), *label[1:]))]
         base = [
             moved

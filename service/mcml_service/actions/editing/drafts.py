@@ -36,7 +36,7 @@ class Values:
 
 @dataclass(frozen=True)
 class Changes:
-    """labels: all that the document shall have, None to leave them. facts: as `set_facts` takes them."""
+    """The changes of a draft. labels: the complete new list, None to keep them. facts: as for `set_facts`."""
 
     elements: Sequence[ElementEdit] = ()
     frames: Sequence[Values] = ()

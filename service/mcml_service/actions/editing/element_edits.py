@@ -114,7 +114,7 @@ def _check_ids(tx: Transaction, stored: StoredDocument) -> None:
 
 
 def describe_edits(edits: Sequence[ElementEdit]) -> str:
-    """What a history says of edits."""
+    """Describe edits for the history."""
     words = {Change: "changed", Insertion: "inserted at", Replacement: "replaced", Deletion: "deleted"}
     told = ", ".join(f"{words[type(edit.what)]} {edit.address}" for edit in edits[:3])
     return told + (f" and {len(edits) - 3} more" if len(edits) > 3 else "")
@@ -131,9 +131,9 @@ def _place(address: str, order: dict[str, int]) -> tuple[int, int, int, int]:
 def carry_over(
     then: Transaction, base: StoredDocument, now: Transaction, current: StoredDocument, addresses_then: Sequence[str]
 ) -> list[str]:
-    """The addresses as they are now, of elements that nobody has changed since a revision.
+    """Return the current addresses of elements that nobody has changed since a revision.
 
-    ConflictError, with what was and what is, where an element was changed, or its frame has gone.
+    Raises ConflictError, with the old and the current element, if an element was changed or its frame deleted.
     """
     runs = common_frames(
         then.tracks.pieces(base.key, 1, base.frames), now.tracks.pieces(current.key, 1, current.frames)

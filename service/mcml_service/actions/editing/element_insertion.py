@@ -1,7 +1,7 @@
-"""Elements put into a document, or in the place of others. What comes is validated where it stands, then written.
+"""Insert elements into a document, or replace others.
 
-Inside the motion a frame is the least that is written: a frame_bone or motion_name that comes makes its frame anew,
-unless it takes the place of a frame_bone of the same bone.
+New elements are validated in their place, then written. Inside the motion the smallest unit of writing is a frame: a
+new frame_bone or motion_name rewrites its frame, unless it replaces a frame_bone of the same bone.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ def replace_element(tx: Transaction, stored: StoredDocument, address: str, eleme
 
 
 def _change(old: Element, new: list[Element]) -> Change | None:
-    """What makes one frame_bone another of the same bone: less is written than for a frame that is made anew."""
+    """Return the change between two frame_bones of the same bone: it writes less than a rewritten frame."""
     if [old.tag] != [element.tag for element in new] or old.tag != "frame_bone" or new[0].text or new[0].children:
         return None
     (element,) = new

@@ -126,7 +126,7 @@ def reverse(tx: Transaction, stored: StoredDocument, first: int, last: int) -> N
 
 
 def _reverse_span(span: StoredSpan, first: int, last: int) -> list[dict[str, Any]]:
-    """A span where frames first to last run backwards: what lies in front, among, and behind them."""
+    """Split a span for reversed frames first to last: the parts before, inside, and after them."""
     inside = first + last - min(span.last, last), first + last - max(span.first, first)
     parts = [(span.first, min(span.last, first - 1)), inside, (max(span.first, last + 1), span.last)]
     return [{"name": span.name, "rank": span.rank, "first": a, "last": b} for a, b in parts if a <= b]
@@ -230,7 +230,7 @@ def _renumber_bones(tx: Transaction, stored: StoredDocument, source: StoredDocum
 
 
 def _poses(tx: Transaction, stored: StoredDocument) -> list[object]:
-    """What decides where a skeleton's channels put its bones."""
+    """Return the properties that decide the poses of a skeleton's channels."""
     joints = to_head(tx.heads.document(stored), stored.frame_time).skeleton.joints
     return [
         (joint.name, joint.parent, joint.convention, joint.channels, joint.rotation_order, joint.offset, joint.axis,

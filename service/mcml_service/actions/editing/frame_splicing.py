@@ -47,10 +47,10 @@ def splice_frames(
     *,
     renumber: bool = True,
 ) -> None:
-    """Put frames before position `first`, in place of the `removed` frames that stand there.
+    """Insert frames before position `first`, replacing the `removed` frames there.
 
-    blocks: their joints are the document's bones, by number; their motion names come along. renumber: ids that counted
-    up by one before do so again; else the frames keep theirs. Writes no revision.
+    blocks: their joints are the document's bones, by number; they include motion names. renumber: ids that counted up
+    by one before do so again; else the frames keep theirs. Writes no revision.
     """
     encoder, slot = _store(tx, stored, blocks)
     count = encoder.frames
@@ -99,7 +99,7 @@ def _store(tx: Transaction, stored: StoredDocument, blocks: Iterable[FrameBlock]
 
 
 def _cut(piece: Piece, start: int, shift: int) -> Piece:
-    """What of a piece lies at `start` and behind, moved by so many positions."""
+    """Return the part of a piece from `start` on, moved by `shift` positions."""
     skip = max(0, start - piece.first)
     return Piece(piece.first + skip + shift, piece.slot + skip, piece.count - skip)
 

@@ -1,4 +1,4 @@
-"""Numbers of frames made anew: mirrored, smoothed, moved and scaled, brought to another frame rate."""
+"""Recompute samples of frames: mirror, smooth, offset and scale, resample."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def read_whole(tx: Transaction, stored: StoredDocument, first: int = 1, last: in
 
 
 def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping) -> None:
-    """Make numbers of frames anew; what was not changed keeps its bits. Writes no revision."""
+    """Recompute samples of frames; unchanged samples keep their bits. Writes no revision."""
     if isinstance(edit, ResampleFrames):
         _resample(tx, stored, edit)
         return
@@ -68,7 +68,7 @@ def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping) -> None:
         whole = read_whole(tx, stored, first, last)
         block = mirrored(whole.head.skeleton, whole.block, up=whole.up, reading=whole.reading).block
     else:
-        # The frames around tell what the ends of the range go on from.
+        # The neighbouring frames make the ends of the range continuous.
         around = round(4 * edit.seconds * _rate(stored)) + 1 if isinstance(edit, SmoothFrames) else 0
         start, end = max(1, first - around), min(stored.frames, last + around)
         whole = read_whole(tx, stored, start, end)

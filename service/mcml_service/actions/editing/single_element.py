@@ -1,7 +1,8 @@
 """One element of a stored document: read it, change it, delete it. Nothing else of the document is written.
 
-Addresses are canonical XPaths such as `/mcml/motion/frame[100]/frame_bone[3]/@Rx`. What the definition or the rules
-beyond it do not allow is refused (DocumentError): required elements and attributes stay, counts follow by themselves.
+Addresses are canonical XPaths such as `/mcml/motion/frame[100]/frame_bone[3]/@Rx`. Changes that break the definition or
+the rules beyond it are refused (DocumentError): required elements and attributes stay, counts are updated
+automatically.
 """
 
 from __future__ import annotations

@@ -79,7 +79,7 @@ def set_facts(
     if frame_time is not None:
         frame_time = check_frame_time(frame_time)
         changed.add("frame_time")
-    # After a change of what the source format itself holds, an export may no longer answer the kept bytes.
+    # After a change of data that the source format itself holds, an export may no longer return the uploaded bytes.
     touched = changed & (_HELD_BY_MCML if stored.format == "mcml" else FORMATS[stored.format].states)
     if changed or project is not None:
         rate = {} if frame_time is None else {"frame_time": frame_time}

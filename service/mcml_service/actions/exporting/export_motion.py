@@ -61,8 +61,10 @@ class ExportOptions:
 
 @dataclass
 class Export:
-    """One file. notices: what the format could not hold, complete once `content` was read to the end. size: bytes, of
-    an upload that was kept."""
+    """One exported file.
+
+    notices: losses of the format, complete once `content` was read to the end. size: bytes, of an uploaded file.
+    """
 
     file_name: str
     media_type: str
@@ -186,9 +188,8 @@ def _columns(tx: Transaction, source: StoredClip) -> list[tuple[int, int]]:
 
 
 def _csv(source: StoredClip, columns: list[tuple[int, int]], shown: Callable[[str], str]) -> Iterator[bytes]:
-    """Frames as rows: position, id, time, then one column a channel, named bone.channel; an empty cell is missing.
-
-    shown: what stands in a cell for a text.
+    """Write frames as rows: position, id, time, then one column for each channel, named bone.channel; an empty cell is
+    missing. shown: returns the text of a cell.
     """
     seconds = source.clip.head.seconds_per_frame()
     position = source.first

@@ -1,7 +1,6 @@
-"""Parts of a document's text, with the numbers that their lines have in the whole; and where in it a text stands.
+"""Parts of a document's text, with line numbers in the whole text; and finding a text in it.
 
-The whole is what the export as MCML gives: LINES, or PRETTY where that is asked. Its head are all lines before the
-first frame.
+The whole text is the export as MCML: LINES, or PRETTY on request. Its head is all lines before the first frame.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from mcml_service.storage.documents.motion_names import names_of_frames
 from mcml_service.storage.transaction import Transaction
 
 _FRAME_LINES = {Layout.LINES: 1, Layout.PRETTY: 2}
-"""Of a frame, beside those of what is in it."""
+"""Lines of a frame, in addition to those of its content."""
 _END = 2
 """Lines behind the last frame: those with which motion and document end."""
 

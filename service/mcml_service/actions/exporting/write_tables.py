@@ -64,10 +64,10 @@ def batches_of(rows: Iterator[tuple[Any, ...]], names: Sequence[str]) -> Batches
 
 @dataclass(frozen=True)
 class About:
-    """What is known of columns before there is a batch, for the forms that can say it.
+    """Facts about columns before the first batch, for forms that use them.
 
-    types: as Arrow names them ("string", "int64"), where there may be no batch to tell them. units: of some columns.
-    raw: texts that spreadsheets take for formulas stay as they are.
+    types: by Arrow's names ("string", "int64"), if there may be no batch to derive them. units: of some columns. raw:
+    do not escape texts that spreadsheets read as formulas.
     """
 
     types: Mapping[str, str] | None = None
@@ -76,7 +76,7 @@ class About:
 
 
 def write_csv(batches: Batches, about: About) -> Iterator[bytes]:
-    """Batches as CSV (RFC 4180) with a row of names; what is not known is empty."""
+    """Write batches as CSV (RFC 4180) with a row of names; unknown values are empty."""
     shown = str if about.raw else safe_cell
     head = True
     for batch in batches:
@@ -135,7 +135,7 @@ TABLES: Mapping[str, tuple[str, Callable[[Batches, About], Iterator[bytes]]]] = 
     "parquet": ("application/vnd.apache.parquet", partial(write_columns, "parquet")),
     "csv": ("text/csv", write_csv),
 }
-"""Forms of tables: media type, and what writes batches so."""
+"""Forms of tables: media type and writer of batches."""
 
 TYPES = {
     "block": "application/vnd.mcml.block",

@@ -28,10 +28,10 @@ Progress: TypeAlias = Callable[[str, int, int | None], None]
 
 @dataclass(frozen=True)
 class EncodedClip:
-    """What was read of a clip, all but the rows of its tracks; plain data, which another process may have made.
+    """A clip that was read, without the rows of its tracks; plain data, possibly from another process.
 
-    intact: whether the uploaded file still says what the document does. facts: the receipt. thumbnail: None where there
-    is nothing to draw, or so much of it that it is made when somebody wants to see it.
+    intact: whether the uploaded file still equals the document. facts: the receipt. thumbnail: None if there is nothing
+    to draw, or if the clip is so large that it is drawn on request.
     """
 
     header: Element

@@ -52,7 +52,7 @@ class Batch:
     def store_early(self, following: int) -> None:
         """Store while there is nothing else to do, unless it is too little for a commit.
 
-        following: clips to come. Before the last ones less is enough: what waits then, everyone waits for.
+        following: clips to come. Before the last clips less is enough, because the whole import waits for these.
         """
         if len(self._waiting) >= min(EARLY_CLIPS, following):
             self.store()

@@ -49,8 +49,8 @@ class _StoredMeanwhile(Exception):  # noqa: N818
 class Importer:
     """The import of one clip: `begin`, `read`, then `store` it, once or again.
 
-    apart: what another process made of it, where one has read it. made: the clip, where its files were written here.
-    key: of the document where a transaction that is committed already holds a part of it.
+    apart: the result of another process, if one has read the clip. made: the clip, if its files were written here. key:
+    of the document, if a committed transaction already has a part of it.
     """
 
     def __init__(
@@ -129,14 +129,14 @@ class Importer:
         self.encoder.compress()
 
     def finish(self) -> None:
-        """Wait for what is still being compressed; a large clip begins to be stored."""
+        """Wait for the compression; for a large clip, begin to store it."""
         with self._whole_or_absent():
             self._keep(self.encoder.rest())
             for upload in self.uploads:
                 self._prepare(upload)
 
     def store_alone(self) -> Imported:
-        """Store the clip in a transaction of its own; what was written before of one that fails is removed."""
+        """Store the clip in a separate transaction; if it fails, earlier written parts are removed."""
         try:
             with self._whole_or_absent(), self.database.write(self.author) as tx:
                 return self.store(tx)
@@ -215,7 +215,7 @@ class Importer:
         if encoded.thumbnail is not None:
             tx.thumbnails.add(key, 1, encoded.thumbnail.data, encoded.thumbnail.facts)
         if self.skips_twins:
-            # Whoever stores an equal clip at this moment is waited for.
+            # Wait for a concurrent import of an equal clip.
             tx.order()
         kept = [upload.attach(tx, key) for upload in self.uploads]
         twins = tx.uploads.twins(self.digests, self.project) if all(kept) else []

@@ -59,7 +59,7 @@ def import_files(
                     apart = workers.take(number)
                     batch.take(Importer(database, clip, chosen, settings, author, executor, progress, apart))
             finally:
-                # What was read before the import was stopped is stored.
+                # Clips that were read before the import was stopped are stored.
                 batch.store()
     return result
 

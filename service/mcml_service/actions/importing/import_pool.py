@@ -1,13 +1,11 @@
-"""Processes that read the short clips of an import beside the one that stores them.
+"""Processes that read the short clips of an import, besides the process that stores them.
 
 Reading holds Python's lock, so threads do not help. A command has no threads and forks its workers in some
 milliseconds; they end with the import. A server must not fork: its workers are started from a fresh process when an
-import first needs them, and stay, for to start one takes longer than to read a hundred clips. Either way workers get
-the bytes of clips through a pipe, and end with the process that started them, also when that is killed. Where one dies
-itself, the importer reads what it would have read.
-
-They are not programs as those of `processes`: nobody watches them, for they run the readers that the importer runs
-itself, under the same limits.
+import first needs them, and stay, for to start one takes longer than to read a hundred clips. In both cases workers get
+the bytes of clips through a pipe, and end with the process that started them, also when that is killed. If a worker
+dies, the importer reads its clips itself. Unlike the programs of `processes`, workers are not watched, because they run
+the same readers as the importer, under the same limits.
 """
 
 from __future__ import annotations
@@ -98,9 +96,9 @@ class ImportPool:
 
 
 class ReadingAhead:
-    """Clips that workers read a little ahead of the importer, who takes what they made in the order of the clips.
+    """Clips that workers read a little ahead of the importer, which takes the results in the order of the clips.
 
-    clips: by their numbers; of others, and of all where there is no pool, the importer reads itself.
+    clips: by their numbers; the importer reads other clips itself, and all clips without a pool.
     """
 
     def __init__(
@@ -119,7 +117,7 @@ class ReadingAhead:
             self._hand_out()
 
     def take(self, number: int) -> ReadApart | None:
-        """What a worker made of this clip. None where the importer must read it itself."""
+        """Return a worker's result for this clip, None if the importer must read it itself."""
         made = self._made.pop(number, None)
         if made is None:
             return None
@@ -137,7 +135,7 @@ class ReadingAhead:
         return number in self._made and not self._made[number][0].done()
 
     def close(self) -> None:
-        """What is not taken is not wanted any more."""
+        """Drop results that were not taken."""
         for made, _ in self._made.values():
             made.cancel()
 
@@ -192,7 +190,7 @@ def may_fork() -> bool:
 
 @contextmanager
 def _rarely_searched() -> Iterator[None]:
-    """What there is already is not searched for cycles while many rows come and go, nor these rows often."""
+    """Exclude existing objects from garbage collection while many rows are made and freed, and collect rarely."""
     searched = gc.get_threshold()
     gc.freeze()
     gc.set_threshold(ROWS_UNSEARCHED, *searched[1:])
@@ -212,5 +210,5 @@ def _begin() -> None:
 
 
 def _read_all(sent: list[SentClip], settings: Settings) -> list[ReadApart | None]:
-    """In a worker: what it makes of clips."""
+    """Read clips in a worker."""
     return [read_apart(file, settings) for file in sent]

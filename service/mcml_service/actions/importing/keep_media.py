@@ -46,8 +46,11 @@ def _some(stream: BinaryIO) -> list[bytes]:
 
 
 def keep_media(database: Database, uuid: str, file: SourceFile, offset: float, author: str) -> StoredMedia:
-    """Let a document carry a file, in the place of what it carried. offset: seconds in it at the first frame.
-    AccessError, ConflictError where the document may not be changed, or the project has no room."""
+    """Attach a file to a document, replacing an existing one.
+
+    offset: position of the first frame in it, in seconds. Raises AccessError without the right, ConflictError if the
+    project's quota is full.
+    """
     stream = file.stream
     stream.seek(0)
     kind = media_type_of(stream.read(64))

@@ -49,7 +49,7 @@ class SentClip:
 
 @dataclass(frozen=True)
 class ReadApart:
-    """What another process made of a clip. encoded: the clip, or why there is none."""
+    """The result of another process for a clip. encoded: the clip, or the error."""
 
     uploads: list[PackedFile]
     rows: list[TrackRow]
@@ -57,8 +57,10 @@ class ReadApart:
 
 
 def read_apart(sent: SentClip, settings: Settings) -> ReadApart | None:
-    """Read, check, encode and compress a clip and its files. None for an unexpected error: the importer, who reads the
-    clip then, meets the same, and says it in its own words."""
+    """Read, check, encode and compress a clip and its files.
+
+    Return None for an unexpected error: the importer then reads the clip, meets the same error, and reports it.
+    """
     files = {name: SourceFile(part.name, io.BytesIO(part.content), part.notices) for name, part in sent.parts.items()}
     rows: list[TrackRow] = []
     encoder = ClipEncoder(_Inline())

@@ -34,7 +34,7 @@ from mcml_service.storage.database import Database
 
 UNIT_OF = {metres: unit for unit, metres in reversed(list(UNITS.items()))}
 PROVENANCE = "provenance"
-"""The property that says, as JSON, from what a clip was made."""
+"""The property with the sources of a clip, as JSON."""
 
 
 def store_clip(

@@ -1,4 +1,4 @@
-"""Files stored as documents, with what was asked to be done with them, told in the words of the API."""
+"""Store uploaded files as documents, with the requested options; report in models of the API."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The store as a whole: backups, room, checks, what is removed for good."""
+"""The store as a whole: backups, disk space, checks, permanent deletion."""

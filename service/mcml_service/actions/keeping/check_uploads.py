@@ -43,7 +43,7 @@ def compare_all(tx: Transaction, settings: Settings) -> Iterator[Compared]:
         label = f"{name} ({uuid})"
         try:
             yield _compare(tx, key, uuid, label, settings)
-        # Whatever damaged rows lead to: the store has an answer for it, not a trace.
+        # Any error from damaged rows is reported as a fault, not as a traceback.
         except Exception as error:
             reason = str(error) if isinstance(error, McmlError) else "its rows cannot be read"
             yield Compared(key, label, faults=(reason,))

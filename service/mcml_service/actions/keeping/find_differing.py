@@ -1,4 +1,4 @@
-"""Documents whose interpretation would be another one if they were imported today, and what mends each."""
+"""Find documents that the current version would read differently, with the command that fixes each."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _NAMED = 3
 
 @dataclass(frozen=True)
 class Differing:
-    """what: reads otherwise. remedy: what mends it."""
+    """A difference. what: the part that is read differently. remedy: the command that fixes it."""
 
     id: str
     name: str
@@ -41,7 +41,7 @@ class Differing:
 
 @dataclass(frozen=True)
 class Looked:
-    """A document that was looked at, what differs in it, and why it could not be read, "" where it was."""
+    """A checked document, its differences, and the reason if it could not be read, else ""."""
 
     found: tuple[Differing, ...] = ()
     unread: str = ""
@@ -67,7 +67,7 @@ def look_for_differing(database: Database, project: str | None, go_on: Callable[
 
 
 def differing(tx: Transaction, stored: StoredDocument) -> Iterator[Differing]:
-    """What differs in a document."""
+    """Yield the differences of a document."""
 
     def describe(what: str, remedy: str) -> Differing:
         return Differing(stored.uuid, stored.name, what, remedy)
@@ -87,7 +87,7 @@ def differing(tx: Transaction, stored: StoredDocument) -> Iterator[Differing]:
         taken = [joint.source_name for joint in skeleton.joints if joint.source_name in labels]
         if taken:
             yield describe(f"angles, forces or the like are stored as markers: {_few(taken)}", again)
-            # All else that is guessed rests on them, and is guessed anew.
+            # All other guesses depend on them, and are made again.
             return
     if not len(skeleton):
         return

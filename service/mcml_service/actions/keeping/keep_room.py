@@ -13,7 +13,7 @@ from mcml_service.storage.history.pruning import Old
 
 @dataclass(frozen=True)
 class Prunable:
-    """What a prune frees: revisions of so many documents, and about how many bytes."""
+    """The effect of a prune: number of documents with deleted revisions, and approximate bytes."""
 
     documents: int
     revisions: int
@@ -21,9 +21,10 @@ class Prunable:
 
 
 def prune_history(database: Database, days: float, *, do: bool, author: str = "local") -> Prunable:
-    """Forget what documents were before the state that they had so many days ago. do: else only say what would go.
+    """Delete revisions of documents older than their state a number of days ago.
 
-    A document a transaction: others go on working, and a kill in between leaves each document whole.
+    do: if false, only report the effect. Each document has its own transaction: other work continues, and a crash in
+    between leaves each document complete.
     """
     limit = datetime.now(UTC) - timedelta(days=days)
     with database.read() as tx:
@@ -35,7 +36,7 @@ def prune_history(database: Database, days: float, *, do: bool, author: str = "l
 
 
 def forget_activity(database: Database, days: int) -> int:
-    """Forget events, and what was sent of them, that are older than so many days; how many events."""
+    """Delete events older than a number of days, with their webhook messages; return the number of events."""
     limit = datetime.now(UTC) - timedelta(days=days)
     before = limit.isoformat(timespec="milliseconds").replace("+00:00", "Z")
     with database.write() as tx:

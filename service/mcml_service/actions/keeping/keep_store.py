@@ -54,9 +54,9 @@ def upgrade(database: Database) -> Path | None:
 
 
 def _mend(before: str, tx: Transaction) -> None:
-    """Make what rows of an older store lack. Migrations change tables, today's program fills them.
+    """Fill in data that rows of an older store lack.
 
-    before: its version of the schema.
+    Migrations change tables, the current program fills them. before: its version of the schema.
     """
     if before < WITH_CHECKSUMS:
         seal_store(tx)

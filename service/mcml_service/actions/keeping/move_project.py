@@ -72,10 +72,10 @@ def _members(
 def import_project(
     database: Database, stream: BinaryIO, settings: Settings, author: str, name: str | None = None
 ) -> tuple[str, int]:
-    """Make a project of such a file: all of it, or nothing. (Its name, documents).
+    """Make a project from such a file, completely or not at all; return (its name, documents).
 
-    name: default as it was called. Authors of revisions come in as text. Ids that are taken here become others.
-    ConflictError where there is a project of that name; FormatError for what is no such file, LimitError.
+    name: by default the original name. Authors of revisions become text. Ids already in use are replaced. Raises
+    ConflictError if the project exists; FormatError for an invalid file, LimitError.
     """
     try:
         with zipfile.ZipFile(stream) as archive:
@@ -106,7 +106,7 @@ def import_project(
 
 
 class _Reading:
-    """What a zip holds, within the limits of zips."""
+    """The content of a zip, within the limits of zips."""
 
     def __init__(self, archive: zipfile.ZipFile, settings: Settings) -> None:
         self._archive = archive

@@ -1,4 +1,4 @@
-"""Documents removed for good, with all that only they needed: what would go, and the purge itself."""
+"""Remove documents permanently, with all data that only they need: preview and purge."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from mcml_service.xpath.library.disk.part_file import forget
 
 @dataclass(frozen=True)
 class Purgeable:
-    """A document as a purge finds it.
+    """A document that a purge can remove.
 
-    bytes: about how many it frees. deleted: when, None for one that is there. clips, results: (uuid, name) of what was
-    made from it and from others: these stay, and hold motion of it. own_results: how many were made from it alone.
+    bytes: approximate freed bytes. deleted: time of deletion, None for a document that is not deleted. clips, results:
+    (uuid, name) of objects made from it and from others: these stay, and contain its motion. own_results: number of
+    results made only from it.
     """
 
     uuid: str
@@ -59,12 +60,11 @@ def purge_documents(
     progress: Callable[[str], None] | None = None,
     cache_dir: str = "",
 ) -> int:
-    """Remove documents for good, and those whose purge was interrupted; answers how many. NotFoundError.
+    """Remove documents permanently, and those whose purge was interrupted; return their number.
 
-    cache_dir: where queries keep columns on disk, as the setting has it; those of what is purged go, too.
-
-    Each step is a short transaction, so others go on working; a kill in between leaves a document that no read sees,
-    and the next purge, or the next server that starts, goes on with it.
+    Raises NotFoundError. cache_dir: the folder of query columns on disk, from the settings; columns of purged documents
+    are removed too. Each step is a short transaction, so other work continues. A crash in between leaves a document
+    that is invisible to reads; the next purge, or the next server that starts, completes it.
     """
     for uuid in uuids:
         database.reserve.spend(lambda uuid=uuid: _begin(database, uuid, author))  # type: ignore[misc]

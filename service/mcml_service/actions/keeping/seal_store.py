@@ -1,4 +1,7 @@
-"""A store that had no checksums gets them. What differs from its kept uploads is told, and not read as if sound."""
+"""Add checksums to a store without them.
+
+Documents that differ from their uploaded files are reported, and marked as damaged.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +19,8 @@ log = logging.getLogger("mcml.store")
 def seal_store(tx: Transaction) -> None:
     """Write the checksums of all rows of a store that had none.
 
-    Before sums are written over what is there, it is compared with the uploads that are kept: what differs is told, and
-    marked, so that nobody reads it as if it were sound.
+    Before this, its content is compared with the uploaded files: differences are reported and marked, so that they are
+    not read as valid.
     """
     seal_rows(tx)
     for difference in compare_all(tx, Settings()):

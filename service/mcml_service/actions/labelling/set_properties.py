@@ -17,7 +17,7 @@ from mcml_service.storage.lists.filtering import DocumentFilter
 from mcml_service.storage.transaction import Transaction
 
 KEYS = ("document", "name")
-"""What the first column may be: ids of documents, or their names."""
+"""Allowed first columns: ids of documents, or their names."""
 
 _HEADING = re.compile(r"(?P<name>.+?)\s*(?:[(\[](?P<unit>[^()\[\]]*)[)\]])?\s*")
 
@@ -34,11 +34,11 @@ class Row:
 
 
 def parse_table(content: bytes) -> tuple[str, list[Row]]:
-    """What the first column is ("document" or "name"), and the rows of a table as CSV.
+    """Return the first column ("document" or "name"), and the rows of a CSV table.
 
     The first line names the columns: `document` or `name`, then properties, each with its unit in brackets:
     `name,age (year),height (cm)`. Commas, semicolons or tabs between cells; an empty cell leaves a property as it is;
-    a cell such as `172 cm` has a unit of its own. DocumentError with the line.
+    a cell such as `172 cm` has its own unit. Raises DocumentError with the line.
     """
     try:
         text = content.decode("utf-8-sig")

@@ -1,4 +1,4 @@
-"""Names of joints that a project adds: checked, kept, and changed by who knows the present version."""
+"""Joint names of a project: check, store, and change them with the current version."""
 
 from __future__ import annotations
 

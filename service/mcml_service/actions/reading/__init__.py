@@ -1,1 +1,1 @@
-"""Clips out of files and out of the store, and what is said of them."""
+"""Read clips from files and from the store, and describe them."""

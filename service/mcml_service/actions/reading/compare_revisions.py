@@ -1,4 +1,4 @@
-"""What differs between two revisions of a document: elements of the head, frames, labels, samples, poses."""
+"""Compare two revisions of a document: elements of the head, frames, labels, samples, poses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What cards show of documents beside their summaries: pictures, spans of motion names, passports."""
+"""Details of documents on cards: pictures, spans of motion names, passports."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def cards(tx: Transaction, documents: Sequence[StoredDocument], pictures: Pictur
 
 
 def passport(stored: StoredDocument, header: dict[str, str], joints: int, facts: dict[str, object]) -> Passport:
-    """header: what its header states. facts: what was guessed."""
+    """Return the passport of a document. header: values stated in its header. facts: guesses."""
     unit, up = header.get(UNIT), header.get(UP)
     guessed = {"unit": unit is None, "up": up is None, "rate": stored.seconds_per_frame is None}
     return Passport(

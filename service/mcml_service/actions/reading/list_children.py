@@ -56,7 +56,7 @@ def _below(element: Element, address: str) -> list[Child]:
 
 
 def _leaves(stored: StoredDocument) -> list[Child]:
-    """What stands in a motion before its frames."""
+    """Return the children of a motion before its frames."""
     leaves = [Child(f"{MOTION}/{FRAMES}", FRAMES, text=str(stored.frames))]
     if stored.frame_time is not None:
         leaves.append(Child(f"{MOTION}/{FRAMETIME}", FRAMETIME, text=stored.frame_time))

@@ -35,7 +35,7 @@ MOST_AT_IMPORT = 1000
 """Joints of a clip whose thumbnail is made while it is imported."""
 
 ASSUMED_RATE = 120.0
-"""Frames a second where nothing says how many: what most systems without a rate record at."""
+"""Frame rate in Hz if unknown: the usual rate of systems that do not state one."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def most_poses(head: ClipHead) -> int:
 
 
 def poses_of(head: ClipHead) -> Poses:
-    """What gathers the poses of a whole clip while it is imported."""
+    """Return an object that collects the poses of a whole clip while it is imported."""
     poses = Poses(head, max(1, int(_rate(head) / DENSE)))
     poses.full = len(head.skeleton) > MOST_AT_IMPORT
     return poses

@@ -1,4 +1,4 @@
-"""What happened since somebody last looked: revisions that were made, comments, jobs that went on."""
+"""Read news since the last read: new revisions, comments, progress of jobs."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from mcml_service.storage.transaction import Transaction
 from mcml_service.storage.work.jobs import StoredJob
 
 MOST_BEHIND = 10_000
-"""Commits that are told one by one; who has missed more reads anew."""
+"""Limit of commits reported one by one; clients that missed more must read everything again."""
 
 AT_A_TIME = 500
 CLOCKS_APART = 10.0
 """Seconds by which clocks of servers on one store may differ."""
 LABELLING = ("label", "unlabel")
 Told: TypeAlias = dict[str, tuple[str, str, float, bool]]
-"""State, stage, share and whether it shall end, of jobs by their ids."""
+"""State, stage, share and cancellation of jobs, by their ids."""
 
 
 @dataclass
 class News:
-    """What somebody knows. commit, event: the last ones that were told. time: since when jobs may have ended that were
-    not told.
+    """The position of a client in the news.
 
-    jobs: how each was that was told. missed: more happened than is told.
+    commit, event: the last reported ones. time: since which ended jobs may not have been reported. jobs: the last
+    reported state of each. missed: whether more happened than is reported.
     """
 
     commit: int
@@ -61,7 +61,7 @@ class News:
         ]
 
     def comments(self, tx: Transaction) -> list[ActivityEvent]:
-        """What was done with comments since, the oldest first, some hundred at a time."""
+        """Return events of comments since then, the oldest first, some hundred at a time."""
         newest = tx.activity.newest()
         if newest <= self.event:
             return []
@@ -71,7 +71,7 @@ class News:
 
     def find_changed_jobs(self, tx: Transaction) -> list[StoredJob]:
         """Jobs that are in another state than was told, or further."""
-        # Another server's clock may be behind, and what has ended is seen a little later.
+        # Another server's clock may be behind, and ended jobs become visible a little later.
         time, known = now(-timedelta(seconds=CLOCKS_APART)), self.jobs
         jobs = tx.jobs.active_or_ended_since(self.time)
         seen: Told = {job.uuid: (job.state, job.stage, job.share, job.cancel) for job in jobs}

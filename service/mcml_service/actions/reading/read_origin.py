@@ -1,7 +1,7 @@
-"""The point near which a document's motion lies: what positions are told from, so that short floats hold them.
+"""The origin of a document's positions: a point near its motion, so that 32-bit floats are precise enough.
 
-It belongs to a revision, whatever frames are asked: where the first bone is in frame 1. Of labelled points it is the
-first in the document's order that was seen in frame 1; (0, 0, 0) where none was, and where there are no frames.
+It belongs to a revision, not to the requested frames: the position of the first bone in frame 1. For labelled points it
+is the first in the document's order that is visible in frame 1; (0, 0, 0) if none is, and without frames.
 """
 
 from __future__ import annotations

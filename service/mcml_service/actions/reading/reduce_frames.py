@@ -1,7 +1,7 @@
-"""Least and greatest samples of channels over stretches of frames: what a curve of a whole clip is drawn from.
+"""Least and greatest samples of channels over frame ranges, for drawing curves of whole clips.
 
-Stretches of 256 frames and their multiples are answered from zone maps, where they lie as they were stored; all else is
-read. Both say the same.
+Ranges of 256 frames and their multiples are answered from zone maps, if their order is as stored; all others are read.
+Both give the same result.
 """
 
 from __future__ import annotations

@@ -1,5 +1,6 @@
-"""What of the library is most like a pose or a motion: of a stored document, of a file that is not stored, or of joints
-at positions."""
+"""Search the library for poses or motions similar to a given one: from a document, a file that is not stored, or
+positions of joints.
+"""
 
 from __future__ import annotations
 
@@ -38,8 +39,10 @@ MOST_READ = 100_000
 
 @dataclass(frozen=True)
 class Where:
-    """Which documents are looked in, for how many hits. apart: seconds between hits in one of them, None: 1, or what
-    the motion lasts."""
+    """The searched documents, and the number of hits.
+
+    apart: seconds between hits in one document, None: 1, or the length of the motion.
+    """
 
     documents: tuple[str, ...]
     project: str | None
@@ -92,7 +95,7 @@ def ask_positions(
 
 
 def find_alike(tx: Transaction, caches: Caches, asked: Asked, where: Where, limits: Limits) -> SearchAnswer:
-    """What is most like what is asked."""
+    """Find the most similar poses or motions."""
     lasts = len(asked.poses) * (asked.seconds or 0.0) if asked.moves else 1.0
     nearest = search(
         tx,

@@ -23,9 +23,9 @@ Pictures = dict[int, StoredThumbnail]
 def pictures_of(
     tx: Transaction, documents: Sequence[StoredDocument], seconds: float = LIST_SECONDS
 ) -> tuple[Pictures, list[tuple[StoredDocument, StoredThumbnail]]]:
-    """Pictures of documents, as far as there was time for them; and those of them that no store keeps yet.
+    """Return thumbnails of documents, as far as time allows, and those of them that are not stored yet.
 
-    One that cannot be read has none: what is wrong with it is told by whoever reads more of it.
+    A document that cannot be read has none: further reads of it report the error.
     """
     thumbnails = tx.thumbnails.of(documents)
     made: list[tuple[StoredDocument, StoredThumbnail]] = []

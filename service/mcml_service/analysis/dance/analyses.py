@@ -46,7 +46,7 @@ from mcml_service.analysis.pieces import each, spread_of
 
 
 def _search(parameters: BeatsParameters, document: str) -> Search:
-    """How one clip is read: the parameters, and what is known better about it."""
+    """Return the search options of one clip: the parameters, with corrections for the clip."""
     search = Search(
         smooth=parameters.smooth,
         difference=parameters.difference,
@@ -224,7 +224,7 @@ def _grid(parameters: DanceParameters) -> Array:
 
 
 def _check(parameters: BeatsParameters, documents: Sequence[str]) -> None:
-    """What is wrong with parameters whatever the clips are."""
+    """Check parameters independently of the clips."""
     named = [clip.document for clip in parameters.clips]
     if isinstance(parameters, DanceParameters):
         _grid(parameters)

@@ -114,7 +114,7 @@ def arc(start: Array, end: Array, t: Array) -> Array:
     divisor = np.where(near, 1.0, sine)
     before = np.where(near, 1.0 - t, np.sin((1.0 - t) * angle) / divisor)
     after = np.where(near, t, np.sin(t * angle) / divisor)
-    # Opposite signs of one rotation: no movement, whatever way around.
+    # Opposite signs of one rotation: no movement, in any direction.
     after = np.where(near & (cosine < 0), -after, after)
     between = before[..., None] * start + after[..., None] * end
     unit: Array = between / np.linalg.norm(between, axis=-1, keepdims=True)

@@ -1,4 +1,4 @@
-"""What counts of a body: joints without fingers, the points of a cloud, body size; and motions turned to Y up."""
+"""The figure of a body: joints without fingers, the points of a cloud, body size; and motions rotated to Y up."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Figure:
 
 
 def figure_of(skeleton: Skeleton, translations: Array) -> Figure:
-    """What counts of a skeleton; translations (F, J, 3) give markers, which have no bones, a size."""
+    """Return the figure of a skeleton; translations (F, J, 3) give the size for markers, which have no bones."""
     offsets = np.array([numbers(joint.offset) for joint in skeleton.joints])
     moved = np.array(
         [joint.parent < 0 or any(channel[0] == "T" for channel in joint.channels) for joint in skeleton.joints]

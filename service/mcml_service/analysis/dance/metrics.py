@@ -49,7 +49,7 @@ def watch(
     k3: float = 1.0,
     smooth: float = 0.04,
 ) -> Watched:
-    """What the metrics need of a motion: translations (F, J, 3), rotations (F, J, 4), Y up."""
+    """Return the data of a motion for the metrics: translations (F, J, 3), rotations (F, J, 4), Y up."""
     positions, _ = walked(figure.skeleton, translations, rotations)
     used = np.ascontiguousarray(positions[:, figure.used].transpose(1, 2, 0))
     speed, raw = mean_speed(used, fps, smooth), mean_speed(used, fps, 0.0)
@@ -136,7 +136,7 @@ def of_transition(watched: Watched, transition: Transition) -> dict[str, float |
 
 
 def mean_or_none(values: Array) -> float | None:
-    """The mean of what is a number; None where nothing is."""
+    """Return the mean of values that are not NaN; None if all are."""
     known = values[np.isfinite(values)]
     return float(known.mean()) if len(known) else None
 

@@ -50,8 +50,10 @@ class Candidates:
 
 @dataclass(frozen=True)
 class Period:
-    """A period that the beats may have. seconds: of a beat. strength: power of the bin of their spectrum, or what the
-    motion says (tempo.py)."""
+    """A possible period of the beats.
+
+    seconds: of a beat. strength: power of the bin of their spectrum, or the strength from the motion (tempo.py).
+    """
 
     seconds: float
     strength: float

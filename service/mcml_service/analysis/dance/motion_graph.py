@@ -19,7 +19,7 @@ from mcml_service.analysis.pieces import Spread
 Indices = NDArray[np.intp]
 Told = Callable[[float], None]
 _ROUNDING = 1e-9
-"""Of the mean square of coordinates: what rounding may do to `rough_squares`, with a wide margin."""
+"""Relative to the mean square of coordinates: bound of rounding errors of `rough_squares`, with a wide margin."""
 MOST_PIECES = 16
 LEAST_ROWS = 50
 """Of the bars from which jumps are looked for in a piece of the work: fewer would not pay for the way there."""
@@ -144,7 +144,7 @@ def nearest_jumps(
 
     ends, starts: (B, K, 3). natural: (B,) the bar that follows in the source, -1 if none: no jump. size: body size, in
     which distances are given. within: distances above it are left out. Memory O(B K + keep), never O(B^2).
-    Time O(B^2 K); what is surely too far by `rough_squares` is not looked at closely.
+    Time O(B^2 K); pairs that are certainly too far by `rough_squares` are not compared exactly.
     """
     shared = (ends, starts, weights, natural, (size, allow_repeat, keep, within))
     if spread is None:

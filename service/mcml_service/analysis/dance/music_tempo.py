@@ -1,7 +1,8 @@
-"""Which tempo music has, and how many beats its bars: every simple ratio of what was found, with how well it fits.
+"""Find the tempo of music and the beats of its bars: every simple ratio of the detected tempo, with the quality of its
+fit.
 
-Trackers take half or double the tempo, or three beats for two, and are as steady at it. So the beats at each ratio are
-told by an F-measure: how strong what is heard on the beats is, and how much of what is heard lies on beats.
+Trackers take half or double the tempo, or three beats for two, and are as steady at it. So each ratio is rated by an
+F-measure: the strength of the sound on its beats, and the share of the sound on beats.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ Track: TypeAlias = Callable[[float], Array]
 
 @dataclass(frozen=True)
 class Heard:
-    """What is heard begin: times (n,) in seconds, and how loud, (n,) at least 0."""
+    """Onsets of sounds: times (n,) in seconds, and loudness (n,), at least 0."""
 
     times: Array
     strengths: Array
@@ -122,7 +123,7 @@ def _reach(beats: Array) -> float:
 
 
 def _loudest(beats: Array, heard: Heard) -> Array:
-    """(n,) the loudest of what is heard at each beat, 0 where nothing is."""
+    """Return (n,) the loudest onset at each beat, 0 without one."""
     near = _reach(beats)
     first, last = np.searchsorted(heard.times, beats - near), np.searchsorted(heard.times, beats + near)
     return np.array([heard.strengths[start:other].max(initial=0.0) for start, other in zip(first, last, strict=True)])

@@ -1,4 +1,4 @@
-"""A way through the graph of bars: what constraints allow, the cheapest without dull loops, or a random one.
+"""Find a path through the graph of bars within constraints: the cheapest without repetitive loops, or a random one.
 
 Choi (2024) walks at random; the beam, its cost of repeats and the feasible sets: docs/analyses/dance.md.
 """
@@ -15,7 +15,7 @@ from mcml_service.analysis.dance.motion_graph import Edges, Indices
 
 WIDTH = 64
 REPEAT_COST = 1.0
-"""lambda: what a bar danced just before costs, in thresholds."""
+"""lambda: cost of repeating a recent bar, in thresholds."""
 FORGETTING = 0.8
 """rho: the part of that cost that is left after each further bar."""
 MAX_RUN = 4

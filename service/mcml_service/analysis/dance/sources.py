@@ -53,11 +53,12 @@ class Search:
 
 @dataclass(frozen=True)
 class Clip:
-    """A clip with its beats. motion: Y up. speed: (F,), units a second. detected: (n,) beats after refinement, frames
-    or between them.
+    """A clip with its beats.
 
-    period: seconds a beat that the bars are held to, None where unknown. peaks: what it may be, the likeliest first.
-    tempo: what the motion itself says of it; None where its beats or a person said it.
+    motion: Y up. speed: (F,), units a second. detected: (n,) beats after refinement, frames or between them.
+
+    period: seconds of a beat, used for the bars, None where unknown. peaks: its candidates, the likeliest first. tempo:
+    the tempo of the motion itself; None if the beats or a person decided it.
     """
 
     motion: Motion
@@ -99,7 +100,7 @@ def upright_clip(motion: Motion) -> Motion:
 
 
 def channels_of(motion: Motion) -> Array:
-    """What the tempo of a clip is found by, (3, n), of a motion with Y up."""
+    """Return the signals for the tempo of a clip, (3, n), for a motion with Y up."""
     figure = figure_of(motion.skeleton, motion.translations)
     return body_channels(figure, motion.translations, motion.rotations, motion.fps)
 
@@ -132,7 +133,7 @@ def read_clip(motion: Motion, search: Search, shared: Tempo | None = None) -> Cl
 def _tempo(
     motion: Motion, search: Search, detected: Array, shared: Tempo | None
 ) -> tuple[Tempo | None, tuple[Period, ...]]:
-    """What the motion says of its tempo, and the periods that it may have."""
+    """Return the tempo of the motion, and its possible periods."""
     if search.own_beats is not None or search.tempo == "paper":
         return None, tuple(periods(detected, len(motion), motion.fps))
     if search.source_bpm:

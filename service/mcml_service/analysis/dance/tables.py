@@ -22,7 +22,7 @@ from mcml_service.analysis.interface import Part
 SHOWN = 2000
 """Values of a curve in its data; all are in the arrays."""
 LISTED = 20_000
-"""Rows of a table; what is left out is counted."""
+"""Limit of rows in a table; omitted rows are counted."""
 MOST_JUMPS = 200_000
 """Of a graph, that another threshold can be tried on."""
 JUMP = 6.0
@@ -73,7 +73,7 @@ def clips_table(clips: Sequence[Clip]) -> Part:
 
 
 def warnings_table(texts: Sequence[str], clips: Sequence[Clip]) -> Part:
-    """Warnings, and what is doubtful of the tempi of clips; code: a word for programs, where there is one."""
+    """Return warnings, including doubts about the tempi of clips; code: an identifier for programs, if there is one."""
     tempi = {
         (code, f"{'All clips' if len({id(c.tempo) for c in clips}) < len(clips) else clip.motion.name}: {sentence}")
         for clip in clips
@@ -214,7 +214,7 @@ def graph_part(clips: Sequence[Clip], graph: BarGraph) -> Part:
 
 
 def graph_warnings(clips: Sequence[Clip], graph: BarGraph) -> list[str]:
-    """What a user should know of a graph."""
+    """Return warnings about a graph."""
     warnings = [
         f"{clip.motion.name}: the body jumps at frame {frame}, as after a pose of calibration; cut that off."
         for clip in clips

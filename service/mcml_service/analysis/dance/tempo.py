@@ -103,7 +103,7 @@ def body_channels(figure: Figure, translations: Array, rotations: Array, fps: fl
     translations, rotations = translations[first:], rotations[first:]
     every = max(1, round(fps / RATE))
     if abs(fps / RATE / every - 1) * len(rotations) < _DRIFT:
-        # Where a spline has its knots it is what it was made of.
+        # At its knots a spline equals the original values.
         translations, rotations, fps = translations[::every], rotations[::every], RATE
     frames = len(rotations)
     count = int((frames - 1) / fps * RATE + 1e-9) + 1

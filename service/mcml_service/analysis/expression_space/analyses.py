@@ -67,7 +67,7 @@ MILLIMETRE = 0.001
 
 
 def options_from(parameters: ExpressionParameters) -> Options:
-    """The options that parameters mean: what is not stated follows from the method."""
+    """Return the options for parameters; defaults depend on the method."""
     stated = {
         name: getattr(parameters, name)
         for name in ExpressionParameters.model_fields
@@ -189,7 +189,7 @@ def path(space: Stored, wish: ExpressionPathWish) -> Answer:
 
 
 def refine(space: Stored, wish: ExpressionRefinement) -> Answer:
-    """A finer version of the path of this result, or what is offered for one."""
+    """Return a refined version of the path of this result, or the options for one."""
     old = _path(space)
     number = space.check_level(wish.level)
     rule = wish.rule or space.values["method"]

@@ -30,8 +30,11 @@ STALE = 0.1
 
 @dataclass(frozen=True)
 class Placed:
-    """Frames laid into a space. near: (q, k) old frames nearest to each; apart: (q, k) mm. geodesics: (q, l) to what
-    the map was made of (all old frames, or landmarks). uncovered: share of the frames farther than tau from any."""
+    """Frames placed in a space.
+
+    near: (q, k) nearest existing frames of each; apart: (q, k) mm. geodesics: (q, l) to the base of the map (all
+    existing frames, or landmarks). uncovered: share of the frames farther than tau from any.
+    """
 
     near: NDArray[np.int32]
     apart: Array
@@ -65,10 +68,10 @@ def nearest_reduced(old: Array, new: Array, count: int) -> tuple[NDArray[np.int3
 def place_frames(
     near: NDArray[np.int32], apart: Array, chain: Array, geodesics: NDArray[np.float32], tau: float
 ) -> Placed:
-    """Distances of new frames to what the map was made of: over old neighbours, and along the take's own chain.
+    """Return distances of new frames to the base of the map: over existing neighbours, and along the take's own chain.
 
-    near, apart: (q, k). chain: (q - 1,) mm from each new frame to the next, infinite where a take ends. geodesics:
-    (l, n) of what the map was made of.
+    near, apart: (q, k). chain: (q - 1,) mm from each new frame to the next, infinite where a take ends. geodesics: (l,
+    n) of the base of the map.
     """
     coordinates = np.empty((len(near), len(geodesics)))
     for start in range(0, len(near), BLOCK):
@@ -84,7 +87,7 @@ def place_frames(
 
 
 def extend(parts: Parts, motions: Sequence[Motion], progress: Progress = silent) -> Parts:
-    """A space's parts with further takes; what was there stays where it is.
+    """Return a space's parts with further takes; existing frames keep their places.
 
     Raises AnalysisError `already-there`, `marker-sets-disjoint`, `not-finite`.
     """

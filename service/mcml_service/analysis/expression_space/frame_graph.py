@@ -54,7 +54,7 @@ class FrameGraph:
         return 2.0 * len(self.first) / max(self.frames, 1)
 
     def keep(self, frames: NDArray[np.bool_]) -> FrameGraph:
-        """The part of the graph among some frames, which are numbered anew."""
+        """Return the subgraph of some frames, which are renumbered."""
         number = np.cumsum(frames) - 1
         inside = frames[self.first] & frames[self.second]
         return FrameGraph(

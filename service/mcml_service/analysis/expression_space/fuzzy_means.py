@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mcml.motion.skeleton import Array
 
 BLOCK_BYTES = 1_000_000
-"""Memberships are made for so many bytes of frames at a time, what fits into a processor's cache, and never kept."""
+"""Bytes of frames for which memberships are computed at a time, to fit the processor's cache; they are never stored."""
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ def floyd(weights: Array) -> Array:
     edges = [*starts.tolist(), n]
     lengths = np.diff(edges)
     longest = np.maximum.reduceat(np.maximum.reduceat(paths, starts, axis=0), starts, axis=1)
-    # Any order of pivots is right. Those in the middle of everything first: what they shorten, others need not try.
+    # Any order of pivots is correct. Central ones come first: others need not try paths that these shorten.
     middle = np.add.reduceat(np.minimum(paths, _finite_most(paths)).mean(axis=1), starts) / lengths
     for block in np.argsort(middle, kind="stable").tolist():
         pivots = slice(edges[block], edges[block + 1])
@@ -54,7 +54,7 @@ def floyd(weights: Array) -> Array:
             inside = np.concatenate([[0], np.cumsum(lengths[blocks])[:-1]])
             longest[row, blocks] = np.maximum.reduceat(tile.max(axis=0), inside)
     for row in range(len(starts)):
-        # Blocks on the diagonal hold both halves; below them everything is the mirror of what is above.
+        # Blocks on the diagonal hold both halves; below them everything mirrors the part above.
         rows = slice(edges[row], edges[row + 1])
         paths[rows, rows] = np.minimum(paths[rows, rows], paths[rows, rows].T)
         paths[rows.stop :, rows] = paths[rows, rows.stop :].T

@@ -26,9 +26,11 @@ TRIED_PER_SEGMENT = 40
 
 @dataclass
 class Ground:
-    """What one walks on. plane: (n, 2). geodesics: (n, n), or None where they are found on demand and kept a while.
-    candidates, links: of each level; the links of a level with every frame are None: edges of the graph. Several
-    requests may walk at once."""
+    """The data for navigation.
+
+    plane: (n, 2). geodesics: (n, n), or None if they are computed on demand and cached. candidates, links: of each
+    level; the links of a level with every frame are None: edges of the graph. Several requests may use it at once.
+    """
 
     graph: FrameGraph
     plane: Array

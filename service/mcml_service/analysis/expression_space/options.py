@@ -1,4 +1,4 @@
-"""What a space is built with. `paper` and `robust` are two sets of values, not two programs."""
+"""Options of a space. `paper` and `robust` are two sets of values, not two programs."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def options_of(method: Literal["paper", "robust"] = "robust", **stated: Any) -> 
 
 
 def check_options(options: Options) -> None:
-    """Raises AnalysisError `marker-sets-disjoint` for markers that can be no space, whatever the takes are."""
+    """Raises AnalysisError `marker-sets-disjoint` for markers that cannot form a space, for any takes."""
     if 0 < len(set(options.markers)) < FEWEST_MARKERS:
         raise AnalysisError(
             "marker-sets-disjoint",

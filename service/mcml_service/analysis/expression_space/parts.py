@@ -1,4 +1,4 @@
-"""A space as the parts of a stored result: what operations need, and what people look at.
+"""A space as the parts of a stored result: data for operations, and data for people.
 
 A table has data `columns` (name, unit) and `rows`; a curve has `x` and `y` (name, unit) and arrays of these names.
 """

@@ -46,7 +46,10 @@ SHOWN_DIMENSIONS = (2, 3, 5, 10)
 
 @dataclass(frozen=True)
 class Reduced:
-    """What a large space has in place of all distances. states: (n, d). landmarks: (l,) frames. geodesics: (l, n)."""
+    """The data of a large space that replace all distances.
+
+    states: (n, d). landmarks: (l,) frames. geodesics: (l, n).
+    """
 
     basis: Basis
     states: Array
@@ -56,10 +59,13 @@ class Reduced:
 
 @dataclass(frozen=True)
 class Space:
-    """coordinates: (n, p) mm on the map. scaling: of all frames, or of the landmarks. geodesics: (n, n) in single
-    precision, None where there are landmarks. tau: mm. connecting: mm, the smallest threshold that joins all frames (or
-    all hubs and what they stand for, where there are landmarks). neighbourhoods: trustworthiness and continuity of the
-    plane. speed: mm of path per second in which faces were captured, three quarters of the frames slower."""
+    """coordinates: (n, p) mm on the map.
+
+    scaling: of all frames, or of the landmarks. geodesics: (n, n) in single precision, None with landmarks. tau: mm.
+    connecting: mm, the smallest threshold that joins all frames (or all hubs and their frames, with landmarks).
+    neighbourhoods: trustworthiness and continuity of the plane. speed: mm of path per second in which faces were
+    captured, three quarters of the frames slower.
+    """
 
     options: Options
     frames: Frames

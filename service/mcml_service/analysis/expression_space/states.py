@@ -40,7 +40,7 @@ def distances(states: Array, others: Array | None = None) -> Array:
     centre = np.where(np.isnan(right), 0.0, right).sum(axis=0) / np.maximum((~np.isnan(right)).sum(axis=0), 1)
     a, patterns_a, pattern_a = _fill(states, centre)
     b, patterns_b, pattern_b = (a, patterns_a, pattern_a) if square else _fill(right, centre)
-    # Sums of squares of one state over the pairs that the other has, by patterns of what is there.
+    # Sums of squares of one state over the pairs that the other has, by patterns of present values.
     squared = a @ b.T
     squared *= -2.0
     over_a = (a * a) @ patterns_b.T
@@ -74,7 +74,9 @@ def step_lengths(positions: Array) -> Array:
 
 
 def _fill(states: Array, centre: Array) -> Filled:
-    """States less the centre, 0 where missing; patterns (u, P) of what is there, 1.0 or 0.0; the pattern of each."""
+    """Return states minus the centre, 0 where missing; patterns (u, P) of present values, 1.0 or 0.0; the pattern of
+    each.
+    """
     gone = np.isnan(states)
     incomplete = np.flatnonzero(gone.any(axis=1))
     patterns, which = np.unique(gone[incomplete], axis=0, return_inverse=True)

@@ -21,7 +21,7 @@ from mcml_service.analysis.interface import AnalysisError, Part, Parts
 
 @dataclass(frozen=True)
 class Path:
-    """A walk with the level its keys were last taken from, its version, and what was lost of it."""
+    """A path with the level of its last keys, its version, and its lost keys."""
 
     walk: Walk
     level: int

@@ -17,7 +17,7 @@ from mcml_service.analysis.interface import AnalysisError, Motion
 
 MILLIMETRES = 1000.0
 FACE_MM = 70.0
-"""Mean distance of two markers of a grown-up's face: what an unknown unit is guessed by."""
+"""Mean distance of two markers of an adult's face, for guessing an unknown unit."""
 FEWEST_FRAMES = 12
 
 

@@ -1,4 +1,4 @@
-"""What thresholds do to a set of distances: geodesics of the graph that each makes."""
+"""Effects of thresholds on a set of distances: geodesics of the graph for each."""
 
 from __future__ import annotations
 
@@ -27,9 +27,12 @@ SHORTER = 2 / 3
 
 @dataclass(frozen=True)
 class Tried:
-    """What a threshold does. tau: mm. broken: share of the near pairs that are far on the graph. r, stress: of the
-    plane, over the frames of `spread` (nan where undefined). components: of the whole graph. giant: share of frames in
-    the largest. degree: mean number of neighbours. stretch: mean geodesic over mean straight distance."""
+    """The effect of a threshold.
+
+    tau: mm. broken: share of the near pairs that are far on the graph. r, stress: of the plane, over the frames of
+    `spread` (nan where undefined). components: of the whole graph. giant: share of frames in the largest. degree: mean
+    number of neighbours. stretch: mean geodesic over mean straight distance.
+    """
 
     tau: float
     broken: float
@@ -107,7 +110,7 @@ class Trials:
         return lengths
 
     def try_threshold(self, tau: float) -> Tried:
-        """What a threshold does."""
+        """Compute the effect of a threshold."""
         sizes = np.bincount(labels := self.parts(tau))
         giant = labels[self.spread] == sizes.argmax()
         ways = self.geodesics(tau, self.spread)

@@ -37,7 +37,7 @@ class Errors:
 
 @dataclass(frozen=True)
 class Ruler:
-    """What is compared. chain: joints from the root to the hand. offsets: (J, 3) of the template's body."""
+    """The compared quantities. chain: joints from the root to the hand. offsets: (J, 3) of the template's body."""
 
     phase_joint: int
     chain: tuple[int, ...]

@@ -51,7 +51,7 @@ class Ready:
 
 
 def options_from(parameters: ReachParameters) -> Options:
-    """The options that parameters mean: what is not stated follows from the method."""
+    """Return the options for parameters; defaults depend on the method."""
     stated: dict[str, Any] = {
         name: getattr(parameters, name) for name in ReachParameters.model_fields if name not in ("method", "subject")
     }

@@ -1,5 +1,5 @@
-"""A Gaussian radial basis with a polynomial, fitted through or near scattered examples, and what it predicts of each
-example without it.
+"""A Gaussian radial basis with a polynomial, fitted through or near scattered examples, and its prediction of each
+example from the others.
 
 y(x) = sum_j e_j exp(-|x - x_j|^2 / s^2) + c0 + C x, with sum_j e_j = 0 and sum_j e_j x_j^T = 0.
 """
@@ -98,7 +98,7 @@ def invert(x: Array, s: float, lam: float, degree: int) -> Inverse:
     """The inverse for centres (n, d); a condition of infinity, and no numbers, where there is none."""
     matrix = saddle(x, s, lam, degree)
     try:
-        # numpy's: scipy's warns of every ill-conditioned matrix, which is what the condition is for.
+        # numpy's: scipy's warns of every ill-conditioned matrix, and the condition is checked anyway.
         inverse = np.linalg.inv(matrix)
     except np.linalg.LinAlgError:
         return Inverse(np.full((len(x), len(matrix)), np.nan), np.inf)
@@ -132,7 +132,7 @@ def leavable(x: Array, degree: int, groups: Groups) -> Groups:
 
 
 def leave_out(inverse: Inverse, y: Array, groups: Groups) -> Array:
-    """What a blend of the others predicts for each group, (n, K); NaN for rows of no group.
+    """Return the prediction of each group by a blend of the others, (n, K); NaN for rows without a group.
 
     y_S - f_(-S)(x_S) = (B_SS)^-1 e_S, with B the block of the inverse saddle matrix and e = B y: no fit is repeated.
     """
@@ -150,7 +150,7 @@ def leave_out(inverse: Inverse, y: Array, groups: Groups) -> Array:
 
 
 def linear_left_out(x: Array, y: Array, degree: int, groups: Groups) -> Array:
-    """What the polynomial alone, fitted to the others by least squares, predicts for each group, (n, K)."""
+    """Return the prediction of each group by the polynomial alone, fitted to the others by least squares, (n, K)."""
     q, _ = np.linalg.qr(terms(x, degree))
     residual = y - q @ (q.T @ y)
     predicted = np.full(y.shape, np.nan)

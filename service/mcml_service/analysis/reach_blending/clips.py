@@ -23,16 +23,16 @@ RANGES: Mapping[str, tuple[float, float, str]] = {
     "height": (50.0, 250.0, "cm"),
     "hbp": (0.0, 2000.0, "mm"),
 }
-"""What can be, and in which unit, for attributes with a usual name."""
+"""Possible values and units of attributes with a usual name."""
 SIMILAR = 0.20
 """Of a bone: more than this and clips are warned of."""
 
 
 @dataclass(frozen=True)
 class Clip:
-    """A motion as far as the analysis uses it.
+    """The data of a motion that the analysis uses.
 
-    places: (J,) of the joints in the motion. subject: who moves; the document's id where nobody said. attributes: (A,).
+    places: (J,) of the joints in the motion. subject: the person; the document's id if unknown. attributes: (A,).
     speed: (F,) of the phase joint, rad/s. offsets: (J, 3) of each joint in its parent. moments: (J, 4, 4), see
     `second_moments`. arm: (F, 3) principal components of the joints from above the phase joint to the hand.
     """
@@ -256,7 +256,7 @@ def _same_joints(first: Motion, other: Motion, motions: Sequence[Motion]) -> Non
 
 
 def minority(kinds: Mapping[str, Hashable]) -> list[str]:
-    """Of documents and what they are, those that are not what most are: without them the others agree."""
+    """Return the documents whose kind differs from the most frequent one: without them the others agree."""
     usual = Counter(kinds.values()).most_common(1)[0][0]
     return [document for document, kind in kinds.items() if kind != usual]
 

@@ -1,4 +1,4 @@
-"""What a fitted model gets wrong: by the components it leaves out, and for clips and people it has not seen."""
+"""Errors of a fitted model: from omitted components, and for new clips and people."""
 
 from __future__ import annotations
 

@@ -89,7 +89,7 @@ class Fitted:
 
 
 def fit(motions: Sequence[Motion], options: Options, progress: Progress = silent) -> Fitted:
-    """The model of labelled motions, in whatever order they come.
+    """Fit the model of labelled motions, in any order.
 
     Raises AnalysisError with the names of docs/analyses/reach.md.
     """
@@ -212,9 +212,9 @@ def _metres(clips: Sequence[Clip]) -> float | None:
 
 
 def scarcity(names: Sequence[str], attributes: Array, subjects: Sequence[str] | None) -> list[tuple[str, str]]:
-    """(code, sentence) where the clips show an attribute at two values only, or two people.
+    """Return (code, sentence) if the clips have only two values of an attribute, or two people.
 
-    attributes: (N, A). subjects: who moves, (N,), None where nobody is told apart.
+    attributes: (N, A). subjects: people, (N,), None if unknown.
     """
     reasons = []
     for name, column in zip(names, attributes.T, strict=True):
@@ -283,7 +283,7 @@ def _examples(x: Array, options: Options, clips: Sequence[Clip]) -> list[list[in
 
 
 def _labels(clips: Sequence[Clip], options: Options) -> list[str] | None:
-    """Who moves in each clip, None where nobody is told apart."""
+    """Return the person in each clip, None if unknown."""
     subjects = [clip.subject for clip in clips]
     told = options.subject and any(clip.subject != clip.motion.document for clip in clips)
     return subjects if told and len(set(subjects)) > 1 else None

@@ -99,7 +99,7 @@ def cardinal_of(blend: Blend) -> Array:
 
 
 def to_time_values(times: Array, log_times: bool) -> Array:
-    """What is blended in place of times (N, 3) in base frames: log t1, log(t2 - t1), log(end - t2), or themselves.
+    """Return the blended values for times (N, 3) in base frames: log t1, log(t2 - t1), log(end - t2), or themselves.
 
     A clip whose reach begins at once counts as having half a frame of preparation.
     """
@@ -111,6 +111,6 @@ def to_time_values(times: Array, log_times: bool) -> Array:
 
 
 def from_time_values(values: Array, log_times: bool) -> Array:
-    """Times (q, 3) of blended values: with logarithms, in order whatever they are."""
+    """Return times (q, 3) from blended values: with logarithms, always in order."""
     times: Array = np.cumsum(np.exp(values), axis=1) if log_times else values
     return times

@@ -41,7 +41,9 @@ class MotionSpace(Protocol):
 
 @dataclass(frozen=True)
 class TangentSpace:
-    """log(ref^-1 q) of every joint and the root over L, sample by sample: R^((3 + 3 J) F0). What comes back is unit.
+    """log(ref^-1 q) of every joint and the root over L, sample by sample: R^((3 + 3 J) F0).
+
+    Decoded quaternions are normalised.
 
     reference: (J, 4). length: L, the longest bone, in the clip's unit.
     """

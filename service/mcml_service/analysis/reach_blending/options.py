@@ -1,4 +1,4 @@
-"""What a fit may be told, all of it explicit; the two methods are two sets of values."""
+"""Options of a fit, all explicit; the two methods are two sets of values."""
 
 from __future__ import annotations
 

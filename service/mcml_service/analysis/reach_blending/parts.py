@@ -1,4 +1,4 @@
-"""A fit as the parts of a stored result: the model, and what people look at.
+"""A fit as the parts of a stored result: the model, and data for people.
 
 A table has data `columns` (name, unit) and `rows`; a curve has `x` and `y` (name, unit) and arrays of these names.
 """

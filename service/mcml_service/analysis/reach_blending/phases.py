@@ -33,8 +33,8 @@ PAPER_SETTLED = 0.10
 class Phases:
     """t1: the reach begins. t2: it ends. end: the last frame used. peak: the greatest speed, at `peak_frame`.
 
-    flags: what had to be guessed: t1-from-threshold, no-preparation, t2-from-8-percent, t2-from-16-percent,
-    speed-never-settles, given.
+    flags: guesses: t1-from-threshold, no-preparation, t2-from-8-percent, t2-from-16-percent, speed-never-settles,
+    given.
     """
 
     t1: float

@@ -19,7 +19,7 @@ MOST_CURVES = 200
 
 
 def draw_fit(parts: Parts, figure: Figure) -> None:
-    """Four fields: variance, phases, attributes, errors of what was left out."""
+    """Draw four panels: variance, phases, attributes, errors of left-out clips."""
     fields = figure.subplots(2, 2)
     _variance(fields[0, 0], parts)
     _phases(fields[0, 1], parts)

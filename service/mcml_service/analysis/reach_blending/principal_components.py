@@ -28,11 +28,11 @@ class Components:
 def principal_components(
     data: Array, count: int, variance: float | None = None, *, fix_signs: bool = True, in_place: bool = False
 ) -> Components:
-    """The first components of rows (n, D).
+    """Return the first components of rows (n, D).
 
-    count: how many at most. variance: instead, as many as hold this share. At most min(n - 1, D) exist. Variances are
-    S^2 / n. The largest entry of each component is positive; without fix_signs its sign is what the library gives.
-    in_place: the rows may be spoiled, which spares a copy.
+    count: maximum number. variance: instead, as many as explain this share. At most min(n - 1, D) exist. Variances are
+    S^2 / n. The largest entry of each component is positive; without fix_signs it has the sign from the library.
+    in_place: the rows may be overwritten, which saves a copy.
     """
     mean = data.mean(axis=0)
     centred = np.subtract(data, mean, out=data if in_place else None)

@@ -33,9 +33,9 @@ class Selected:
     """n examples and the parameters of their blends.
 
     groups: the clips of each example. centres: (n, d). coefficients: (n, K). time_values: (n, 3). subjects: groups of
-    examples of one person, those that can be left out; None where nobody is told apart. alone: the same of each
-    example. neighbour: mean distance of different examples to the nearest. condition: of the saddle matrix. choice,
-    time_choice: what was tried, None where nothing was.
+    examples of one person, which can be left out; None if people are unknown. alone: the same of each example.
+    neighbour: mean distance of different examples to the nearest. condition: of the saddle matrix. choice, time_choice:
+    the tried values, None if there were none.
     """
 
     groups: list[list[int]]
@@ -98,9 +98,9 @@ def select(
     labels: Sequence[str] | None,
     options: Options,
 ) -> Selected:
-    """Examples of clips at x (N, d) with coefficients (N, K) and time values (N, 3), and what predicts best.
-
-    groups: clips of equal attributes. labels: who moves, (N,). Raises AnalysisError `too-few-examples`, `singular`.
+    """Select examples of clips at x (N, d) with coefficients (N, K) and time values (N, 3), and the parameters with the
+    best prediction. groups: clips of equal attributes. labels: people, (N,). Raises AnalysisError `too-few-examples`,
+    `singular`.
     """
     merged = options.duplicates == "mean" or (
         options.duplicates is None and (options.interpolate or options.lam == 0.0)

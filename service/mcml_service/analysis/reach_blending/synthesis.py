@@ -24,7 +24,7 @@ OFF_PLANE = 0.05
 
 @dataclass(frozen=True)
 class Wish:
-    """What is asked for. template: document whose body is used, None: the nearest clip's."""
+    """A request for a motion. template: document whose body is used, None: the nearest clip's."""
 
     attributes: Mapping[str, float]
     fps: float | None = None
@@ -37,10 +37,10 @@ class Wish:
 
 @dataclass(frozen=True)
 class Made:
-    """A made motion and what is known of it.
+    """A synthesised motion and its facts.
 
-    used: attributes after clamping. times: (3,) seconds. weights: (place of the clip, weight), the ten largest.
-    template: place of the clip whose body it has. in_gaps: names of attributes. warnings: (code, sentence).
+    used: attributes after clamping. times: (3,) seconds. weights: (index of the clip, weight), the ten largest.
+    template: index of the clip whose body it has. in_gaps: names of attributes. warnings: (code, sentence).
     """
 
     clip: MadeClip

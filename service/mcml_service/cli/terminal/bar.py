@@ -14,8 +14,9 @@ SECONDS_DRAWN = 0.1
 
 
 class Bar:
-    """A progress bar with count, speed and remaining time. doing: a word for the work. things: their name. The caller
-    draws it: with a drawing thread, imports could not fork.
+    """A progress bar with count, speed and remaining time.
+
+    doing: a word for the work. things: their name. The caller draws it: with a drawing thread, imports could not fork.
     """
 
     def __init__(self, doing: str, things: str = "files", *, disable: bool) -> None:

@@ -69,8 +69,10 @@ def make_changes(
     dry_run: Annotated[bool, Field(description="Report all errors and conflicts without changing anything")] = False,
     if_match: IfMatch = None,
 ) -> ChangesMade:
-    """All, or nothing. Values come first, then labels, then elements, then facts. A conflict has the old, the current
-    and the requested value (`details.conflicts`); `details.mergeable` lists the other changes.
+    """All, or nothing.
+
+    Values come first, then labels, then elements, then facts. A conflict has the old, the current and the requested
+    value (`details.conflicts`); `details.mergeable` lists the other changes.
     """
     edit = Edit(merge=merge, if_match=if_match)
     wanted = _read(call, id, changes, edit.base, tell=dry_run)

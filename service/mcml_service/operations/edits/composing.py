@@ -47,8 +47,9 @@ def retarget(call: Call, id: DocumentId, request: RetargetRequest, shown: Shown)
     {"application/x-ndjson": orjson.dumps(example_of(RetargetedOne)).decode() + "\n"},
 )
 def retarget_many(call: Call, request: RetargetMany) -> Content:
-    """The answer has one line for each document, sent as soon as it is done: the new document, or the problem. If the
-    client disconnects, the work stops; finished documents stay. With `preview` nothing is stored.
+    """The answer has one line for each document, sent as soon as it is done: the new document, or the problem.
+
+    If the client disconnects, the work stops; finished documents stay. With `preview` nothing is stored.
     """
     made = retarget_motion.retarget_many(call.database, call.queries, call.settings, request, call.author)
 

@@ -43,8 +43,9 @@ MOST_ELEMENTS = 10_000
 _ADDRESS = re.compile(
     r"/mcml/motion/frame\[[1-9]\d{0,8}\](?:/@id|/(?:frame_bone|motion_name)\[[1-9]\d{0,8}\](?:/@\w+)?)?"
 )
-"""An expression that can select only one node, and is its address: it needs no query. The edit checks that the node
-exists.
+"""An expression that can select only one node, and is its address: it needs no query.
+
+The edit checks that the node exists.
 """
 
 One = Annotated[

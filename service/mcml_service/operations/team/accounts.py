@@ -63,8 +63,9 @@ def list_accounts(call: Call) -> AccountList:
 
 
 def add_owner(call: Call, request: OwnerRequest) -> AccountView:
-    """The administrator of the server creates it while the repository has no owner. From then on requests need an
-    account or a token. Owners invite everybody else.
+    """The administrator of the server creates it while the repository has no owner.
+
+    From then on requests need an account or a token. Owners invite everybody else.
     """
     # Imported here: other operations hash nothing.
     from mcml_service.passwords import check_name, hash_password
@@ -111,8 +112,9 @@ def change_password(call: Call, change: PasswordChange) -> None:
 
 
 def invite(call: Call, request: InvitationRequest) -> InvitationMade:
-    """The link is for one person: choose a name and a password there. It is shown only once. Owners of a project can
-    invite to that project; new members see no other project.
+    """The link is for one person: choose a name and a password there.
+
+    It is shown only once. Owners of a project can invite to that project; new members see no other project.
     """
     if request.project is not None and request.role == "member":
         raise RequestError("In a project one is a reader, an editor or an owner.", remedy="Name one of these roles.")
@@ -143,8 +145,9 @@ def list_tokens(call: Call) -> TokenList:
 
 
 def add_token(call: Call, request: TokenRequest) -> TokenMade:
-    """The token belongs to the account that creates it, never has more rights, and ends with it. It is shown only once.
-    The first token ends anonymous access, so create an owner's account first.
+    """The token belongs to the account that creates it, never has more rights, and ends with it.
+
+    It is shown only once. The first token ends anonymous access, so create an owner's account first.
     """
     if SCOPES.index(request.scope) > SCOPES.index(call.scope):
         raise AccessError(

@@ -32,8 +32,10 @@ def list_activity(
         ),
     ] = None,
 ) -> ActivityPage:
-    """Lists events in projects that you can see. Events of accounts and tokens are visible to owners of the repository.
-    The server's settings limit the days for which events are kept.
+    """Lists events in projects that you can see.
+
+    Events of accounts and tokens are visible to owners of the repository. The server's settings limit the days for
+    which events are kept.
     """
     before = page.after(int)
     wanted = EventFilter(project, document, author, kind, since)

@@ -1,5 +1,6 @@
-"""Presence: people with an account who view or edit a document now. Visitors without an account, and tokens without
-a person, are not listed.
+"""Presence: people with an account who view or edit a document now.
+
+Visitors without an account, and tokens without a person, are not listed.
 """
 
 from __future__ import annotations

@@ -24,8 +24,9 @@ def list_shares(call: Call, project: InProject = None) -> ShareList:
 
 
 def add_share(call: Call, request: ShareRequest) -> ShareMade:
-    """Visitors with the link can play these documents, read their frames, and export them in the allowed formats. They
-    cannot see lists, history or uploaded files, or run queries. The link is shown only once.
+    """Visitors with the link can play these documents, read their frames, and export them in the allowed formats.
+
+    They cannot see lists, history or uploaded files, or run queries. The link is shown only once.
     """
     for name in request.formats:
         find_target(name)

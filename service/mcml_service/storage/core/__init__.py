@@ -1,1 +1,1 @@
-"""What all repositories stand on: tables, statements, checksums, dialects, a transaction. Knows none of them."""
+"""The base of all repositories: tables, statements, checksums, dialects, a transaction. It imports none of them."""

@@ -1,4 +1,4 @@
-"""What a database refuses, in words of ours: without its statements, which no user wrote."""
+"""Translate errors of databases, without SQL statements, which mean nothing to users."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from mcml_service.storage.core.seals import REMEDY
 
 @contextmanager
 def translate(dialect: Dialect) -> Iterator[None]:
-    """What the database refuses, as errors of ours: without its statements, which no user wrote."""
+    """Translate errors of the database to errors of this program, without SQL statements."""
     # Bulk inserts go to the driver itself, whose errors nobody has wrapped.
     driver = dialect.engine.dialect.loaded_dbapi
     try:

@@ -19,12 +19,12 @@ def new_uuid() -> str:
 
 
 def now(later: timedelta = timedelta()) -> str:
-    """The time as ISO 8601 in UTC, to the millisecond; or what it will be later."""
+    """Return the time as ISO 8601 in UTC, to the millisecond; or a later time."""
     return (datetime.now(UTC) + later).isoformat(timespec="milliseconds").replace("+00:00", "Z")
 
 
 def digest_of(secret: str) -> str:
-    """What is kept of a secret: random bytes need no salt."""
+    """Return the stored digest of a secret: random bytes need no salt."""
     return hashlib.sha256(secret.encode()).hexdigest()
 
 

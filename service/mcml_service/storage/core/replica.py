@@ -1,8 +1,8 @@
-"""A streaming replica of a PostgreSQL store: reads go there where it has all that the primary had when they began.
+"""A streaming replica of a PostgreSQL store: reads use it if it has everything that the primary had when they began.
 
-What a transaction of PostgreSQL sees is a snapshot, `xmin:xmax:in progress`: numbers of transactions. A replica that
-has replayed every transaction that the primary's snapshot shows is as good as the primary, whoever wrote them, and
-through whichever server. So each read asks both for theirs; where the replica lacks one, the primary is read.
+A transaction of PostgreSQL sees a snapshot, `xmin:xmax:in progress`: numbers of transactions. A replica that has
+replayed every transaction in the primary's snapshot is as good as the primary, for writes by any user through any
+server. So each read asks both for their snapshots; if the replica lacks a transaction, the primary is read.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ BYTES = 16 << 20
 ENOUGH = 2
 """The reserve is made where so many times its size are free."""
 TO_OPEN = 256 << 10
-"""What a store needs to be opened: SQLite makes two files beside it."""
+"""Disk space for opening a store: SQLite makes two files beside it."""
 Result = TypeVar("Result")
 
 
@@ -49,7 +49,10 @@ class Reserve:
                 part.unlink(missing_ok=True)
 
     def spend(self, operation: Callable[[], Result], room: int = BYTES) -> Result:
-        """What an operation that makes room gives. Where the disk is full it is done once more, with so many bytes."""
+        """Run an operation that frees disk space and return its result.
+
+        If the disk is full, release this many bytes and run it again.
+        """
         try:
             return operation()
         except SpaceError:

@@ -1,4 +1,4 @@
-"""What all tables share: names of constraints, types of columns, and two numbers that rows are made of."""
+"""Shared parts of all tables: names of constraints, types of columns, and two numbers used in rows."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ CHANNEL_ENDS = tuple(f"{end}_{channel}" for channel in CHANNELS for end in ("min
 
 
 def checksum(name: str = "checksum") -> Column[int]:
-    """Of what a row means (`mcml_service.storage.core.seals`)."""
+    """Return the column of a row's checksum (`mcml_service.storage.core.seals`)."""
     return Column(name, BigInteger)
 
 
@@ -33,9 +33,9 @@ COVERED = "covered"
 
 
 def cover(*columns: str, last: type[bytes | bool] | None = None) -> dict[str, Any]:
-    """What a table says of itself: which columns the checksum of a row covers, in this order.
+    """Return the metadata of a table: the columns that the checksum of a row covers, in order.
 
-    last: the type of the last one's values, where JSON has none for them, or databases have several.
+    last: the type of the last column's values, if JSON has none for them, or databases have several.
     """
     return {COVERED: (columns, last)}
 

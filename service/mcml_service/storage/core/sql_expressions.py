@@ -46,7 +46,7 @@ def _in_array(element: OneOf, compiler: SQLCompiler, **how: Any) -> str:
 
 
 class AsWritten(FunctionElement[str]):
-    """A text that is compared code point by code point, whatever language the database is set to."""
+    """A text that is compared code point by code point, with any locale of the database."""
 
     type = String()
     inherit_cache = True

@@ -79,7 +79,7 @@ class Prepared:
 
 
 class Statements:
-    """What can be asked of one connection. Values of parameters are given by name."""
+    """Statements on one connection. Parameters are passed by name."""
 
     def __init__(self, connection: Connection) -> None:
         self.connection = connection
@@ -148,7 +148,7 @@ class Statements:
         return int(self._execute(statement, values).rowcount)
 
     def damage(self, table: Table, row: Row) -> DamageError:
-        """Return the error for a row that has not its checksum. row: what its seal reads."""
+        """Return the error for a row with a wrong checksum. row: the columns that its seal reads."""
         return DamageError(f"The store is damaged: a row of {table.name!r}.", remedy=REMEDY)
 
     def _execute(self, statement: Executable | str, values: Any) -> CursorResult[Any]:

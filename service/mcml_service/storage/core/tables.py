@@ -36,8 +36,9 @@ store = Table(
     Column("name", String(32), primary_key=True),
     Column("value", Text, nullable=False),
 )
-"""What a program must agree with to read the rest (`mcml_service.storage.layout`); keys that are not given again; since
-when its history is whole."""
+"""Values that a program must match to read the store (`mcml_service.storage.layout`); retired keys; the commit since
+which the history is complete.
+"""
 
 project = Table(
     "project",
@@ -109,7 +110,7 @@ revision = Table(
     sqlite_with_rowid=False,
     info=cover("document", "number", "commit", "parent", "operation", "message", "name", "project"),
 )
-"""`name`, `project`: what the revision left in the row of the document, which has the present ones."""
+"""`name`, `project`: the values of the document after this revision; the row of the document has the current ones."""
 
 skeleton = Table(
     "skeleton",
@@ -152,8 +153,11 @@ content = Table(
     sqlite_with_rowid=False,
     info=cover("document", "skeleton", "version", "frames", "frame_time", "intact", last=bool),
 )
-"""What is one value a revision. `intact`: all that the source format holds is as it was uploaded, so an export in that
-format may answer the kept bytes."""
+"""Values with one entry for each revision.
+
+`intact`: everything that the source format can hold is unchanged, so an export in that format may return the uploaded
+bytes.
+"""
 
 header = Table(
     "header",
@@ -295,8 +299,9 @@ track = Table(
 `data_checksum` is that of the data, `checksum` of all else."""
 
 CLOSED_TRACK = track.c.to_commit < literal_column(str(CURRENT))
-"""What a query must say, word for word, to find tracks of the past by `to_commit` without reading all: the index holds
-those alone, so an import writes nothing into it."""
+"""The exact condition with which a query finds past tracks by `to_commit` with the partial index: it has only past
+tracks, so an import writes nothing into it.
+"""
 Index("ix_track_closed", track.c.document, track.c.to_commit, sqlite_where=CLOSED_TRACK, postgresql_where=CLOSED_TRACK)
 
 thumbnail = Table(
@@ -309,7 +314,10 @@ thumbnail = Table(
     checksum(),
     info=cover("document", "revision", "facts", "data", last=bytes),
 )
-"""`data`: as `mcml.motion.pictures.thumbnails` says; empty: nothing can be drawn. `facts`: JSON, what was guessed."""
+"""`data`: in the format of `mcml.motion.pictures.thumbnails`; empty: nothing can be drawn.
+
+`facts`: JSON, the guesses.
+"""
 
 body = Table(
     "body",
@@ -322,7 +330,7 @@ body = Table(
     checksum(),
     info=cover("document", "revision", "block", "facts", "data", last=bytes),
 )
-"""`data`: positions of joints, as `storage.steps` says. `facts`: JSON of block 0, what is known beside them."""
+"""`data`: positions of joints, in the format of `storage.steps`. `facts`: JSON of block 0, the calibration."""
 
 upload = Table(
     "upload",

@@ -22,18 +22,18 @@ from mcml_service.storage.core.views import WHOLE, View
 _NEWEST_COMMIT = Prepared(select(func.coalesce(func.max(tables.commit.c.number), 0)))
 
 LATEST = CURRENT - 1
-"""Read at this commit to see what is current."""
+"""Read at this commit to see the current state."""
 
 
 COMMAND_LINE: Final = "command line"
-"""Where somebody comes from who opens the store itself."""
+"""Origin of a process that opens the store itself."""
 
 
 class BaseTransaction(Statements):
     """A read or write transaction on one connection.
 
-    at: the commit whose state is read; `LATEST` by default, and always in write transactions. view: what whoever has it
-    sees and may change. author: whose changes they are. origin: from where they come.
+    at: the commit whose state is read; `LATEST` by default, and always in write transactions. view: the visible
+    documents and rights of the user. author: author of changes. origin: address of the client.
     """
 
     def __init__(
@@ -72,8 +72,8 @@ class BaseTransaction(Statements):
     @property
     def commit(self) -> int:
         """The number of this write transaction, taken when first asked for; later writers wait from then on."""
-        # Not a cached_property: before Python 3.12 that holds one lock for all transactions while it computes, and
-        # who waits in it for the database's lock would stop the transaction that has it, for ever.
+        # Not a cached_property: before Python 3.12 that holds one lock for all transactions while it computes, and a
+        # thread waiting in it for the database's lock would block the transaction that has the lock, forever.
         if self._commit is not None:
             return self._commit
         author = self.author
@@ -88,7 +88,7 @@ class BaseTransaction(Statements):
 
     def newest_commit(self) -> int:
         """The number of the last commit that this transaction sees, 0 in an empty store."""
-        # What a transaction that reads sees does not change.
+        # The state that a read transaction sees does not change.
         if self._newest is None or self._author is not None:
             self._newest = int(self.fetch_value(_NEWEST_COMMIT))
         return self._newest
@@ -129,10 +129,10 @@ class BaseTransaction(Statements):
 
     @contextmanager
     def gathering(self) -> Iterator[None]:
-        """What many rows are given meanwhile is written at the end, one statement a table.
+        """Collect inserted rows and write them at the end, with one statement for each table.
 
-        A statement takes as long as some ten rows. Until then nothing that is read holds these rows; `insert_row`
-        inserts at once, so that they may refer to its keys.
+        A statement takes as long as some ten rows. Until then reads do not see these rows. `insert_row` inserts at
+        once, so that they can refer to its keys.
         """
         self._gathered = {}
         try:

@@ -1,4 +1,4 @@
-"""What is valid at a commit: the conditions that every statement shares.
+"""Validity of rows at a commit: the conditions that every statement shares.
 
 Where no commit is named, it is the parameter `at` of a statement that is made once (`statements.Prepared`).
 """

@@ -1,5 +1,8 @@
-"""Which projects somebody sees, and what they may do there. A transaction knows whose it is: what they may not see is
-not there, and what they may not change is refused where it would be written."""
+"""Visible projects of a user, and the user's rights in them.
+
+A transaction knows its user: invisible data is missing from all reads, and forbidden changes are refused when they
+would be written.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from sqlalchemy import ColumnElement, false, true
 from mcml_service.storage.core.tables import document
 
 SCOPES: Final = ("read", "edit", "own", "operate")
-"""What one may do, each with those before it: see, change, decide about a project, keep the repository."""
+"""Scopes of rights, each including the ones before it: see, change, manage a project, maintain the repository."""
 
 
 def least(*scopes: str | None) -> str | None:
@@ -34,9 +37,12 @@ def greatest(*scopes: str | None) -> str | None:
 
 @dataclass(frozen=True)
 class View:
-    """everywhere: the scope in every project, None for none. projects: (key, scope) of those in which it is another.
-    limited: to these, whatever else is given to whoever it is (a token of some projects). documents: ids of those that
-    alone are seen there, None for all."""
+    """The access of a user.
+
+    everywhere: the scope in every project, None for none. projects: (key, scope) of projects with another scope.
+    limited: only these projects, regardless of other rights of the user (a token of some projects). documents: ids of
+    the only visible documents, None for all.
+    """
 
     everywhere: str | None = SCOPES[-1]
     projects: frozenset[tuple[int, str]] = frozenset()
@@ -80,7 +86,7 @@ class View:
 
 
 WHOLE: Final = View()
-"""Of who keeps the repository, and of programs that work on it by themselves."""
+"""The view of administrators, and of automatic processes."""
 
 
 def is_seen(view: View, project: ColumnElement[int] | Any = document.c.project) -> ColumnElement[bool]:

@@ -1,1 +1,1 @@
-"""Documents: their heads, tracks, labels, files and what is derived of them."""
+"""Documents: their heads, tracks, labels, files and derived data."""

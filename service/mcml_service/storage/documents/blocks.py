@@ -21,8 +21,11 @@ Column: TypeAlias = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """All tracks over one chunk of a document. columns: what each row of the values is; values: (columns, frames), NaN
-    where a track ends before others do."""
+    """All tracks over one chunk of a document.
+
+    columns: bone and channel of each row of the values; values: (columns, frames), NaN where a track ends before
+    others.
+    """
 
     columns: tuple[Column, ...]
     values: Array
@@ -60,9 +63,9 @@ def side_by_side(tracks: Sequence[tuple[int, int, int, int, bytes]]) -> Block:
 def gathered(
     stretches: Sequence[Stretch], frames: int, columns: Sequence[Column] = ()
 ) -> tuple[Array, tuple[Column, ...]]:
-    """(the samples (frames, columns), NaN where there is none, and what the columns are).
+    """Return (the samples (frames, columns), NaN where there is none, and the columns).
 
-    columns: those that there are in any case, in this order; others that occur follow.
+    columns: those that are always present, in this order; others follow.
     """
     layouts = [stretch.block.columns for stretch in stretches]
     different = [layout for layout in dict.fromkeys((tuple(columns), *layouts)) if layout]
@@ -76,7 +79,7 @@ def gathered(
         some = _choose(stretch)
         rows, order = stretch.places, _order(layout, whole)
         if isinstance(rows, slice):
-            # Row by row of what is read: turned round as a whole, 256 numbers apart, it takes twice as long.
+            # Transpose row by row: a transpose of the whole array, with a stride of 256 numbers, takes twice as long.
             values[rows].T[order] = some
         else:
             values[rows[:, None], order] = some.T

@@ -1,5 +1,7 @@
-"""Bodies of documents in space, by the revision that they are of: where joints are, and what is known of the clip. They
-can be derived again at any time; what is damaged counts as not there."""
+"""Bodies of documents in space, by revision: the positions of joints, and the calibration of the clip.
+
+They can be derived again at any time; damaged ones are treated as missing.
+"""
 
 from __future__ import annotations
 
@@ -68,8 +70,8 @@ class Bodies:
         self._tx = tx
 
     def add(self, made: Sequence[tuple[AtRevision, StoredBody]]) -> None:
-        """Keep bodies of revisions, in the place of what was kept of them."""
-        # Another process may derive the same: who waits for it finds what it made.
+        """Store bodies of revisions, replacing existing ones."""
+        # Another process may derive the same: after waiting for it, its result is used.
         self._tx.order()
         there = _DERIVED.of(self._tx, {revision_of.key: revision_of.revision for revision_of, _ in made})
         for revision_of, _ in made:

@@ -50,7 +50,7 @@ KEYS_AT_A_TIME = 10_000
 
 
 class Listed(NamedTuple):
-    """A document at one revision: what a query needs to know of every one it is asked of."""
+    """A document at one revision: the data that a query needs for every document in its scope."""
 
     key: int
     uuid: str
@@ -189,7 +189,9 @@ class Columns:
         return sorted(set(self._tx.fetch_column(_CHANGED, {"number": number})))
 
     def commit_facts(self, number: int) -> str:
-        """What tells a commit from the one of the same number in another store, "" where there is none."""
+        """Return the data that distinguish a commit from the one with the same number in another store, "" if there
+        is none.
+        """
         row = self._tx.fetch_one(_COMMIT, {"number": number})
         return "" if row is None else " ".join(map(str, row))
 

@@ -1,4 +1,4 @@
-"""Words for rows that are not what was written: which document, which bone, which frames."""
+"""Describe damaged rows: document, bone, frames."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _WHAT = {
 
 
 def describe_damage(tx: BaseTransaction, table: Table, row: tuple[Any, ...]) -> DamageError:
-    """The error for a row that has not its checksum. row: what its seal reads."""
+    """Return the error for a row with a wrong checksum. row: the columns that its seal reads."""
     values = dict(zip((column.name for column in SEALS[table].read), row, strict=True))
     part = _WHAT.get(table.name, f"a row of {table.name!r}")
     if table is tables.span:

@@ -1,4 +1,4 @@
-"""What is derived of documents and kept by revision: which of it still shows a later revision."""
+"""Derived data of documents, stored by revision: find the data that is still valid for a later revision."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which documents there are `at` a commit, and what is told of them: statements that are made once."""
+"""Prepared statements for the documents `at` a commit and their facts."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mcml_service.storage.core.validity import AT, is_imported, there, valid
 CONTENT = tuple(
     column.name for column in content.c if not column.primary_key and column.name not in ("to_commit", "checksum")
 )
-"""What is one value of a document a revision."""
+"""Values with one entry for each revision of a document."""
 
 _NEWEST = (
     select(func.max(revision.c.number))

@@ -1,4 +1,4 @@
-"""Documents and their revisions: what exists, since when, in which state."""
+"""Documents and their revisions: existence, times, states."""
 
 from __future__ import annotations
 
@@ -153,9 +153,11 @@ class Documents:
         self._quotas.require_room(project_key)
 
     def write_content(self, key: int, from_commit: int, **given: Any) -> None:
-        """Set values that a document has once a revision, by the columns of `content`; the others stay. The last call
-        in a transaction wins, and what they are already is not written again: an edit of one value after another
-        touches three pages less. given: all of them where `from_commit` is 0, of an import."""
+        """Set values of a revision, by the columns of `content`; others do not change.
+
+        The last call in a transaction wins, and equal values are not written again: an edit of one value after another
+        touches three pages less. given: all values if `from_commit` is 0, for an import.
+        """
         if from_commit:
             current = (content.c.document == key, content.c.to_commit == CURRENT)
             (row,) = self._tx.fetch_all(select(*_CONTENT).where(*current))
@@ -168,8 +170,10 @@ class Documents:
         self._tx.insert_rows(content, [{"document": key, "from_commit": from_commit, "to_commit": CURRENT, **given}])
 
     def add_revision(self, stored: StoredDocument, operation: str, message: str = "") -> int:
-        """Note that this transaction made a revision; returns its number. The caller checked `stored` is newest.
-        AccessError for who may not change the document."""
+        """Record a revision made by this transaction; return its number.
+
+        The caller has checked that `stored` is the newest. Raises AccessError without the right to change the document.
+        """
         self.require(stored.key)
         number = stored.revision + 1
         values = (stored.key, number, self._tx.commit, stored.revision, operation, message)
@@ -237,14 +241,14 @@ class Documents:
 
     def places(self, wanted: DocumentFilter, order: Order, after: Place | None, limit: int, offset: int) -> list[Place]:
         """Where the same stand."""
-        # Which ones first: to ask what is told of all, before they are put in order, takes most of the time.
+        # Select the documents first: reading facts of all documents before sorting takes most of the time.
         value = value_in(order.column, self._tx)
         query = order_rows(select_wanted(value, wanted, self._tx), value, order, after)
         query = query.add_columns(document.c.name, document.c.id).limit(limit).offset(offset)
         return [Place(*row) for row in self._tx.fetch_all(query)]
 
     def get_many(self, keys: list[int]) -> list[StoredDocument]:
-        """What is told of documents, in this order; deleted ones too."""
+        """Return facts of documents, in this order; including deleted ones."""
         rows = self._tx.fetch_all(_prepare_summaries(past=self._past), {"at": self._tx.at, "keys": keys})
         place = {key: number for number, key in enumerate(keys)}
         return sorted(map(_to_document, rows), key=lambda stored: place[stored.key])
@@ -307,7 +311,7 @@ class Documents:
         self._change(key, deleted_commit=number)
 
     def _change(self, key: int, **values: Any) -> None:
-        """Give the row of a document other values. DamageError where it is not what was written."""
+        """Change values in the row of a document. Raises DamageError if it is damaged."""
         (held,) = self._tx.fetch_all(_WHOLE, {"key": key})
         row = dict(zip(SEALS[document].columns, held, strict=True)) | values
         self._tx.run(

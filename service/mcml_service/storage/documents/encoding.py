@@ -66,7 +66,7 @@ def decompress_into(data: bytes, into: Array, codec: int) -> None:
 
 
 TrackRow: TypeAlias = tuple[Any, ...]
-"""A row of `track` without document and commits: what stands in TRACK_COLUMNS."""
+"""A row of `track` without document and commits: the columns TRACK_COLUMNS."""
 
 TRACK_COLUMNS: Final = (
     *("chunk", "bone", "count", "channels", "has_missing", "codec", "data"),

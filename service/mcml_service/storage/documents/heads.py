@@ -136,7 +136,7 @@ class Heads:
         wanted = {"project": project_key, "hash": made.hash}
         rows = self._tx.fetch_all(_EQUAL_SKELETON, wanted)
         if not rows:
-            # Another import may be storing an equal one: who waited for it finds it.
+            # Another import may be storing an equal one: after waiting for it, its row is used.
             self._tx.order()
             rows = self._tx.fetch_all(_EQUAL_SKELETON, wanted)
         if rows:

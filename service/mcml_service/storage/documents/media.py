@@ -33,7 +33,7 @@ class MediaOfDocuments:
         self._uploads = uploads
 
     def of(self, document_key: int) -> StoredMedia | None:
-        """What a document carries, None for nothing."""
+        """Return the reference file of a document, None if it has none."""
         own = document_media.c
         query = (
             select(own.file_name, own.media_type, own.offset, upload.c.size, upload.c.sha256, own.upload)
@@ -44,7 +44,7 @@ class MediaOfDocuments:
         return StoredMedia(*rows[0]) if rows else None
 
     def put(self, document_key: int, key: int, file_name: str, media_type: str, offset: float) -> None:
-        """Let a document carry an upload, in the place of what it carried. AccessError."""
+        """Attach an upload to a document, replacing an existing file. Raises AccessError."""
         self._remove(document_key)
         row = {"document": document_key, "upload": key, "file_name": file_name, "media_type": media_type}
         self._tx.insert_rows(document_media, [row | {"offset": offset}])

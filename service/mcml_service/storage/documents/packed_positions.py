@@ -25,7 +25,7 @@ _HEAD = struct.Struct("<III")
 
 @cache
 def _config() -> ChunkConfig:
-    # Bodies move on as they moved: what is left of a place after twice the last one less the one before is least.
+    # Movement is smooth: the residual after linear extrapolation from the last two positions is smallest.
     return ChunkConfig(compression_level=6, delta_spec=DeltaSpec.try_consecutive(2), mode_spec=ModeSpec.classic())
 
 

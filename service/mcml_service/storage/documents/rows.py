@@ -16,7 +16,7 @@ from mcml.language.elements import Element
 ELEMENT_COLUMNS: Final = ("pre", "size", "level", "tag", "attributes", "text")
 
 ElementRow: TypeAlias = tuple[int, int, int, str, str, str]
-"""What stands in ELEMENT_COLUMNS."""
+"""The columns ELEMENT_COLUMNS."""
 
 
 def to_rows(forest: Sequence[Element], level: int) -> list[ElementRow]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 
 def intersection(one: Sequence[tuple[int, int]], other: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
-    """What two lists of ascending, disjoint ranges (first, last) have in common, as such a list."""
+    """Return the intersection of two lists of ascending, disjoint ranges (first, last), as such a list."""
     result: list[tuple[int, int]] = []
     i = j = 0
     while i < len(one) and j < len(other):

@@ -1,4 +1,4 @@
-"""Motion names as spans of frames, indexed by name: what makes `//frame[motion_name='…']` cheap."""
+"""Motion names as spans of frames, indexed by name, which makes `//frame[motion_name='…']` cheap."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class Spans:
         return ranges
 
     def _find_named(self, names: list[str], documents: list[int] | None) -> Iterable[Any]:
-        # One name, in all documents or one, is what is asked most.
+        # The most frequent query is for one name, in all documents or one.
         if len(names) == 1 and documents is None:
             return self._tx.fetch_all(_OF_ONE_NAME, {"name": names[0], "at": self._tx.at})
         if len(names) == 1 and documents is not None and len(documents) == 1:

@@ -22,7 +22,7 @@ _DERIVED = DerivedRows(thumbnail)
 
 @dataclass(frozen=True)
 class StoredThumbnail:
-    """data: the picture, empty where there is nothing to draw. facts: what was guessed of the clip meanwhile."""
+    """data: the picture, empty if there is nothing to draw. facts: guesses about the clip."""
 
     data: bytes
     facts: dict[str, Any]

@@ -53,7 +53,8 @@ class Piece:
 _TRACK_ROW = ("document", "from_commit", "to_commit", *TRACK_COLUMNS)
 _FIRST, _LAST = bindparam("first", type_=BigInteger), bindparam("last", type_=BigInteger)
 
-# Made once: to make a statement takes longer than to run a short one. Each gives what touches first to last.
+# Prepared once: building a statement takes longer than running a short one. Each returns rows that overlap first to
+# last.
 _PIECES = Prepared(
     select(timeline.c.first, timeline.c.slot, timeline.c.count)
     .where(of_document(timeline), timeline.c.first <= _LAST, timeline.c.first + timeline.c.count > _FIRST)

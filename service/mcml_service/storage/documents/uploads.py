@@ -65,7 +65,7 @@ def compress_block(data: bytes) -> bytes:
 
 
 class _Compressors(threading.local):
-    """A compressor for each thread: its tables are too large to be made anew for each short file."""
+    """A compressor for each thread: its tables are too large to be allocated for each short file."""
 
     def __init__(self) -> None:
         self.one = zstandard.ZstdCompressor(level=1)

@@ -1,1 +1,1 @@
-"""Revisions, and what of the past is let go."""
+"""Revisions, pruning and purging."""

@@ -57,7 +57,10 @@ class Pruning:
         return int(rows[0][0]) if rows else 0
 
     def require_whole_since(self, commit: int) -> None:
-        """NotFoundError where something was pruned or purged since it was so: what is read further would lack it."""
+        """Check that nothing was pruned or purged since a commit: otherwise further reads would lack data.
+
+        Raises NotFoundError.
+        """
         if self.whole_since() != commit:
             raise NotFoundError(
                 "Some data read before has been purged or pruned since.",

@@ -1,4 +1,4 @@
-"""Documents removed for good: all their rows, whatever revision needs them, in small steps that a kill cannot spoil.
+"""Remove documents permanently: all their rows of all revisions, in small steps that survive a crash.
 
 A document that is being purged is in the state `purging`, which no read sees; the last step removes its own row.
 """
@@ -44,7 +44,7 @@ PROVENANCE = "provenance"
 
 @dataclass(frozen=True)
 class Held:
-    """What a document holds. bytes: of its tracks and of the files that no other document came from."""
+    """The data of a document. bytes: of its tracks and of files that no other document uses."""
 
     revisions: int
     bytes: int
@@ -136,7 +136,7 @@ class Purging:
         return True
 
     def finish(self, key: int, uuid: str) -> None:
-        """Remove all other rows, and what only this document needed: files, skeletons, results, ended jobs."""
+        """Remove all other rows, and data that only this document needed: files, skeletons, results, ended jobs."""
         self._tx.dialect.retire_keys(self._tx.connection)
         _, _, own = self.find_made_from(uuid)
         for number in own:

@@ -1,4 +1,4 @@
-"""The history of documents: what made each revision, when, and whose it is."""
+"""The history of documents: operation, time and author of each revision."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What there is among documents, with counts: what a list can be narrowed by."""
+"""Facets of documents: values by which a list can be filtered, with counts."""
 
 from __future__ import annotations
 

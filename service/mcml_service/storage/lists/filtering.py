@@ -25,7 +25,7 @@ Range: TypeAlias = tuple[float | None, float | None]
 DESCRIPTION, FILE, RATE = "description", "filename", "dataframe_rate"
 """Elements of headers."""
 
-# Of a name of a file not its ending, which says a format: what rtrim takes away is all but dots.
+# A file name without its ending, which is a format: rtrim removes everything except dots.
 _STEM = func.rtrim(header.c.text, func.replace(header.c.text, ".", ""))
 IS_SAID = or_(header.c.tag == DESCRIPTION, header.c.tag == FILE)
 SAID = case((and_(header.c.tag == FILE, header.c.text.contains(".")), _STEM), else_=header.c.text)
@@ -125,7 +125,9 @@ def filter_documents(query: Select[Any], wanted: DocumentFilter, tx: BaseTransac
 
 
 def _has_word(word: str, tx: BaseTransaction) -> ColumnElement[bool]:
-    """Whether a word occurs in what is said of a document: its name, description, file, properties, motion names."""
+    """Return the condition that a word occurs in the texts of a document: name, description, file, properties,
+    motion names.
+    """
     described = select(header.c.document).where(IS_SAID, _holds(SAID, word), tx.valid(header))
     having = select(property_.c.document).where(func.length(property_.c.text) <= SHORT, _holds(property_.c.text, word))
     named = select(span.c.document).where(_holds(span.c.name, word), tx.valid(span))
@@ -164,6 +166,8 @@ def seconds(at: Commit = AT) -> ColumnElement[float]:
 
 
 def _number(text: Any) -> ColumnElement[Any]:
-    """A text as a number above 0; NULL for one that databases might refuse to read, and for what is not above 0."""
+    """Return a text as a number above 0; NULL for texts that databases might refuse to convert, and for numbers not
+    above 0.
+    """
     plain = and_(func.length(text) <= 64, or_(~text.ilike("%e%"), text.ilike("%e-_"), text.ilike("%e-__")))
     return case((plain, case((cast(text, Float) > 0, cast(text, Float)), else_=None)), else_=None)

@@ -1,4 +1,4 @@
-"""What lists are narrowed and ordered by, of many documents at once: one statement for each kind of fact."""
+"""Facts by which lists are filtered and sorted, for many documents at once: one statement for each kind of fact."""
 
 from __future__ import annotations
 

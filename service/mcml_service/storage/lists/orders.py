@@ -31,7 +31,7 @@ TYPES: dict[str, type[str | int | float]] = {
     "modified": int,
     "key": int,
 }
-"""What documents can be ordered by, and the type of its values. Times are commits, which never go back."""
+"""Sort orders of documents, and the types of their values. Times are commits, which never decrease."""
 
 UNKNOWN = ("duration", "rate")
 """Columns that documents may lack: those without come last, in both directions."""

@@ -1,7 +1,7 @@
-"""What was done in the repository, by whom and from where: rows that are only added, and end after some time.
+"""The activity log of the repository: rows that are only added, and deleted after some time.
 
-An event is written in the transaction that did what it tells. It takes the lock that orders commits first, so numbers
-follow visibility: who has seen one has missed none before it.
+An event is written in the transaction of its action. It first takes the lock that orders commits, so numbers follow
+visibility: a reader that has seen one event has missed none before it.
 """
 
 from __future__ import annotations
@@ -45,14 +45,17 @@ event = Table(
     Column("revision", Integer),
     Column("subject", NAME, nullable=False),
 )
-"""`project`: null for what is of the whole repository. `about`: the id of a document, which the event outlives; its
-name is not kept here, so a purge leaves none. `subject`: what else it was done to."""
+"""`project`: null for events of the whole repository.
+
+`about`: the id of a document, which the event outlives; its name is not kept here, so a purge leaves none. `subject`:
+another object of the action.
+"""
 
 SERVER: Final = "server"
-"""Where what a server does by itself comes from."""
+"""Origin of automatic actions of a server."""
 
 _PLACE: Any = func.coalesce(document.c.project, event.c.project)
-"""The project of now decides who sees what was done to a document."""
+"""The current project decides who sees events of a document."""
 
 _TOLD = (
     select(
@@ -68,8 +71,11 @@ _TOLD = (
 
 @dataclass(frozen=True)
 class Event:
-    """number: counts up. origin: where it came from, None for who does not decide about the project. document, name:
-    the id of the document that it is about, and what that is called now."""
+    """number: counts up.
+
+    origin: address of the client, None for users who do not manage the project. document, name: the id of the affected
+    document, and its current name.
+    """
 
     number: int
     time: str

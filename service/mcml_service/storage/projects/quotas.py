@@ -73,8 +73,10 @@ class Quotas:
         return int(self._tx.fetch_value(query))
 
     def require(self, project: int, scope: str = "edit") -> None:
-        """AccessError unless whoever has the transaction may do this in a project. ConflictError for changes of what is
-        in one that is archived."""
+        """Check the right of the transaction's user in a project.
+
+        Raises AccessError without it, ConflictError for changes in an archived project.
+        """
         if not may(self._tx.view.scope(project), scope):
             raise AccessError(
                 f"This needs the right to {scope} in the project {self._name(project)!r}.",

@@ -30,8 +30,10 @@ class Attempts:
         self._tx = tx
 
     def require(self, of: dict[str, str], counted: int = 0) -> None:
-        """AttemptsError where no more than `counted` of those that are kept may be one's own, and there are too many.
-        of: what it counts for, by the names of LIMITS."""
+        """Check the limits of attempts, `counted` of which are this one's own.
+
+        Raises AttemptsError if there are too many. of: counted keys, by the names of LIMITS.
+        """
         at = time.time()
         for kind, what in of.items():
             its = (attempt.c.sha256 == _digest(kind, what), attempt.c.expires > at)
@@ -54,7 +56,7 @@ class Attempts:
         self._tx.run(delete(attempt).where(attempt.c.id.in_(keys)))
 
     def forget(self, of: dict[str, str]) -> None:
-        """Somebody got in, and begins anew."""
+        """Reset the count after a successful attempt."""
         its = attempt.c.sha256.in_([_digest(kind, what) for kind, what in of.items()])
         self._tx.run(delete(attempt).where(its))
 

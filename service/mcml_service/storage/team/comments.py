@@ -1,4 +1,4 @@
-"""What people say about documents, their frames and joints."""
+"""Comments on documents, their frames and joints."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class Comments:
         return self._to_comment(stored, number, "change")
 
     def resolve(self, stored: StoredDocument, number: int, *, resolved: bool) -> Comment:
-        """AccessError for all but its author and who may change the document."""
+        """Resolve or reopen a comment. Raises AccessError unless called by its author or an editor of the document."""
         self._require(stored, number, "edit")
         self._set(number, resolved=now() if resolved else None)
         return self._to_comment(stored, number, "resolve" if resolved else "reopen")

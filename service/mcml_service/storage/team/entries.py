@@ -1,4 +1,4 @@
-"""Who comes in, and what they may do: roles, and what tokens, sessions and accounts open."""
+"""Identities of users and their rights: roles, tokens, sessions and accounts."""
 
 from __future__ import annotations
 
@@ -18,17 +18,20 @@ if TYPE_CHECKING:
     from mcml_service.storage.team.shares import Share
 
 ROLES: Final[Mapping[str, str | None]] = {"member": None, "reader": "read", "editor": "edit", "owner": "operate"}
-"""What people are in the repository, and the scope of what they may do in all its projects."""
+"""Roles in the repository, with their scope in all its projects."""
 
 
 PROJECT_ROLES: Final[Mapping[str, str]] = {"reader": "read", "editor": "edit", "owner": "own"}
-"""What people are in a project, and the scope of what they may do there."""
+"""Roles in a project, with their scope in it."""
 
 
 @dataclass(frozen=True)
 class Entry:
-    """Who came in. author: whose name revisions carry. view: what they see, and may do there. account: its name; None
-    for tokens that are nobody's, and for links. share: by which they see some documents, None for everybody else."""
+    """An identified user.
+
+    author: name in revisions. view: access of the user. account: its name; None for tokens without an account, and for
+    share links. share: the share link of a visitor, None for everybody else.
+    """
 
     author: str
     view: View = WHOLE
@@ -37,10 +40,11 @@ class Entry:
 
 
 def entry_of(tx: BaseTransaction, author: str, rows: Sequence[Any]) -> Entry | None:
-    """Who comes in by a token or a session, None where their account is closed. What is damaged opens nothing.
+    """Return the user of a token or a session, None if the account is closed.
 
-    rows: one, or one for each project where alone the token opens something, all of one statement: token (key) and its
-    scope, person (key of the account), account (its name), role and closed, project (key); None where there is none.
+    Damaged rows give no access. rows: one, or one for each project of a limited token, all from one statement: token
+    (key) and its scope, person (key of the account), account (its name), role and closed, project (key); None where
+    there is none.
     """
     row = rows[0]
     if row.closed is not None:
@@ -65,7 +69,7 @@ def scopes_of(tx: BaseTransaction, account_key: int) -> frozenset[tuple[int, str
 
 
 def is_taken(tx: BaseTransaction, name: str) -> bool:
-    """Whether an account or a token has a name: revisions and history tell who did something by it."""
+    """Tell whether an account or a token has a name: revisions and history identify authors by it."""
     named = select(account.c.id).where(account.c.name == normalise_name(name))
     called = select(token.c.id).where(token.c.name == name)
     return any(tx.fetch_one(query.limit(1)) is not None for query in (named, called))

@@ -37,7 +37,7 @@ class Requests:
         self._tx = tx
 
     def begin(self, author: str, key: str, operation: str, digest: str) -> Remembered | None:
-        """Note a request; None, or what is known of one that had this key before."""
+        """Record a request; return None, or the record of an earlier request with this key."""
         self._tx.run(delete(request).where(request.c.created < now(-timedelta(hours=KEY_HOURS))))
         values = {"author": author, "key": key, "operation": operation, "digest": digest, "created": now()}
         try:

@@ -1,4 +1,4 @@
-"""Who belongs to which project, and as what."""
+"""Members of projects and their roles."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from mcml_service.storage.team.tables import account, membership
 
 @dataclass(frozen=True)
 class Member:
-    """role: in the project. everywhere: whether it is what they are in the whole repository."""
+    """A member of a project. role: in the project. everywhere: whether the role comes from the whole repository."""
 
     name: str
     role: str
@@ -48,7 +48,7 @@ class Members:
         return members
 
     def put(self, project_key: int, name: str, role: str) -> None:
-        """Let somebody be something in a project, whatever they were there. AccessError, NotFoundError."""
+        """Give a person a role in a project, replacing an existing role. Raises AccessError, NotFoundError."""
         self._quotas.require(project_key, "own")
         person = self._accounts.get(name)
         self._remove(project_key, person.key)
@@ -57,7 +57,7 @@ class Members:
         self._activity.note("member", "set", project_key=project_key, subject=f"{person.name} as {role}")
 
     def remove(self, project_key: int, name: str) -> None:
-        """AccessError, NotFoundError for who does not belong to it."""
+        """Remove a member from a project. Raises AccessError, and NotFoundError if the person is not a member."""
         self._quotas.require(project_key, "own")
         person = self._accounts.get(name)
         if not self._remove(project_key, person.key):

@@ -1,4 +1,4 @@
-"""Who looks at which document now, or edits it. Rows end by themselves: no history, no checksum."""
+"""Presence: people who view or edit a document now. Rows are temporary: no history, no checksum."""
 
 from __future__ import annotations
 
@@ -37,7 +37,10 @@ class Presence:
         self._accounts = accounts
 
     def of(self, stored: StoredDocument, but: str | None = None, at: float | None = None) -> list[Present]:
-        """Who is there, by name; who edits in one window and looks in another edits. but: whom not to tell of."""
+        """Return the people at a document, by name; editing in one window overrides viewing in another.
+
+        but: a person to leave out.
+        """
         its = (presence.c.document == stored.key, presence.c.expires > _time(at), account.c.closed.is_(None))
         query = select(account.c.name, presence.c.doing, presence.c.since).join(account).where(*its)
         present: dict[str, Present] = {}

@@ -110,7 +110,7 @@ class Sessions:
         return self._add("share", f"link {shown.name}", timedelta(hours=SESSION_HOURS), share=shown.number)
 
     def share_entry(self, secret: str) -> Entry | None:
-        """Who comes by a link, None where it has ended."""
+        """Return the visitor of a share link, None if it has ended."""
         its = (session.c.sha256 == digest_of(secret), session.c.kind == "share", session.c.expires >= now())
         row = self._tx.fetch_one(select(session.c.share, session.c.author).where(*its))
         shown = None if row is None or row.share is None else self._shares.find_by_number(row.share)

@@ -32,7 +32,10 @@ class SharedDocument:
     latest: bool
 
     def choose_revision(self, asked: int | None) -> int | None:
-        """The revision that is shown for one that is asked for, None for the last. NotFoundError for what is not."""
+        """Return the shown revision for a requested one, None for the last.
+
+        Raises NotFoundError for a revision that is not shown.
+        """
         if not self.latest and asked in (None, self.revision):
             return self.revision
         if self.latest and (asked is None or asked >= self.revision):
@@ -89,8 +92,10 @@ class Shares:
         *,
         latest: bool,
     ) -> tuple[str, Share]:
-        """The secret of a new link, and what it is. AccessError, NotFoundError; RequestError for documents of several
-        projects."""
+        """Add a link; return its secret and its data.
+
+        Raises AccessError, NotFoundError; RequestError for documents of several projects.
+        """
         stored = [self._documents.get(uuid) for uuid in dict.fromkeys(documents)]
         projects = {stored_document.project_key for stored_document in stored}
         if len(projects) != 1:
@@ -119,7 +124,7 @@ class Shares:
         return [link for link in shares if may(self._tx.view.scope(self._projects.get(link.project)), "edit")]
 
     def remove(self, number: int) -> None:
-        """Who came by it sees nothing from then on. NotFoundError."""
+        """Revoke a link; its visitors lose access at once. Raises NotFoundError."""
         current = next((link for link in self.all() if link.number == number), None)
         if current is None:
             raise NotFoundError(f"There is no link {number}.", remedy="It has expired or was revoked.")
@@ -139,7 +144,7 @@ class Shares:
         return shares[0] if shares else None
 
     def view(self, shown: Share) -> View:
-        """What is seen by it."""
+        """Return the access of its visitors."""
         key = self._projects.find(shown.project)
         return View(None, frozenset({(key, "read")}) if key else frozenset(), True, frozenset(shown.documents))
 

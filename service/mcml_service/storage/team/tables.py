@@ -1,4 +1,4 @@
-"""Tables of people: accounts, what opens something, links, and what ends by itself. Most have no checksums."""
+"""Tables of people: accounts, credentials, links, and temporary rows. Most have no checksums."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ invitation = Table(
     Column("project", ForeignKey("project.id")),
     UniqueConstraint("sha256"),
 )
-"""`author`: who invites. `project`: in which alone the role is given. It is used up by the account that it becomes."""
+"""`author`: the inviting person. `project`: the only project of the role. The new account uses it up."""
 
 grant = Table(
     "token_grant",
@@ -54,8 +54,11 @@ grant = Table(
     Column("account", ForeignKey("account.id")),
     Column("used", String(32)),
 )
-"""What a token may do; one without a row opens nothing. `account`: whose it is; it may do no more than that one, and
-ends with it. `used`: about when it last was."""
+"""Rights of tokens; a token without a row gives no access.
+
+`account`: its owner; the token never has more rights, and ends with the account. `used`: approximate time of the last
+use.
+"""
 
 granted_project = Table(
     "token_project",
@@ -108,7 +111,7 @@ share = Table(
     Column("expires", String(32), nullable=False),
     UniqueConstraint("sha256"),
 )
-"""`formats`: what documents may be exported as, with spaces between."""
+"""`formats`: allowed export formats, separated by spaces."""
 
 shared_document = Table(
     "shared_document",
@@ -149,7 +152,7 @@ request = Table(
     Column("location", Text),
     Column("answer", Text),
 )
-"""`digest`: of what was asked. `status`: null as long as it is worked on, or for ever, if the server died then."""
+"""`digest`: of the request. `status`: null while the request runs, or permanently if the server crashed meanwhile."""
 
 attempt = Table(
     "attempt",
@@ -159,7 +162,7 @@ attempt = Table(
     Column("expires", Float(53), nullable=False),
     Index(None, "sha256", "expires"),
 )
-"""`sha256`: of the address or the name that it counts for, never of what was guessed. `expires`: seconds since 1970."""
+"""`sha256`: of the counted address or name, never of the guessed secret. `expires`: seconds since 1970."""
 
 webhook = Table(
     "webhook",
@@ -193,5 +196,8 @@ delivery = Table(
     Column("problem", String(256)),
     Index(None, "state", "due"),
 )
-"""`state`: waiting, sent, failed. `due`: seconds since 1970 from when on it may be sent; whoever sends it moves that
-on, so that nobody else does meanwhile. `status`: of the last answer. `problem`: why the last attempt failed."""
+"""`state`: waiting, sent, failed.
+
+`due`: time in seconds since 1970 from which on it may be sent; a sender moves it forward, so that no other server sends
+it meanwhile. `status`: of the last answer. `problem`: why the last attempt failed.
+"""

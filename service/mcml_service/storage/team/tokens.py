@@ -132,7 +132,7 @@ class Tokens:
         self._activity.note("token", "revoke", subject=name)
 
     def entry(self, secret: str) -> Entry | None:
-        """Who comes in by the token with this secret, None where it is unknown or has expired."""
+        """Return the user of the token with this secret, None if it is unknown or has expired."""
         return self.came(secret)[0]
 
     def came(self, secret: str) -> tuple[Entry | None, bool]:

@@ -1,4 +1,4 @@
-"""Addresses that are told of events, and what was sent there."""
+"""Webhooks, and the messages sent to them."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ LEASE_SECONDS = 120.0
 """After so long a message whose sender is silent may be sent by another one."""
 
 GONE = 410
-"""The answer of who wants no more messages."""
+"""The answer of an endpoint that wants no more messages."""
 
 AT_A_TIME = 500
 
@@ -101,7 +101,7 @@ class Webhooks:
         ]
 
     def add(self, url: str, kinds: Iterable[str], project_key: int | None) -> tuple[str, Webhook]:
-        """Its secret, and what it is. It is told of what happens from now on. AccessError."""
+        """Add a webhook; return its secret and its data. It receives events from now on. Raises AccessError."""
         if project_key is not None:
             self._quotas.require(project_key, "own")
         elif not self._decides(None):
@@ -150,7 +150,7 @@ class Webhooks:
         view = self._tx.view
         return may(view.everywhere, SCOPES[-1]) if project_key is None else may(view.scope(project_key), "own")
 
-    # What a server does by itself.
+    # Automatic actions of a server.
 
     def any_due(self) -> bool:
         """Whether `queue` or `claim` would find anything; a cheap read."""

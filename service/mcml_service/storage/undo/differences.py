@@ -1,4 +1,4 @@
-"""Where two commits' states of a document differ: by rows, so that what is the same is not read."""
+"""Find the differences between two commits' states of a document, by rows, so that equal parts are not read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bringing rows of an earlier commit back: what was valid then becomes valid again, and nothing else is written."""
+"""Restore rows of an earlier commit: rows that were valid then become valid again, and nothing else is written."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def show_copies(tx: Transaction, table: Table, stored: StoredDocument) -> None:
 def reopen_rows(tx: Transaction, stored: StoredDocument, at: int) -> None:
     """Make the rows of a document that were valid at commit `at` current, from this transaction's commit on.
 
-    Rows that are still current stay as they are, so a restore writes only what changed since.
+    Rows that are still current stay as they are, so a restore writes only later changes.
     """
     now = tx.commit
     for table in REVISIONED:

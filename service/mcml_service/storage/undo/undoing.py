@@ -1,7 +1,7 @@
-"""Taking back what one commit did to a document, while later commits stay.
+"""Revert the changes of one commit to a document, while later commits stay.
 
-A row is the least that is taken back. It can be, as long as no later commit has touched it; what is one row a revision
-(the content) or renewed as a whole (the header) is compared value by value, and tracks sample by sample.
+The smallest unit is a row. It can be reverted as long as no later commit has changed it. The content (one row for each
+revision) and the header (always written as a whole) are compared value by value, and tracks sample by sample.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from mcml_service.storage.transaction import Transaction
 
 _BY_POSITION = (span, frame_run)
-"""What says positions of frames: no longer true if frames before them come or go."""
+"""Rows with positions of frames: wrong after frames before them are inserted or deleted."""
 
 Row = dict[str, Any]
 

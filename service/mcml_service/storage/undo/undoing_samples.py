@@ -1,7 +1,8 @@
-"""Taking back samples, where later commits have written the same tracks, or frames of the same run, elsewhere.
+"""Revert samples, also if later commits have written other samples of the same tracks, or other frames of the same run.
 
-A track holds 256 frames of one bone, and a run of frames with the same channels many more: both are written anew for a
-single sample. What a commit changed is found by comparison, sample by sample, and so is whether it was touched since.
+A track holds 256 frames of one bone, and a run of frames with the same channels many more: both are rewritten for a
+single sample. The changes of a commit are found by comparison, sample by sample, and so are later changes of the same
+samples.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ def merge_track(before: Track | None, after: Track | None, now: Track | None) ->
 
 
 def _whole(track: Track | None, length: int) -> Array:
-    """(8, n) with NaN for what is not there."""
+    """Return (8, n) with NaN for missing samples."""
     whole = np.full((len(CHANNELS), length), np.nan)
     if track is not None:
         whole[track[0], : track[1].shape[1]] = track[1]
@@ -100,7 +101,7 @@ def merge_shape(before: Shape, after: Shape, now: Shape) -> Shape:
 
 
 def take_back_shapes(tx: Transaction, stored: StoredDocument, runs: tuple[list[Run], list[Run], list[Run]]) -> None:
-    """What shapes of frames were before a commit, after it and are now, merged and written. LookupError."""
+    """Merge the shapes of frames before a commit, after it and now, and write them. Raises LookupError."""
     shapes = tx.tracks.shapes(stored.key)
 
     def merge(*numbers: int) -> int:

@@ -1,4 +1,4 @@
-"""What `mcml db check` looks for: that rows are what was written, that they fit together, that blocks can be read."""
+"""The checks of `mcml db check`: rows are undamaged and consistent, and blocks can be read."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 ROWS = 1000
 MOST_OF_A_KIND = 100
-"""Faults that are told of one table."""
+"""Limit of faults reported for one table."""
 _NAMED = upload.c.id.in_(select(document_upload.c.upload))
 
 
@@ -78,7 +78,7 @@ def _document_faults(tx: Transaction, key: int, uuid: str, name: str, *, past: b
 
 
 def _collect(where: str, look: Callable[[], Iterator[str]], whose: str = "") -> list[str]:
-    """The faults that a look finds; what it meets that cannot be read is one too."""
+    """Collect the faults that a check finds; unreadable data is a fault too."""
     messages: list[str] = []
     prefix = f"{whose}: " if whose else ""
     try:
@@ -105,7 +105,7 @@ def _rows(read: Callable[[], Iterable[Any]], messages: list[str]) -> list[Any]:
 
 
 def _describe_error(error: Exception) -> str:
-    """What the database says of itself; of other errors only the kind."""
+    """Return the message of a database error; for other errors only the kind."""
     cause = getattr(error, "orig", error)
     return str(cause).splitlines()[0] if isinstance(error, SQLAlchemyError) and str(cause) else type(cause).__name__
 

@@ -1,8 +1,7 @@
-"""A project as rows that stand for themselves: keys and commits numbered from 1, so that equal projects have equal
-rows, whichever store they are in. For moving a project, with every revision, from one store to another.
-
-Left out is what is made anew (thumbnails, bodies, checksums), what ends (jobs), and who may see it. Kept files are told
-by their SHA-256; their bytes come beside the rows.
+"""A project as self-contained rows: keys and commits are numbered from 1, so that equal projects in any stores have
+equal rows. For moving a project, with every revision, from one store to another. Not included are derived data
+(thumbnails, bodies, checksums), temporary data (jobs), and members. Uploaded files are identified by their SHA-256;
+their bytes are stored beside the rows.
 """
 
 from __future__ import annotations
@@ -60,7 +59,7 @@ _REFERRING = {"result": ("inputs", "parameters"), "saved": ("content",)}
 
 
 def _kind(table: Table, column: str) -> Kind | None:
-    """Of what a column holds numbers, None for what is kept as it is."""
+    """Return the kind of the keys in a column, None if its values are kept unchanged."""
     if _OWN_KEY.get(table.name) == column:
         return table.name
     if table is work_tables.result and column == "parent":
@@ -77,8 +76,7 @@ def _columns(table: Table) -> list[str]:
 
 
 class ProjectRows:
-    """The rows of a project of one store, or of one document alone. DamageError for rows that are not what was
-    written."""
+    """The rows of a project of one store, or of one document alone. Raises DamageError for damaged rows."""
 
     def __init__(self, tx: Transaction, project_key: int | None, document_key: int | None = None) -> None:
         self._tx = tx
@@ -216,9 +214,9 @@ def _parts(keys: list[int]) -> Iterator[list[int]]:
 
 @dataclass
 class ProjectWriter:
-    """Rows of a project on their way into another store, as a new project there.
+    """Writes rows of a project to another store, as a new project.
 
-    keys: of each kind, what the numbers of the rows have become. uuids: ids that are taken here, and their new ones.
+    keys: new keys of the numbers in the rows, by kind. uuids: ids already in use here, and their replacements.
     """
 
     tx: Transaction
@@ -233,7 +231,7 @@ class ProjectWriter:
         self._there: set[int] = set()
 
     def write(self, table: Table, rows: Iterable[Row]) -> int:
-        """Write the rows of a table; how many. FormatError for what is none of its rows."""
+        """Write the rows of a table; return their number. Raises FormatError for invalid rows."""
         count = 0
         block: list[Row] = []
         for row in rows:
@@ -337,6 +335,6 @@ def copy_document(tx: Transaction, document_key: int, project_key: int) -> str:
     ):
         writer.uploads[sha256] = tx.uploads.find(sha256, size) or 0
     for table in MOVED.values():
-        # What is read must have been read before the same connection writes.
+        # All rows must have been read before the same connection writes.
         writer.write(table, list(rows.of(table)))
     return next(iter(writer.uuids.values()))

@@ -16,7 +16,7 @@ ROWS = 2000
 
 
 def seal_rows(tx: Transaction) -> None:
-    """Give each row the checksum of what stands there, whatever that is. Receipts are packed anew."""
+    """Give each row the checksum of its current content. Receipts are compressed again."""
     held = set(inspect(tx.connection).get_table_names())
     for table in (*SEALS, tables.track):
         if table.name in held:
@@ -50,7 +50,7 @@ def _seal(tx: Transaction, table: Table) -> None:
 
 
 def _batches(tx: Transaction, table: Table, names: Sequence[str], keys: Sequence[str]) -> Iterator[list[Row]]:
-    """All rows by their primary key, some at a time: what is read is not what is being changed."""
+    """Yield all rows by their primary key in batches, so that rows being read are not being changed."""
     key = tuple_(*(table.c[name] for name in keys))
     query = select(*(table.c[name] for name in names)).order_by(*(table.c[name] for name in keys)).limit(ROWS)
     last: tuple[Any, ...] | None = None

@@ -1,1 +1,1 @@
-"""What people make beside documents: jobs, results, mappings, saved things."""
+"""Objects other than documents: jobs, results, mappings, saved items."""

@@ -38,7 +38,7 @@ class Aliases:
         self._quotas = quotas
 
     def of(self, project_name: str) -> StoredAliases:
-        """What a project has, nothing for one that does not exist yet."""
+        """Return the aliases of a project, empty for a project that does not exist yet."""
         key = self._projects.find(project_name)
         rows = [] if key is None else self._tx.fetch_all(verify(_HELD.where(joint_alias.c.project == key), joint_alias))
         if not rows:
@@ -48,7 +48,7 @@ class Aliases:
         return StoredAliases(project_name, version, author, changed, pairs)
 
     def put(self, project_name: str, pairs: Pairs, author: str) -> StoredAliases:
-        """Keep a table in the place of what was there."""
+        """Store a table, replacing an existing one."""
         values = {"pairs": json.dumps(pairs, ensure_ascii=False), "author": author, "changed": now()}
         key = self._projects.get_or_add(project_name)
         before = self.of(project_name)

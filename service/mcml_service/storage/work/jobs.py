@@ -74,7 +74,7 @@ class Jobs:
         parameters: dict[str, Any],
         runner: str | None = None,
     ) -> str:
-        """A new job, and its uuid. runner: who works on it at once; else it waits for one. AccessError."""
+        """Add a job; return its uuid. runner: starts the job at once; else it waits for one. Raises AccessError."""
         self._quotas.require(project_key)
         uuid = new_uuid()
         self._tx.insert_row(
@@ -136,7 +136,7 @@ class Jobs:
         of_project: how many of one project may run, 0 for any number; then take one at a time.
         """
         if of_project:
-            # Of two runners the second one sees what the first one took.
+            # The second of two runners sees the job that the first has taken.
             self._tx.order()
         query = _claimable(of_project).order_by(job.c.id).limit(most).with_for_update(skip_locked=True)
         keys = self._tx.fetch_column(query)
@@ -165,7 +165,7 @@ class Jobs:
         self._change(uuid, runner, stage=stage, share=share)
 
     def is_wanted(self, uuid: str, runner: str) -> bool:
-        """Whether the job shall go on: it is this runner's, and nobody has cancelled it."""
+        """Tell whether the job should continue: it belongs to this runner, and nobody has cancelled it."""
         mine = select(job.c.cancel).where(job.c.uuid == uuid, job.c.state == "running", job.c.runner == runner)
         return self._tx.fetch_one(mine.where(~job.c.cancel)) is not None
 

@@ -68,7 +68,7 @@ class Mappings:
         return mapping
 
     def put(self, project_name: str, name: str, pairs: tuple[tuple[str, str], ...], author: str) -> StoredMapping:
-        """Keep a mapping under a name, in the place of what was there."""
+        """Store a mapping under a name, replacing an existing one."""
         values = {"pairs": json.dumps(pairs, ensure_ascii=False), "author": author, "changed": now()}
         before = self.find(project_name, name)
         if before is None:

@@ -189,8 +189,10 @@ class Results:
         return values
 
     def rows(self, key: int, part: StoredPart, name: str, wanted: NDArray[np.intp]) -> NDArray[Any]:
-        """Rows of an array of a part, in the order in which they are wanted; what holds none of them is not read.
-        NotFoundError, also for a row that the array does not have."""
+        """Return rows of an array of a part, in the requested order; blocks without these rows are not read.
+
+        Raises NotFoundError, also for a row that the array does not have.
+        """
         dtype, shape = _about(part, name)
         if not shape or (len(wanted) and not (wanted.min() >= 0 and wanted.max() < shape[0])):
             raise NotFoundError(

@@ -1,5 +1,6 @@
-"""What projects keep under names beside documents: queries, collections of documents, colours of motion names, and the
-vocabulary that a project agrees on."""
+"""Saved items of projects: queries, collections of documents, colours of motion names, and the vocabulary of a
+project.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +36,7 @@ _HELD = select(
 
 @dataclass(frozen=True)
 class StoredThing:
-    """version: counts the changes from 1; 0 for what is not there. content: plain JSON values."""
+    """version: number of changes from 1; 0 for an item that does not exist. content: plain JSON values."""
 
     project: str
     name: str
@@ -80,7 +81,7 @@ class Saved:
         return thing
 
     def put(self, kind: Kind, project_name: str, name: str, content: dict[str, Any], author: str) -> StoredThing:
-        """Keep something under a name, in the place of what was there."""
+        """Store an item under a name, replacing an existing one."""
         before = self.find(kind, project_name, name)
         if before is not None:
             self.remove(kind, before)

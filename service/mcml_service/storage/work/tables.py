@@ -1,4 +1,4 @@
-"""Tables of what is made of documents: mappings of their joints, jobs, and results. `tables` has the documents."""
+"""Tables of objects other than documents: mappings of joints, jobs, and results. `tables` has the documents."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ joint_alias = Table(
     checksum(),
     info=cover("project", "version", "author", "changed", "pairs"),
 )
-"""What a project calls joints, beside the names that are known. `pairs`: JSON, [[name in files, MCML's name], …]."""
+"""Aliases of joints in a project. `pairs`: JSON, [[name in files, MCML's name], …]."""
 
 saved = Table(
     "saved",
@@ -58,8 +58,7 @@ saved = Table(
     checksum(),
     info=cover("project", "kind", "name", "version", "author", "changed", "content"),
 )
-"""What a project keeps under a name beside documents. `kind`: query, collection, colours, vocabulary. `content`:
-JSON."""
+"""Saved items of projects. `kind`: query, collection, colours, vocabulary. `content`: JSON."""
 
 comment = Table(
     "comment",
@@ -109,8 +108,11 @@ job = Table(
     Index(None, "state"),
     Index(None, "project"),
 )
-"""`state`: waiting, running, done, failed, cancelled. `inputs`, `parameters`, `problem`: JSON. `runner`, `lease`: who
-works on it, and until when that may be believed without news."""
+"""`state`: waiting, running, done, failed, cancelled.
+
+`inputs`, `parameters`, `problem`: JSON. `runner`, `lease`: the runner, and the time until which it counts as alive
+without news.
+"""
 
 result = Table(
     "result",
@@ -148,8 +150,10 @@ result_part = Table(
     checksum(),
     info=cover("result", "name", "kind", "arrays", "document", "data", last=bytes),
 )
-"""`data`: JSON. `arrays`: name -> type and shape of what lies in `result_block`. `document`: the clip of a part that is
-one."""
+"""`data`: JSON.
+
+`arrays`: name -> type and shape of the data in `result_block`. `document`: the document of a part that is a clip.
+"""
 
 result_block = Table(
     "result_block",

@@ -1,4 +1,4 @@
-"""Nodes as what an answer shows: kind, canonical address, value."""
+"""Describe nodes for an answer: kind, canonical address, value."""
 
 from __future__ import annotations
 

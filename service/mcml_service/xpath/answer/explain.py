@@ -15,13 +15,15 @@ from mcml_service.xpath.language.unparse import unparse
 
 
 def steps_of(source: Scan | ColumnSource) -> list[str]:
-    """What a source does, step by step."""
+    """Describe the steps of a source."""
     return _scan(source) if isinstance(source, Scan) else _columns(source)
 
 
 def body_steps(calls: Sequence[Call], documents: int) -> list[str]:
-    """What is looked at of bodies in motion. calls: of their functions. documents: of which facts of bodies are known,
-    as they are where any was looked at."""
+    """Describe the use of bodies in motion.
+
+    calls: of their functions. documents: number of documents with loaded facts of bodies.
+    """
     columns = list(dict.fromkeys(unparse(call) for call in calls if call.function not in OF_FRAME_SETS))
     found = []
     if columns:

@@ -1,4 +1,4 @@
-"""One page of an answer, and the cursor of what follows."""
+"""One page of an answer, and the cursor of the next page."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class Page:
         return QueryAnswer(type="nodes", items=list(items), next_cursor=self._next(tx, more, len(items)))
 
     def _next(self, tx: Transaction, more: bool, shown: int | None = None) -> str | None:
-        """The cursor of what follows. shown: how many are on this page, if not as many as were asked for."""
+        """Return the cursor of the next page. shown: number of items on this page, if not the requested number."""
         if not more:
             return None
         commit = min(tx.newest_commit(), tx.at)

@@ -59,14 +59,16 @@ class Answer:
         self.parts = parts
 
     def read(self) -> AbstractContextManager[Transaction]:
-        """A transaction at the commit that was asked, of the store itself: what it reads is sent meanwhile."""
+        """Open a transaction at the commit of the query, on the primary store: its data is sent while it is read."""
         return self._database.for_call(self._database.view).read(self.commit)
 
     def shown(self, show: Callable[[Forest, Ints], Form]) -> Iterator[Form]:
-        """What a function makes of the nodes of some documents, some at a time; a whole document comes alone."""
+        """Yield the results of a function on the nodes of some documents, in batches; a whole document is a separate
+        batch.
+        """
         for part in self.parts:
             for some in _slices(part.nodes):
-                # Not within the transaction: whoever reads slowly would hold it.
+                # Not within the transaction: a slow reader would keep it open.
                 yield self._database.ask(partial(self._made, part, some, show), self.commit)
 
     def _made(self, part: GroupNodes, some: Ints, show: Callable[[Forest, Ints], Form], tx: Transaction) -> Form:

@@ -1,4 +1,4 @@
-"""What is told of runs beside themselves: how many there are, and between what values the sample that was asked is."""
+"""Additional facts about runs: their number, and the range of the compared sample."""
 
 from __future__ import annotations
 
@@ -30,8 +30,10 @@ def counted(found: Iterable[Run]) -> tuple[list[Run], RunTotals]:
 
 
 def sample_of(request: QueryRequest) -> tuple[str, int] | None:
-    """(bone, channel) of the sample that a question compares: what it selects, or else its first bound. None where it
-    compares none of a bone that it names."""
+    """Return (bone, channel) of the sample that a query compares: the selected one, or else its first bound.
+
+    None if it compares no sample of a named bone.
+    """
     plan = plan_scan(normal(parse(request.q, request.variables).tree))
     if plan is None:
         return None

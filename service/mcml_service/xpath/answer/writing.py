@@ -45,11 +45,11 @@ FIELDS = ("document", "revision", "kind", "address", "value")
 
 @dataclass(frozen=True)
 class _Form:
-    """How an answer is written.
+    """The format of an answer.
 
-    before, after: what stands before and after all nodes. nodes: nodes that were shown already. stored: nodes of
-    documents, some at a time. opening: what stands before the value of the node of a document, of a kind, at an
-    address; escaped: a piece of such a value; closing: what stands after it.
+    before, after: text before and after all nodes. nodes: writes nodes that are already described. stored: writes nodes
+    of documents, in batches. opening: text before the value of a node, by document, kind and address; escaped: a piece
+    of such a value; closing: text after it.
     """
 
     before: bytes
@@ -106,7 +106,7 @@ def _xml_of_stored(forest: Forest, nodes: Ints) -> Iterable[bytes]:
 
 
 def _described(forest: Forest, nodes: Ints) -> bytes:
-    """Nodes as `xml_item` writes them, what is the same for all of a document made once."""
+    """Write nodes like `xml_item`, but with the common parts of a document made once."""
     texts = node_values(forest, nodes)
     places = documents_of(nodes).tolist()
     openings = {place: _opening(forest.documents[place]) for place in set(places)}
@@ -118,7 +118,7 @@ def _described(forest: Forest, nodes: Ints) -> bytes:
 
 
 def _opening(stored: Listed) -> str:
-    """What stands before the address of a node. Neither holds anything that XML would escape."""
+    """Return the text before the address of a node. It has no characters that XML must escape."""
     return f'<result document="{stored.uuid}" revision="{stored.revision}" address="'
 
 
@@ -193,13 +193,13 @@ def _rows(shown: Callable[[str], str], nodes: Iterable[Node]) -> bytes:
 
 
 def _csv(shown: Callable[[str], str]) -> _Form:
-    """shown: what stands in a cell for a value."""
+    """shown: returns the text of a cell for a value."""
     return _Form(
         before=(",".join(FIELDS) + "\r\n").encode(),
         after=b"",
         nodes=partial(_rows, shown),
         stored=lambda forest, nodes: [_rows(shown, described(forest, nodes))],
-        # Neither of these holds anything that CSV would quote. What follows is XML: it begins with "<".
+        # Neither of these has characters that CSV must quote. XML follows: it begins with "<".
         opening=lambda *place: (",".join(map(str, _place(*place))) + ',"').encode(),
         escaped=lambda piece: piece.replace(b'"', b'""'),
         closing=b'"\r\n',
@@ -211,7 +211,7 @@ STREAMS: dict[str, tuple[Callable[[Answer | Shown], Iterator[bytes]], str]] = {
     "ndjson": (partial(_written, _NDJSON), "application/x-ndjson"),
     "csv": (partial(_written, _csv(safe_cell)), "text/csv"),
 }
-"""For each form, what writes it, and its media type."""
+"""For each form, its writer and its media type."""
 
 RAW_CSV = partial(_written, _csv(str))
 """Writes values that spreadsheets take for formulas as they are."""

@@ -138,7 +138,9 @@ def _frames_below(forest: Forest, nodes: Ints, *, direct: bool) -> Pairs:
 
 
 def _below_frames(forest: Forest, frames: Ints, test: str) -> list[Pairs]:
-    """Everything in frames: motion_names, their texts, frame_bones; what the test cannot want is left out."""
+    """Return everything in frames: motion_names, their texts, frame_bones; nodes that cannot match the test are left
+    out.
+    """
     parts = []
     if test in (MOTION_NAME, "text()", "*", "node()"):
         bounded(forest.labels.sizes(frames))
@@ -344,7 +346,7 @@ def _preceding_sibling(forest: Forest, nodes: Ints, test: str) -> Pairs:
 
 
 def _beyond(forest: Forest, nodes: Ints, test: str, *, after: bool) -> Pairs:
-    """`following` and `preceding`: what hangs from the siblings of a node and of its ancestors."""
+    """`following` and `preceding`: the subtrees of siblings of a node and of its ancestors."""
     kinds, _ = kinds_and_names(forest, nodes)
     inside = (kinds == IS_ATTRIBUTE) | (kinds == IS_NAMESPACE)
     start = np.where(inside, parents(forest, nodes), nodes) if inside.any() else nodes

@@ -78,8 +78,11 @@ class ColumnSource:
         return groups if self._bodies is None else self._bodies.select(groups)
 
     def forests(self, *, counted: bool = False) -> Iterator[Forest]:
-        """The documents in groups. Of what a question narrows, the first are small: often the first page is all that is
-        wanted. counted: only how many nodes there are is asked."""
+        """Yield the documents in groups.
+
+        For queries with conditions, the first groups are small: often only the first page is needed. counted: only the
+        number of nodes is needed.
+        """
         head_part = head_of(self.tree, counted=counted)
         for group in self._groups():
             yield Forest(self.tx, group, self._caches, head_part=head_part)
@@ -256,7 +259,7 @@ def frames_at(steps: Sequence[Step]) -> int:
 
 
 def steps_in_frames(steps: Sequence[Step]) -> int:
-    """How many steps from a frame reach only it and what is in it: so far, frames can be bodies at in slices."""
+    """Return the number of steps from a frame that stay inside it: for these, frames can be processed in slices."""
     types = frozenset({FRAME})
     for number, step in enumerate(steps):
         leaves = step.axis in LEAVING or (step.axis in SIBLINGS and FRAME in types)

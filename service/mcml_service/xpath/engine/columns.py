@@ -114,7 +114,7 @@ class Columns:
     def nodes(self, expression: Expression, context: Context) -> NodeSets:
         found = self.value(expression, context)
         if not isinstance(found, NodeSets):
-            # What may be nodes or values is found out here: the empty sequence is no node, too.
+            # Expressions that may give nodes or values are decided here: an empty sequence is not a node set either.
             items = items_of(found)
             if len(items):
                 raise functions.NotOnColumnsError
@@ -201,8 +201,10 @@ class Columns:
     def steps(
         self, sets: NodeSets, steps: tuple[Step, ...], context: Context = Context(np.empty(0, np.int64))
     ) -> NodeSets:
-        """Steps from node sets that have a group for each context node. context: what these groups are the contexts of,
-        where predicates ask for variables."""
+        """Steps from node sets that have a group for each context node.
+
+        context: the contexts of these groups, if predicates use variables.
+        """
         for one in steps:
             self.check()
             predicates = one.predicates
@@ -270,7 +272,7 @@ class Columns:
         return self.kept(predicate, Context(distinct))[inverse.reshape(-1)]
 
     def kept(self, predicate: Expression, context: Context) -> Bools:
-        """Which items of a sequence a predicate keeps, by their positions or by what it says of them."""
+        """Tell which items of a sequence a predicate keeps, by their positions or by its value."""
         if type_of(predicate) == "sequence" and item_type(predicate) in ("number", "any"):
             raise functions.NotOnColumnsError  # A number asks for a position, other values for their truth.
         return self.sliced(predicate, context)
@@ -296,7 +298,9 @@ class Columns:
     # -- operators and functions -----------------------------------------------------------------------------------
 
     def _once_a_document(self, expression: Expression, context: Context) -> Value | None:
-        """The value of what does not depend on the context node but by its document, where that saves anything."""
+        """Evaluate an expression once for each document, if it depends on the context node only through its document
+        and this saves work.
+        """
         if len(context) < 2 or isinstance(expression, Literal | Variable) or not is_of_document(expression):
             return None
         if is_of_variables(expression):

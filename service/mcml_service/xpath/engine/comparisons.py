@@ -51,9 +51,10 @@ def compare_numbers(operator: str, left: Floats, right: Floats | float) -> Bools
 
 
 def compare_items(forest: Forest, operator: str, left: Value, right: Value) -> Value:
-    """`eq`, `ne`, `lt`, `le`, `gt`, `ge`: nothing where one side is nothing. operator: the sign of the same meaning.
+    """`eq`, `ne`, `lt`, `le`, `gt`, `ge`: empty if one side is empty.
 
-    NotOnColumnsError for what is an error there: several items, or a number and a text.
+    operator: the sign of the same meaning. Raises NotOnColumnsError for errors of XPath: several items, or a number and
+    a text.
     """
     one, other = items_of(left), items_of(right)
     for side in (one, other):

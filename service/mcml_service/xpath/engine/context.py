@@ -1,4 +1,4 @@
-"""What an expression is evaluated for: context nodes with their positions, and variables with a value for each."""
+"""The context of an evaluation: context nodes with their positions, and variables with a value for each."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class Context:
         )
 
     def variables_at(self, which: Ints) -> Mapping[str, Bound]:
-        """What the variables are in some of the contexts."""
+        """Return the variables in some of the contexts."""
         return {name: bound.at(which) for name, bound in self.variables.items()} if self.variables else {}
 
     def binding(self, name: str, value: Value) -> Context:

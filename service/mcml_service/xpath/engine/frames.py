@@ -20,9 +20,10 @@ from mcml_service.xpath.nodes.numbering import Ints, documents_of
 
 
 def each(forest: Forest, nodes: Ints, before: Sequence[bytes] = (), after: bytes = b"") -> list[bytes]:
-    """Each of the frames that ascending nodes are as XML. before: what stands before each; after: after all of them.
+    """Yield the XML of each frame, for ascending frame nodes.
 
-    Nothing is done for each document that can be done for all: best for a few frames of many.
+    before: text before each; after: text after all of them. All possible work is done for all documents together: best
+    for a few frames of many documents.
     """
     slots, shapes = forest.shapes.slot_of(nodes), forest.shapes.shape_of(nodes)
     blocks, block_of = _blocks(forest, documents_of(nodes), slots // CHUNK)
@@ -36,7 +37,7 @@ def each(forest: Forest, nodes: Ints, before: Sequence[bytes] = (), after: bytes
     )
     for place, number, unit, offset in numbered:
         shape, names, block = forest.shapes.numbered_shapes[number], forest.shapes.names_of(place), blocks[unit]
-        # Equal ones are the same object, which is found faster than what is equal.
+        # Equal ones are the same object, and comparing identity is faster.
         kind = kinds.setdefault((id(shape), id(names)), len(kinds))
         if kind == len(held):
             held.append((shape, names))

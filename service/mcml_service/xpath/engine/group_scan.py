@@ -314,7 +314,7 @@ class GroupScan:
 
 
 def part_ends(parts: Sequence[GroupScan], sample: Sample) -> Interval:
-    """What the samples of a channel lie between in each of several groups."""
+    """Return the range of the samples of a channel in each of several groups."""
     return summary([part.ends(sample) for part in parts], sample.channel)
 
 

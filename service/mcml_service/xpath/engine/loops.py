@@ -1,8 +1,8 @@
-"""What came after XPath 1.0, for all contexts together: `for`, `let`, `some`, `every`, `if`, `!`, sequences.
+"""Features after XPath 1.0, for all contexts together: `for`, `let`, `some`, `every`, `if`, `!`, sequences.
 
-An item of a loop is a context of its own inside of it, with what is bound around it; what comes out is put back to the
-contexts that it belongs to. So each part of a body is evaluated once, whatever the number of items (loop lifting,
-Grust, Sakr and Teubner 2004).
+An item of a loop is a separate context inside the loop, with all outer variables; results are assigned back to the
+contexts of their items. So each part of a body is evaluated once, for any number of items (loop lifting, Grust, Sakr
+and Teubner 2004).
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ Evaluate = Callable[[Expression, Context], Value]
 
 
 class Columns(Protocol):
-    """What evaluates the parts."""
+    """The evaluator of the parts."""
 
     forest: Forest
 
@@ -120,7 +120,7 @@ def sort(columns: Columns, arguments: tuple[Expression, ...], context: Context) 
 
 
 def _at_contexts(found: Value, outer: Items, *, in_document_order: bool = False) -> Value:
-    """What each item of a loop gave, as sequences of the contexts that the items belong to."""
+    """Return the results of all items of a loop as sequences of the items' contexts."""
     inner = items_of(found)
     groups = outer.groups[inner.groups]
     column = inner.column

@@ -15,8 +15,11 @@ from mcml_service.xpath.nodes.numbering import Floats, Ints, documents_of, frame
 
 
 def best_runs(wanted: int, key: Expression | None) -> BestRuns:
-    """What finds so many runs. key: as `BestRuns` has it; where it is the nearness to a pose or a motion, such as
-    `-mo:pose-distance('walk', 20)`, an index finds them."""
+    """Return an object that finds the best runs.
+
+    wanted: number of runs. key: as in `BestRuns`; if it is the distance to a pose or a motion, such as
+    `-mo:pose-distance('walk', 20)`, an index finds them.
+    """
     if isinstance(key, Operation) and key.operator == "negate":
         (operand,) = key.operands
         if isinstance(operand, Call) and operand.function in DISTANCES:
@@ -60,7 +63,7 @@ class NearestRuns(BestRuns):
 
 
 def _least_distances(runs: Runs, asked: Asked) -> Floats:
-    """How far from what is asked each run is at least."""
+    """Return the least possible distance of each run from the given pose or motion."""
     bodies = runs.columns.motions.bodies
     index = bodies.pose_index()
     documents = documents_of(runs.first)

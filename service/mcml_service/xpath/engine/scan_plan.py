@@ -1,7 +1,7 @@
-"""What a question about samples is, as a plan: a condition that a frame fulfils, and what is asked of the frame.
+"""The plan of a query about samples: a condition on frames, and the result for each frame.
 
-`//frame[frame_bone[@name='A']/@Rx > frame_bone[@name='B']/@Rx]`, `//frame_bone[@name='A'][@Rx > 45]/@Ry` and their
-like never look at other bones.
+`//frame[frame_bone[@name='A']/@Rx > frame_bone[@name='B']/@Rx]`, `//frame_bone[@name='A'][@Rx > 45]/@Ry` and similar
+queries never read other bones.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from mcml_service.xpath.language.tree import Expression, Path
 
 @dataclass(frozen=True)
 class ScanPlan:
-    """What to scan for.
+    """The plan of a scan.
 
-    condition: that a frame, or a frame_bone where `any_bone`, fulfils. lead: name of the bone whose tracks are looked
-    through, None for all bones. names: groups of motion names, one of each of which the frame must carry.
-    target: "frame" or "frame_bone". bone: the name of the frame_bone asked for, None for any that fulfils the condition
-    (or all of the frame, where none is asked for something). attribute: of the target.
+    condition: on a frame, or on a frame_bone if `any_bone`. lead: name of the bone whose tracks are read, None for all
+    bones. names: groups of motion names; the frame must have one name of each group. target: "frame" or "frame_bone".
+    bone: the name of the resulting frame_bone, None for any that fulfils the condition (or all of the frame, without
+    such a condition). attribute: of the target.
     """
 
     condition: Condition

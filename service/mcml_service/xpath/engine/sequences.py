@@ -1,5 +1,7 @@
-"""Functions of node sets and sequences on columns: what they make of the items of each context. XPath 1.0 §4.1, §4.4;
-XPath 2.0 and 3.1 Functions and Operators §14."""
+"""Functions of node sets and sequences on columns, for the items of each context.
+
+XPath 1.0 §4.1, §4.4; XPath 2.0 and 3.1 Functions and Operators §14.
+"""
 
 from __future__ import annotations
 
@@ -72,8 +74,10 @@ def call(forest: Forest, name: str, arguments: Sequence[Value]) -> Value:
 
 
 def call_on_bodies(forest: Forest, name: str, arguments: Sequence[Value]) -> Value:
-    """The same of numbers of bodies in motion: the least or greatest of what is not known is NaN. Elsewhere NaN may be
-    what XPath calls an error, or nothing."""
+    """The same for numbers of bodies in motion: the least or greatest of unknown values is NaN.
+
+    Elsewhere NaN may mean an XPath error, or an empty sequence.
+    """
     items = items_of(arguments[0])
     if name not in ("min", "max") or items.kind != "number":
         return call(forest, name, arguments)

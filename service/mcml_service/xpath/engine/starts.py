@@ -52,7 +52,7 @@ class Start:
 
 
 def start_of(tree: Expression) -> Start | None:
-    """The start of a path in the form of `rules.normal`; None for what does not begin with frames."""
+    """Return the start of a path in the form of `rules.normal`; None for a path that does not begin with frames."""
     if not isinstance(tree, Path) or not tree.absolute or len(tree.steps) < 3:
         return None
     ways = [(step.axis, step.name) for step in tree.steps[:3]]

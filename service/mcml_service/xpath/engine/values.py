@@ -73,7 +73,7 @@ def strings(forest: Forest, nodes: Ints) -> Strings:
     def add(which: Bools, function: object) -> None:
         index = np.flatnonzero(which)
         if len(index):
-            parts.append((index, function(forest, nodes[index])))  # type: ignore[operator]  # all are called so
+            parts.append((index, function(forest, nodes[index])))  # type: ignore[operator]  # all have this name
 
     add(~framed, _of_head)
     bones = framed & (slots >= BONES)
@@ -135,7 +135,7 @@ def samples(forest: Forest, nodes: Ints) -> Floats:
 
 
 def _rows(forest: Forest, tracks: Ints) -> list[Row]:
-    """What tracks (place << 48 | bone << 32 | chunk, ascending) are read by."""
+    """Return the keys with which tracks (place << 48 | bone << 32 | chunk, ascending) are read."""
     if forest.has_tracks(len(np.unique(tracks >> 48))):
         return rows_of(forest.tracks.named(tracks).about)
     place = {key: number for number, key in enumerate(forest.keys)}

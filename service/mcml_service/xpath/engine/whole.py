@@ -1,8 +1,8 @@
-"""A scope as one sequence: what functions of sequences, loops and sorting make of the nodes of all its documents.
+"""A scope as one sequence: functions of sequences, loops and sorting on the nodes of all its documents.
 
 Outside of predicates an absolute path that a function of sequences or a loop takes is the node set of the whole scope.
-Such functions are evaluated first, and their values stand in their place (`Whole.reduced`); what is left is a constant,
-a node set, one value a document (`asks_each`), or a sequence (`Whole.parts`), in parts of one kind.
+Such functions are evaluated first, and replaced by their values (`Whole.reduced`); the rest is a constant, a node set,
+one value a document (`asks_each`), or a sequence (`Whole.parts`), in parts of one kind.
 """
 
 from __future__ import annotations
@@ -125,7 +125,7 @@ class Whole:
         return with_children(expression, self._literals) if takes_values else expression
 
     def _single(self, call: Call) -> Expression:
-        """What one of `SINGLE` is."""
+        """Evaluate one of `SINGLE`."""
         inner, *others = (
             argument if place == 0 else self.reduced(argument) for place, argument in enumerate(call.arguments)
         )
@@ -155,7 +155,7 @@ class Whole:
         return literal(bool(holds.any() if expression.quantifier == "some" else holds.all()))
 
     def _let(self, expression: Let) -> Expression:
-        """What is bound, in the place of the variable: as it stands, inside of predicates its values."""
+        """Replace the variable by its expression; inside predicates by its values."""
         source = self.reduced(expression.source)
         require_room(expression, source)
         values = cache(lambda: self.values(source))
@@ -227,7 +227,7 @@ class Whole:
             position += len(part)
 
     def _slices(self, expression: For | Each, part: Part, position: int, total: int | None) -> Iterator[Part]:
-        """What a body makes of the items of a part, some at a time."""
+        """Yield the results of a body for the items of a part, in batches."""
         for start in range(0, len(part), TOGETHER):
             some = part.chosen(np.arange(start, min(start + TOGETHER, len(part))))
             yield from self._slice(expression, some, position + start, total)
@@ -255,7 +255,7 @@ class Whole:
             yield Part(part.forest, found.column, None if found.kind == "nodes" else of)
 
     def _one_by_one(self, body: Expression, variable: str, part: Part) -> Iterator[Part]:
-        """A body that asks the scope anew for each item: it is evaluated once for each different one."""
+        """Evaluate a body that queries the scope again for each item, once for each distinct item."""
         if part.are_nodes and begins_paths(body, variable):
             raise NotOnColumnsError
         column = values_of(part, as_number=False) if part.are_nodes else part.column

@@ -1,1 +1,1 @@
-"""From text to tree: tokens, grammar, the FUNCTIONS table, what an expression means, and rules that rewrite it."""
+"""From text to tree: tokens, grammar, the FUNCTIONS table, the meaning of expressions, and rules that rewrite them."""

@@ -1,4 +1,4 @@
-"""What may come next in an expression that is being typed."""
+"""Completions of an expression while it is typed."""
 
 from __future__ import annotations
 
@@ -31,8 +31,11 @@ _OPERATORS = frozenset({"=", "!=", "<", "<=", ">", ">=", "+", "-", "|", ",", "or
 
 @dataclass(frozen=True, slots=True)
 class Completion:
-    """text: what replaces the characters from `first` on. kind: what it is. detail: a word about it. documents: how
-    many have the name that it is."""
+    """A completion.
+
+    text: replaces the characters from `first` on. kind: its kind. detail: a short description. documents: number of
+    documents with this name.
+    """
 
     text: str
     kind: Kind
@@ -136,7 +139,7 @@ def complete(
 
 
 def _named(found: Iterable[Completion], typed: str) -> Iterator[Completion]:
-    """Those that begin with what is typed, then, from two letters on, those that hold it."""
+    """Yield completions that begin with the typed text, then, from two letters on, those that contain it."""
     items = list(dict.fromkeys(found))
     lower = typed.lower()
     begin = [item for item in items if item.text.lower().startswith(lower)]
@@ -170,7 +173,10 @@ def _strings(
 
 
 def _of_motion(level: _Level, bone_names: Callable[[], Mapping[str, int]], more_follow: bool) -> Iterator[Completion]:
-    """What an argument of a function of bodies in motion may name. more_follow: arguments stand behind it."""
+    """Yield possible values of an argument of a function of bodies in motion.
+
+    more_follow: whether further arguments follow.
+    """
     parameters = MOTION_FUNCTIONS[level.function].parameters
     parameter = parameters[level.place].rstrip("?") if level.place < len(parameters) else ""
     if level.function == ANGLE and not level.place and not more_follow:

@@ -1,10 +1,10 @@
 """Predicates of frames and frame_bones as conditions on samples: the same expression, with a sample wherever a path
 leads to one.
 
-`frame_bone[@name='Hips']/@Ty > 90 and not(frame_bone[@name='Hips'][@Rx < @Ry])` looks at nothing but three samples of
-each frame: `Hips/@Ty > 90 and not(Hips/@Rx < Hips/@Ry)`. A sample is a node set of one node or none, so what an
-expression means is unchanged, and whoever evaluates expressions evaluates conditions. Only predicates that some sample
-decides, those that no frame without it can fulfil, become conditions.
+`frame_bone[@name='Hips']/@Ty > 90 and not(frame_bone[@name='Hips'][@Rx < @Ry])` reads only three samples of each frame:
+`Hips/@Ty > 90 and not(Hips/@Rx < Hips/@Ry)`. A sample is a node set of one node or none, so the meaning of the
+expression is unchanged, and the evaluator of expressions evaluates conditions. Only predicates that require a sample
+become conditions: no frame without the sample can fulfil them.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class Sample(Variable):
 Own: TypeAlias = str | Sample | None
 
 COMBINED = (Path, Operation, Call)
-"""What a predicate that is no constant is made of."""
+"""Kinds of expressions in a predicate that is not a constant."""
 ARITHMETIC = ("+", "-", "*", "div", "mod", "negate")
 OF_ONE_NUMBER = frozenset({"floor", "ceiling", "round", "number", "abs"})
 """Functions that give NaN for NaN, and for that alone."""
@@ -89,7 +89,7 @@ def present(own: Sample) -> Expression:
 
 
 def any_bone_condition(predicate: Expression) -> Expression | None:
-    """A predicate of frames that one of their frame_bones must fulfil, whichever: `frame_bone/@Rx > 45`,
+    """Return a predicate of frames that any one of their frame_bones must fulfil: `frame_bone/@Rx > 45`,
     `frame_bone[@Rx > @Ry]`, or one of several such; as a condition on that frame_bone. None for others.
 
     A comparison with a node set asks for any of its nodes, but a function or arithmetic takes the first one.

@@ -1,7 +1,7 @@
-"""The functions of XPath, one row each: what they take, what they give, and, where no node is needed for that, how.
+"""The functions of XPath, one row each: arguments, result, and, for functions without nodes, the implementation.
 
-XPath 1.0 §4, XPath 2.0 and 3.1 Functions and Operators. A function that needs nodes or sequences, such as `count`, has
-its way in `engine/functions.py` or `engine/items.py`, by its name.
+XPath 1.0 §4, XPath 2.0 and 3.1 Functions and Operators. A function that needs nodes or sequences, such as `count`, is
+implemented in `engine/functions.py` or `engine/items.py`, by its name.
 """
 
 from __future__ import annotations

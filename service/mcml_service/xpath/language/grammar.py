@@ -38,7 +38,10 @@ _PREFIXES = ("fn", "math", "mo")
 
 
 def read(text: str) -> Expression:
-    """The tree of an expression, its variables not bound yet. QueryError for what has no tree of ours."""
+    """Return the tree of an expression, with unbound variables.
+
+    Raises QueryError for expressions outside this grammar.
+    """
     return _Reader(text).whole()
 
 

@@ -1,4 +1,4 @@
-"""What is probably wrong with an expression that is right but finds nothing."""
+"""Hints on probable mistakes in a valid expression that finds nothing."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _HAS_BONE_NAME = frozenset({f"@{FRAME_BONE}", f"@{ROOT}"})
 
 
 def hints(tree: Expression) -> list[str]:
-    """All of them, but those that only what a store holds can tell."""
+    """Return all hints, except those that depend on the content of a store."""
     return [*unknown_names(tree), *lost_contexts(tree)]
 
 
@@ -64,7 +64,9 @@ def unknown_names(tree: Expression) -> list[str]:
 
 
 def lost_contexts(tree: Expression) -> list[str]:
-    """For each function of a frame's body that is asked of a whole document, which is in no frame, what is meant."""
+    """Return a hint for each function of a frame's body that is called for a whole document, which is not in a
+    frame.
+    """
     bound = [
         part.variable
         for part in walk(tree)
@@ -147,7 +149,7 @@ def _with_contexts(expression: Expression, context: Types) -> Iterator[tuple[Exp
         for place, argument in enumerate(expression.arguments):
             yield from _with_contexts(argument, frozenset({FRAME}) if place == 2 else context)
     else:
-        # What stands around the parts of a written one is not known.
+        # The context of the parts of an unparsed expression is unknown.
         context = frozenset() if isinstance(expression, Written) else context
         for inner in children(expression):
             yield from _with_contexts(inner, context)

@@ -1,4 +1,4 @@
-"""What predicates ask for: motion names, and the frames that carry them; bone names."""
+"""Names in predicates: motion names, and the frames that have them; bone names."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rewriting what came after XPath 1.0 into what was there, so that indexes and columns find it.
+"""Rewrite features after XPath 1.0 into XPath 1.0, so that indexes and columns can evaluate them.
 
 1. A comparison with a sequence is one with any of its items: `a = ('x', 'y')` is `a = 'x' or a = 'y'`.
 2. `a = 1 to 9` asks for whole numbers: `a[. >= 1 and . <= 9 and . mod 1 = 0]` of nodes, or the same of a number.

@@ -49,7 +49,7 @@ class Key:
 
 
 class Loops(Cursor):
-    """Reads what begins with for, let, some or every."""
+    """Parses expressions that begin with for, let, some or every."""
 
     @abstractmethod
     def _expression(self) -> Expression:
@@ -97,7 +97,7 @@ class Loops(Cursor):
         return bound
 
     def _read_order(self, word: Token, clauses: list[Clause]) -> Expression:
-        """What follows `order`, `stable` or `group`."""
+        """Parse the text after `order`, `stable` or `group`."""
         place = Place(column=word.start + 1)
         if [clause.kind for clause in clauses].count("for") != 1 or clauses[0].kind != "for":
             raise QueryError(
@@ -125,7 +125,7 @@ class Loops(Cursor):
         return _nest(_order(clauses, keys, span), self._expression(), span)
 
     def _read_groups(self, word: Token, before: list[Clause]) -> list[Clause]:
-        """`$k := K, $l := L`, and what follows as far as `order` or `return`."""
+        """Parse `$k := K, $l := L`, and the text up to `order` or `return`."""
         variable = before[0].variable
         clauses: list[Clause] = []
         while not clauses or self._accept(","):
@@ -194,7 +194,7 @@ def _group(source: Expression, variable: str, name: str, key: Expression, span: 
     """A loop over the different keys of items, in which their variable is all items of one key."""
     keys = Call("distinct-values", (For(variable, source, key, span),), span)
     group = Variable(name, span=span)
-    # What is no number is a group too, though it equals nothing.
+    # NaN is a group too, although it equals nothing.
     is_none = Operation("and", (Operation("!=", (key, key), span), Operation("!=", (group, group), span)), span)
     is_same = Operation("or", (Operation("=", (key, group), span), is_none), span)
     item = Variable(variable, span=span)

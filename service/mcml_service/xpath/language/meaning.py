@@ -1,4 +1,6 @@
-"""What an expression means here: variables have values, paths start at the document, motion names are those stored."""
+"""Resolve the meaning of an expression: variables get values, paths start at the document, motion names get their
+stored form.
+"""
 
 from __future__ import annotations
 
@@ -92,7 +94,7 @@ def _item(name: str, source: Expression) -> Variable:
 def _with_items(
     body: Expression, source: Expression, variables: Mapping[str, str | float | bool], types: Mapping[str, Variable]
 ) -> Expression:
-    """What is evaluated with each item of a source as context."""
+    """Bind expressions that are evaluated with each item of a source as context."""
     found = _item(ITEM, source)
     if found.type == "nodes":
         return bind(body, variables, types)

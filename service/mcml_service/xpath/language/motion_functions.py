@@ -1,7 +1,7 @@
-"""The functions of bodies in motion, such as `mo:height('left_hand')`: what they take and give, and in which unit.
+"""The functions of bodies in motion, such as `mo:height('left_hand')`: arguments, results and units.
 
-Those of one frame are quantities (`mcml.motion.bodies.quantities`), which say what they take. The context is a
-frame, or a node in one; a joint is named as MCML names it, or is a frame_bone.
+Those of one frame are quantities (`mcml.motion.bodies.quantities`), which declare their arguments. The context is a
+frame, or a node in one; a joint is given by its MCML name, or as a frame_bone.
 """
 
 from __future__ import annotations

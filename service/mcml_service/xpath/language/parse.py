@@ -41,7 +41,7 @@ _LATER_OPERATORS = frozenset({*VALUE_COMPARISONS, "||", "to", "idiv", "intersect
 MAX_LENGTH = 10_000
 MAX_NESTING = 100
 MAX_DEPTH = 150
-"""Of expressions in expressions; what evaluates them calls itself for each."""
+"""Greatest depth of nested expressions; evaluation is recursive."""
 _LONG_NUMBER = re.compile(r"""'[^']*'|"[^"]*"|([0-9]{301})""")
 
 
@@ -51,8 +51,8 @@ class Query:
 
     tree: motion names in comparisons are in the form in which they are stored, paths outside of predicates start at the
     document, which is the context node (`mcml` is `/mcml`), and variables are the values they are bound to.
-    warnings: what the writer should know, such as a name that was a synonym. compatible: in the mode compatible with
-    XPath 1.0. constant: the expression as it is written, where no document can change its value.
+    warnings: messages for the user, such as a name that was a synonym. compatible: in XPath 1.0 compatibility mode.
+    constant: the expression as written, if its value does not depend on documents.
     """
 
     tree: Expression
@@ -81,11 +81,10 @@ class Query:
 
 
 def parse(text: str, variables: Mapping[str, Atomic] | None = None, *, strict: bool = False) -> Query:
-    """Parses an XPath expression. variables: the values of `$name`. strict: as XPath 3.1 has it, without the mode
-    compatible with 1.0.
+    """Parses an XPath expression.
 
-    Raises QueryError with the column and a hint for what is none, LimitError for a text that is too long or nested
-    too deeply.
+    variables: the values of `$name`. strict: plain XPath 3.1, without XPath 1.0 compatibility mode. Raises QueryError
+    with the column and a hint for an invalid expression, LimitError for a text that is too long or nested too deeply.
     """
     _bound(text)
     warnings: list[str] = []
@@ -100,7 +99,9 @@ def parse(text: str, variables: Mapping[str, Atomic] | None = None, *, strict: b
 
 
 def _tree(text: str, variables: Mapping[str, Atomic]) -> Expression:
-    """What has a tree of ours; the rest may be XPath 3.1 that has no columns, as has what asks no document."""
+    """Return the tree of an expression that columns can evaluate; other XPath 3.1, and expressions without
+    documents, have a tree of one node.
+    """
     try:
         tree = bind(read(text), variables)
     except QueryError as error:
@@ -110,12 +111,15 @@ def _tree(text: str, variables: Mapping[str, Atomic]) -> Expression:
 
 
 def _constant(text: str, tree: Expression, variables: Mapping[str, Atomic], *, strict: bool) -> Written | None:
-    """See `Query`. Values of ours are doubles, and types get lost: what is nothing but values is elementpath's."""
+    """See `Query`.
+
+    Values on columns are doubles without types, so elementpath evaluates expressions that consist only of values.
+    """
     if isinstance(tree, Written):
         return tree if tree.constant else None
     if asks_each(tree) or asks_scope(tree):
         return None
-    # What was XPath 1.0 and is none any more (`1 = 1 = 1`, `1div 2`), and FLWOR, is XPath 3.1 as it is written out.
+    # Syntax that only XPath 1.0 allows (`1 = 1 = 1`, `1div 2`), and FLWOR, is XPath 3.1 after serialisation.
     for spelling in (text, unparse(tree)):
         with suppress(QueryError, RecursionError):
             written = read_written(spelling, variables, compatible=not strict)
@@ -202,7 +206,7 @@ def _check_functions(call: Call) -> None:
 
 
 def _check_motion(call: Call) -> None:
-    """Refuses angles and axes that there are not, and what would be another one in every frame where it cannot be."""
+    """Refuse unknown angles and axes, and arguments that vary by frame where they must be constant."""
     for argument, parameter in zip(call.arguments, _parameters(call), strict=False):
         place = Place(column=argument.span[0] + 1)
         if parameter in CONSTANT and not is_of_variables(argument):

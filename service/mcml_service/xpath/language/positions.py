@@ -1,4 +1,4 @@
-"""What predicates and steps ask for of positions, as far as it is a number, a distance or a window."""
+"""Positions in predicates and steps, if they are a number, a distance or a window."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ Types = frozenset[str]
 
 
 class Projection(IntEnum):
-    """What an expression needs: no frames, frames without their frame_bones, or everything."""
+    """The parts that an expression needs: no frames, frames without their frame_bones, or everything."""
 
     HEAD = 0
     FRAMES = 1
@@ -59,7 +59,7 @@ _FRAME_TYPES = frozenset({FRAME, f"@{FRAME}", MOTION_NAME, f"#{MOTION_NAME}"})
 _BONE_TYPES = frozenset({FRAME_BONE, f"@{FRAME_BONE}"})
 _STRUCTURE = _FRAME_TYPES | _BONE_TYPES | {DOCUMENT, MCML, f"@{MCML}", MOTION}
 _STRUCTURE |= {f"{mark}{name}" for name in ("frames", "frametime") for mark in ("", "#")}
-"""Types of what every document has, and what is in frames."""
+"""Types of nodes that every document has, and of nodes in frames."""
 _WITH_FRAMES = frozenset({DOCUMENT, MCML, MOTION, FRAME})
 """Types whose elements hold frames or frame_bones: serialised, they need them."""
 
@@ -75,11 +75,14 @@ def projection(tree: Expression) -> Projection:
 
 
 def head_of(tree: Expression, *, counted: bool = False) -> HeadPart:
-    """What of the head the value depends on, or is made of. counted: only how many nodes there are is asked."""
+    """Return the part of the head that the value depends on or contains.
+
+    counted: only the number of nodes is needed.
+    """
     analysis = _Analysis()
     result = analysis.types(tree, frozenset({DOCUMENT}))
     analysis.use(result)
-    # Who takes the nodes, such as sum(), may take their text, and that of these is the header's too.
+    # Functions that take the nodes, such as sum(), may read their text, which includes the header's.
     if result & {DOCUMENT, MCML} and not counted:
         return HeadPart.ALL
     if analysis.sees_only(_STRUCTURE):
@@ -163,7 +166,7 @@ class _Analysis:
         found = self.types(expression.source, context)
         self.use(found)
         if isinstance(expression, Binder):
-            # Of variables of one name, what any of them can be.
+            # For variables with the same name, the union of their types.
             self._bound[expression.variable] = self._bound.get(expression.variable, frozenset()) | found
         body = self.types(expression.body, found if isinstance(expression, Each) else context)
         if isinstance(expression, Quantified):
@@ -191,7 +194,7 @@ class _Analysis:
             return found[signature.place]
         if call.function == WINDOW:
             return frozenset({FRAME})
-        # There are no attributes of type ID in MCML, so id() selects nothing; what it reaches is kept all the same.
+        # There are no attributes of type ID in MCML, so id() selects nothing; its types are kept anyway.
         return _everything() if call.function == "id" else frozenset()
 
     def _value(self, types: Types) -> None:
@@ -212,7 +215,7 @@ class _Analysis:
             current = self.types(path.start, context)
         for step in path.steps:
             following = frozenset().union(*(reach(source, step) for source in current))
-            # A node from which the step leads somewhere matters, whatever type it has.
+            # A node from which the step reaches any node matters, of any type.
             self.use(frozenset(source for source in current if reach(source, step)))
             if step.predicates:
                 self.use(following)

@@ -35,12 +35,15 @@ _REFUSED = r"Write a backslash before a sign that means itself, such as \( or \.
 
 
 def matches(text: str, pattern: str, flags: str = "") -> bool:
-    """`matches()`. QueryError for what is no regular expression, LimitError for one that takes too much memory."""
+    """`matches()`.
+
+    Raises QueryError for an invalid regular expression, LimitError for one that takes too much memory.
+    """
     return compiled(pattern, flags).search(_sound(text)) is not None
 
 
 def replace(text: str, pattern: str, replacement: str, flags: str = "") -> str:
-    """`replace()`, with `$1` for what the first parenthesis found. Raises as `matches`."""
+    """`replace()`, with `$1` for the first group. Raises as `matches`."""
     found = _that_takes_something(pattern, flags)
     make = _template(replacement, found.groups, literal="q" in flags)
     parts: list[str] = []
@@ -198,8 +201,10 @@ def _that_takes_something(pattern: str, flags: str) -> Any:
 
 @lru_cache(maxsize=256)
 def _template(replacement: str, groups: int, *, literal: bool) -> Callable[[Any], list[str]]:
-    """What makes the parts of a replacement for a match. `$12` is group 12 where there are as many, else group 1 and a
-    2."""
+    """Return a function that makes the parts of a replacement for a match.
+
+    `$12` is group 12 if there are that many, else group 1 and a 2.
+    """
     parts: list[str | int] = [replacement] if literal else []
     place = len(replacement) if literal else 0
     while place < len(replacement):

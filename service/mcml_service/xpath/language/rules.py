@@ -1,7 +1,7 @@
 """Rewriting: expressions that mean the same become the same tree, in the form that runs best.
 
-Each rule holds for every document that is valid against `mcml.dtd`; what it relies on are the element types that a step
-can reach (`projection.reach`). Rules, in the order in which they are tried:
+Each rule holds for every document that is valid against `mcml.dtd`; it relies on the element types that a step can
+reach (`projection.reach`). Rules, in the order in which they are tried:
 
 1. `self::node()` is left out.
 2. `descendant-or-self::node()/child::x[p]` is `descendant::x[p]` where p does not count positions.
@@ -15,7 +15,7 @@ can reach (`projection.reach`). Rules, in the order in which they are tried:
    for the other sibling axes, `following` and `preceding`, and where the first predicate of x is a window of frames
    (`positions.window_of`). The same operand of a union is evaluated once.
 9. `mo:window(a, b)/y = 'k'` is `boolean(mo:window(a, b)[y = 'k'])`, in the same way.
-10. What came after XPath 1.0, as `later.py` says.
+10. Features after XPath 1.0: see `later.py`.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ def normal(expression: Expression, context: Types = frozenset({DOCUMENT})) -> Ex
 
 
 def _later(expression: Expression, context: Types) -> Expression:
-    """What binds variables: they get the types of the nodes that they can stand for."""
+    """Rewrite expressions that bind variables: these get the types of their possible nodes."""
     if isinstance(expression, Quantified):
         simpler = of_later(expression)
         if simpler is not expression:
@@ -193,7 +193,7 @@ def _parts(predicate: Expression) -> tuple[Expression, ...]:
 
 
 def _any_depth(step: Step, following: Step | None) -> list[Step] | None:
-    """Rules 2 to 4: what becomes of `descendant-or-self::node()` and the step behind it."""
+    """Apply rules 2 to 4 to `descendant-or-self::node()` and the step after it."""
     if following is None or (step.axis, step.name) != ANY or step.predicates:
         return None
     if following.axis in ("child", "descendant") and not counts(following):
@@ -209,7 +209,7 @@ def _any_depth(step: Step, following: Step | None) -> list[Step] | None:
 
 
 def _to_frames(step: Step, types: Types) -> list[Step] | None:
-    """Rules 5 and 6: how the frames, and what only frames hold, are reached."""
+    """Apply rules 5 and 6 to steps to frames, and to nodes that exist only in frames."""
     if step.axis not in ("descendant", "descendant-or-self"):
         return None
     if step.name in (FRAME_BONE, MOTION_NAME) and not counts(step) and step.name not in types:

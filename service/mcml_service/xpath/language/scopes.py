@@ -1,7 +1,7 @@
-"""What of an expression is asked of the whole scope, and what of each document by itself.
+"""Split an expression into parts for the whole scope and parts for each document.
 
 Outside of predicates, an absolute path that a function of sequences or a loop takes is the node set of all documents
-together; where one value is wanted of it, as by `string(/mcml/header/filename)`, every document has its own.
+together; if one value of it is needed, as in `string(/mcml/header/filename)`, every document has its own value.
 """
 
 from __future__ import annotations
@@ -138,8 +138,10 @@ def spans_documents(expression: Expression, *, is_whole: bool = True) -> bool:
 
 
 def put(expression: Expression, variable: str, outside: Expression, inside: Callable[[], Expression]) -> Expression:
-    """The expression with something in the place of a variable. inside: gives what stands in its place in predicates,
-    where an absolute path would be one of the document."""
+    """Replace a variable in an expression.
+
+    inside: returns the replacement in predicates, where an absolute path would start at the context node's document.
+    """
     if variable not in free_variables(expression):
         return expression
     if isinstance(expression, Variable):

@@ -36,7 +36,7 @@ class Token:
 
 
 def tokens(text: str) -> list[Token]:
-    """All tokens, the last one of kind "end". QueryError for what is none."""
+    """Return all tokens, the last one of kind "end". Raises QueryError for invalid text."""
     found: list[Token] = []
     place = 0
     while True:

@@ -1,4 +1,6 @@
-"""Expressions of XPath 1.0, and what we have of 2.0 and 3.1, as a typed tree. Frozen; every node knows its place.
+"""Expressions of XPath 1.0, and of the supported parts of 2.0 and 3.1, as a typed tree.
+
+Frozen; every node has its position.
 
 Abbreviations are written out (`@a` is `attribute::a`, `//` is `/descendant-or-self::node()/`), so that equivalent
 spellings look alike. Operators that associate hold all their operands: `a or b or c` is one node.
@@ -27,7 +29,7 @@ LEVELS |= {"||": 5, "to": 6, "+": 7, "-": 7, "*": 8, "div": 8, "idiv": 8, "mod":
 LEVELS |= {"|": 10, "intersect": 11, "except": 11, "!": 12, "/": 13}
 """How tightly operators bind. XPath 1.0 §3.3 to §3.5, 3.1 appendix A.4; a minus sign is one of a union, as in 1.0."""
 TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "=": "=", "!=": "!="}
-"""What a comparison is with its sides exchanged."""
+"""Comparisons with their sides exchanged."""
 OF_NODES = frozenset({"|", "intersect", "except"})
 """Operators that give nodes."""
 
@@ -98,11 +100,11 @@ class Operation:
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """`$name`, bound by the request (until `meaning.bind` puts its value here) or by what it stands in.
+    """`$name`, bound by the request (until `meaning.bind` replaces it by its value) or by an enclosing expression.
 
-    type: as of `type_of`, of the item that it stands for; "" until it is bound. "." is a context item that is no node.
-    is_integer: it is a number that XPath calls an integer. reached: the types of nodes that it can be
-    (`reach.types_of`), as `rules.normal` finds them.
+    type: of its items, as of `type_of`; "" until it is bound. "." is a context item that is not a node. is_integer:
+    whether XPath treats the number as an integer. reached: the types of its nodes (`reach.types_of`), set by
+    `rules.normal`.
     """
 
     name: str
@@ -203,7 +205,7 @@ class Written:
 
 Binder: TypeAlias = For | Let | Quantified
 Later: TypeAlias = Variable | Sequence | Binder | If | Each | Function
-"""What came after XPath 1.0."""
+"""Expressions after XPath 1.0."""
 Expression: TypeAlias = Literal | Path | Filter | Call | Operation | Later | Written
 _PARTS: dict[type, tuple[str, ...]] = {
     For: ("source", "body"), Let: ("source", "body"), Quantified: ("source", "body"), Each: ("source", "body"),

@@ -1,4 +1,4 @@
-"""What an expression gives, as far as its tree tells: its type, that of its items, and what it depends on."""
+"""Static properties of an expression: its type, the type of its items, and its dependencies."""
 
 from __future__ import annotations
 

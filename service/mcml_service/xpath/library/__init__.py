@@ -1,1 +1,1 @@
-"""What is kept of a library between questions: documents in groups, zone maps, tracks, shared skeletons."""
+"""Cached data of a library: documents in groups, zone maps, tracks, shared skeletons."""

@@ -80,7 +80,7 @@ class Bodies:
         return self._forest.of_bodies((f"{MADE}", "documents", name), lambda: np.array(self._each(of_body), np.float64))
 
     def _turned(self, name: str) -> Floats:
-        # What is left out is told from what is known of the bodies.
+        # Excluded documents are reported from the facts of bodies.
         self.facts()
         parts = []
         for listed in self._forest.documents:
@@ -150,12 +150,12 @@ class Bodies:
         return samples.get(self._forest.documents, key, make, lambda column: column.nbytes)
 
     def facts(self) -> BodyFacts:
-        """What is known of each document."""
+        """Return the facts of each document."""
         found = self._forest.body_facts(None)
         return self._gathered(lambda body: None)[1] if found is None else found
 
     def _each(self, function: Callable[[Body], Made]) -> list[Made]:
-        """What a function makes of each body."""
+        """Return the results of a function for each body."""
         return self._gathered(function)[0]
 
     def _gathered(self, function: Callable[[Body], Made]) -> tuple[list[Made], BodyFacts]:

@@ -1,4 +1,4 @@
-"""What is known of the bodies of a group of documents, beside where they are."""
+"""Facts of the bodies of a group of documents, other than positions."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class BodyFacts:
 
     @classmethod
     def restored(cls, found: Columns) -> BodyFacts:
-        """What had these columns."""
+        """Restore facts from their columns."""
         unit, times, floor, *guessed = found["known"]
         return cls(found["names"], found["doubtful"], found["kind"], unit, times, floor, np.array(guessed))
 

@@ -1,4 +1,4 @@
-"""The tracks of the bones of a name in a group of documents, and what questions about their samples make of them."""
+"""The tracks of the bones with a name in a group of documents, and values derived from their samples by queries."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class BoneColumns:
 
     @property
     def nbytes(self) -> int:
-        """About how much memory it takes, with what questions work out."""
+        """Approximate memory in bytes, including values derived by queries."""
         return 500 + 2 * self._own + 8 * len(self.table)
 
     def facing(self, lead: BoneColumns) -> Table:
@@ -60,7 +60,7 @@ class BoneColumns:
 
 
 class Ends(Protocol):
-    """What the samples of each channel of a bone lie between."""
+    """The ranges of the samples of each channel of a bone."""
 
     @property
     def least(self) -> Floats: ...
@@ -70,7 +70,9 @@ class Ends(Protocol):
 
 
 def summary(columns: Sequence[Ends], channel: int) -> Interval:
-    """What the samples of a channel lie between, in each of several groups; whether each frame has one is not said."""
+    """Return the range of the samples of a channel in each of several groups, without information on missing
+    samples.
+    """
     low = np.array([each.least[channel] for each in columns])
     high = np.array([each.greatest[channel] for each in columns])
     return Interval(low, high, ~np.isnan(low), np.zeros(len(columns), bool))

@@ -1,4 +1,4 @@
-"""What queries keep between them: parts of the store that never change under their keys. Answers are not kept."""
+"""A cache for queries: parts of the store that never change under their keys. Answers are not cached."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ OVERHEAD = 200
 
 
 ROOM = 15 / 16
-"""Of a cache of columns, what stays when it is full."""
+"""Share of a full cache of columns that is kept."""
 
 
 class Cache(Generic[Key, Entry]):
@@ -67,7 +67,7 @@ class Cache(Generic[Key, Entry]):
                 self._total -= self._size(self._entries.pop(key))
 
     def put(self, key: Key, entry: Entry) -> None:
-        """Keep an entry, in the place of that which is kept under its key."""
+        """Store an entry, replacing the one under its key."""
         with self._lock:
             old = self._entries.pop(key, None)
             if old is not None:

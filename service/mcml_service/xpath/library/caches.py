@@ -1,4 +1,4 @@
-"""What the queries of a process keep between them: parts of the store that never change, not answers."""
+"""The caches of the queries of a process: parts of the store that never change, not answers."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Entry = TypeVar("Entry", bound=_Sized)
 
 
 class DocumentCache(Generic[Entry]):
-    """A cache of what belongs to one document. At one revision a document never changes.
+    """A cache of data of single documents. At one revision a document never changes.
 
     read: the entry of each document by its key. limit: bytes kept.
     """
@@ -69,12 +69,12 @@ SOME_CHANGES = 16
 
 
 class Caches:
-    """What a process keeps. limit: bytes of columns: half for what documents are made of and their zone maps, half for
-    samples; the rest takes a little beside them.
+    """The caches of a process.
 
-    listing: which documents there are. heads, layouts, labels, ids, zones: of documents. columns: of groups of
+    limit: bytes of columns: half for the structure of documents and their zone maps, half for samples; other caches are
+    small. listing: the list of documents. heads, layouts, labels, ids, zones: of documents. columns: of groups of
     documents. samples: of bones of groups. bodies, poses: of documents, in space. tracks: decoded. blocks: all tracks
-    over a chunk. sidecar: what is kept on disk, too; None where nothing is.
+    over a chunk. sidecar: the columns on disk; None without them.
     """
 
     def __init__(self, limit: int = COLUMNS, sidecar: Sidecar | None = None) -> None:
@@ -95,7 +95,7 @@ class Caches:
         self.blocks = Cache[BlockKey, Block](3 * small, lambda block: block.values.nbytes + OVERHEAD)
 
     def _forget(self, groups: set[Group]) -> None:
-        """What belongs to groups that nobody asks any more goes at once, what to documents some changes later."""
+        """Data of unused groups is removed at once, data of documents some changes later."""
         for columns in (self.columns, self.samples):
             columns.forget(groups)
         if self.sidecar is not None:

@@ -50,10 +50,10 @@ Rows = TypeVar("Rows", HeadRows, ShapeRuns, LabelRuns, IdRuns)
 
 
 class Forest:
-    """Documents side by side. Nodes are numbers (`numbering`); a document's place here is the number's first part.
+    """Several documents together.
 
-    documents: in order of the answer. head_part: what of their heads can be asked for. All columns are read
-    when they are first needed, and kept for other questions.
+    Nodes are numbers (`numbering`); a document's index here is the number's first part. documents: in order of the
+    answer. head_part: the available part of their heads. All columns are read on first use, and kept for other queries.
     """
 
     def __init__(self, tx: Transaction, documents: Group, caches: Caches, *, head_part: HeadPart) -> None:
@@ -136,7 +136,7 @@ class Forest:
 
     @cached_property
     def ends(self) -> BoneEnds | None:
-        """What the samples of every bone lie between, None where it is not kept on disk."""
+        """The ranges of the samples of every bone, None if they are not stored on disk."""
         if self._disk is None:
             return None
         known: BoneEnds | None = self.caches.columns.find(self.documents, "ends")
@@ -216,7 +216,10 @@ class Forest:
         )
 
     def body_facts(self, make: Callable[[], BodyFacts] | None) -> BodyFacts | None:
-        """What is known of the bodies, kept in memory and on disk. make: gathers it; None: only where it is kept."""
+        """Return the facts of the bodies, cached in memory and on disk.
+
+        make: computes them; None: only cached facts.
+        """
         what = f"facts of bodies {MADE} names"
         known: BodyFacts | None = self.caches.columns.find(self.documents, what)
         if known is None and (make is not None or self._disk is not None):
@@ -289,7 +292,7 @@ class Forest:
         return self._disk.part(self.tx, self._key(what), make, columns, restored)
 
     def _lasting(self, kind: type[Rows], what: str, read: Callable[[], Any]) -> Rows:
-        """Rows of a kind made of what is read, kept in memory and on disk."""
+        """Return rows of a kind, made from data that is read, cached in memory and on disk."""
         return self._kept(what, lambda: self._on_disk(what, lambda: kind(read()), kind.stored, kind.restored))
 
     def _kept(self, what: object, make: Callable[[], Column]) -> Column:
@@ -297,7 +300,7 @@ class Forest:
 
 
 class Bone:
-    """The tracks of the bones of a name for one question: what they lie between may be known without them."""
+    """The tracks of the bones with a name for one query: their ranges may be known without reading them."""
 
     def __init__(self, forest: Forest, name: str | None) -> None:
         self._forest = forest

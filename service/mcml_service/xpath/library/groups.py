@@ -1,4 +1,4 @@
-"""Documents in groups: what is made of the columns of a group is kept as long as somebody may ask for that group."""
+"""Documents in groups: data computed from the columns of a group is kept as long as queries may use that group."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ MOST_DOCUMENTS = 4 * DOCUMENTS
 MOST_FRAMES = 1 << 19
 
 LASTING = 32
-"""A group of fewer documents is read anew in less time than it takes to look for what is kept of it."""
+"""Reading a group of fewer documents takes less time than looking it up in the cache."""
 
 CHOSEN_DOCUMENTS = 1 << 17
 """Of all groups of chosen documents that are held; those of a small group count as more."""
@@ -61,7 +61,7 @@ class Group(list[Listed]):
 
     @cached_property
     def fingerprint(self) -> bytes:
-        """What it is made of: equal in every process that has these documents, at these revisions, in this order."""
+        """The identity of the group: equal in every process with these documents, at these revisions, in this order."""
         return xxhash.xxh3_128(salt() + "".join([one.uuid for one in self]).encode() + _numbers_of(self)).digest()
 
     @cached_property
@@ -149,5 +149,5 @@ def _ends_here(key: int) -> bool:
 
 @cache
 def salt() -> bytes:
-    """What the meaning of the numbers in columns depends on."""
+    """Return the versions on which the meaning of the numbers in columns depends."""
     return f"{CHUNK} {' '.join(CHANNELS)} {' '.join(code_names())} ".encode()

@@ -1,7 +1,7 @@
-"""What numbers lie between, a track at a time: arithmetic on the least and greatest samples that zone maps tell.
+"""Ranges of numbers, a track at a time: arithmetic on the least and greatest samples in zone maps.
 
-IEEE arithmetic is monotonic after rounding too, so the ends of an interval are exact: what they rule out, no frame
-fulfils, and what they make certain, every frame does.
+IEEE arithmetic is monotonic also after rounding, so the ends of an interval are exact: if they exclude a condition, no
+frame fulfils it, and if they imply it, every frame does.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ from mcml_service.xpath.library.pose_columns import PoseColumns
 from mcml_service.xpath.nodes.numbering import Floats, Ints
 
 MOST_FRAMES = 1 << 18
-"""Whose poses are in memory at once, of whatever is compared."""
+"""Limit of frames whose poses are in memory at once."""
 TOGETHER = 64
 """Of the nearest whose poses are compared exactly before it is asked what can still be nearer."""
 
@@ -47,7 +47,7 @@ class _Kept(Protocol):
 
 
 class _Caches(Protocol):
-    """What keeps poses."""
+    """The cache of poses."""
 
     @property
     def poses(self) -> _Kept: ...
@@ -55,8 +55,11 @@ class _Caches(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """What is compared with others. poses: (m, 20, 3) as `pose_features` gives them. moves: whether they are a motion,
-    else one pose. seconds: a frame of the motion, None where unknown."""
+    """The pose or motion that is compared with others.
+
+    poses: (m, 20, 3) as `pose_features` gives them. moves: whether they are a motion, else one pose. seconds: a frame
+    of the motion, None where unknown.
+    """
 
     poses: Array
     moves: bool
@@ -104,8 +107,10 @@ class Asked:
         return found
 
     def least(self, index: PoseIndex, seconds: Floats, frames: Ints) -> Singles:
-        """What it is in each segment of an index at least, infinite where it is not known. seconds: a frame of each
-        document. frames: of each."""
+        """Return the least possible distance in each segment of an index, infinite where unknown.
+
+        seconds: frame time of each document. frames: of each.
+        """
         if not self.moves:
             return index.near_pose(self.poses[0])
         found = np.full(len(index.radius), np.inf, np.float32)
@@ -114,8 +119,9 @@ class Asked:
         return found
 
     def _rates(self, seconds: Floats, frames: Ints) -> list[float]:
-        """Those of documents that are long enough for the motion: a frame of theirs may stand for two of it. What a
-        single odd document says of its frame time costs the others nothing."""
+        """Return the frame times of documents that are long enough for the motion: one of their frames may match two
+        of it. The unusual frame time of a single document does not affect the others.
+        """
         if self.seconds is None:
             return []
         known = seconds > 0

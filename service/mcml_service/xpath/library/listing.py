@@ -34,11 +34,11 @@ KNOWN_NAMES = 10_000
 
 @dataclass
 class State:
-    """What was read of the store as one commit left it.
+    """The state of the store at a commit, as far as it was read.
 
-    commit: that one. whole: all documents, once somebody asked for them; whole_since: since when the history was whole
-    then. documents: single ones by key. groups: of projects (None: of all) by their keys. keys: by id. unused: what was
-    said of names that were compared, by scope.
+    commit: the commit. whole: all documents, once they were needed; whole_since: the commit since which the history was
+    complete. documents: single ones by key. groups: of projects (None: of all) by their keys. keys: by id. unused:
+    names in comparisons that do not occur, by scope.
     """
 
     commit: int
@@ -55,13 +55,16 @@ class State:
 
 
 class Listing:
-    """The documents of the store; after a commit those that it changed are read anew. Threads may share it."""
+    """The documents of the store; after a commit the changed ones are read again. Threads may share it."""
 
     def __init__(
         self, sidecar: Sidecar | None = None, on_change: Callable[[set[Group]], None] = lambda groups: None
     ) -> None:
-        """sidecar: where the documents are kept on disk. on_change: called with the groups that are left when another
-        state of the store is asked: what is kept of others goes."""
+        """sidecar: the cache of the documents on disk.
+
+        on_change: called with the remaining groups when another state of the store is used: data of other groups is
+        removed.
+        """
         self._sidecar = sidecar
         self._on_change = on_change
         # By the newest commit as well as the one that is read: a deleted document that comes back was never away.
@@ -71,7 +74,7 @@ class Listing:
         self._written = -FEW
 
     def state(self, tx: Transaction) -> State:
-        """What a transaction sees."""
+        """Return the state that a transaction sees."""
         newest = tx.newest_commit()
         key = newest, tx.at
         if not self._states.holds([key]):
@@ -83,7 +86,7 @@ class Listing:
         """All documents by name, then key, the order of answers."""
         if state.whole is None:
             last = self._last
-            # Only of the newest state it is known what changed since another; what was purged leaves no trace.
+            # Changes since another state are known only for the newest state; purged documents leave no trace.
             is_newest, state.whole_since = tx.at >= tx.newest_commit(), tx.pruning.whole_since()
             if last is None and is_newest:
                 last = self._kept(tx)
@@ -100,7 +103,7 @@ class Listing:
         return state.whole
 
     def _kept(self, tx: Transaction) -> State | None:
-        """What another process left."""
+        """Return the state stored by another process."""
         found = None if self._sidecar is None else self._sidecar.read(tx, LISTING)
         if found is None:
             return None
@@ -109,7 +112,9 @@ class Listing:
         return State(self._written, columns, whole_since=tx.pruning.whole_since())
 
     def _keep(self, tx: Transaction, state: State) -> None:
-        """Leave it for other processes, unless what they have is nearly the same: they read what changed since."""
+        """Store the state for other processes, unless the stored one is nearly the same: they read the changes
+        since.
+        """
         whole, commit = state.whole or [], state.commit
         if (
             self._sidecar is not None
@@ -157,8 +162,7 @@ def _in_order(listed: Listed) -> tuple[str, int]:
 
 
 class Scope:
-    """What a query is asked of. keys: of the documents, None for all. projects: only documents of these, None: of all
-    that there are."""
+    """The documents of a query. keys: of the documents, None for all. projects: of these projects, None: of all."""
 
     def __init__(self, tx: Transaction, listing: Listing, documents: Sequence[str] = (), project: str | None = None):
         """documents: by their ids, or collections of them; all if none is given. Never others than the transaction's

@@ -88,7 +88,7 @@ class Stacks:
 
     @property
     def nbytes(self) -> int:
-        """About how much memory it takes, with what is worked out when it is asked for."""
+        """Approximate memory in bytes, including values computed on use."""
         return 24 * len(self.starts) + 48 * len(self.units) + sum(stack.columns for stack in self.stacks)
 
     def found(self, places: Ints, slots: Ints) -> tuple[Ints, Ints, Ints]:

@@ -1,4 +1,4 @@
-"""What the samples of each bone of a group lie between, of all its tracks together, and sums that were asked for."""
+"""The ranges of the samples of each bone of a group over all its tracks, and computed sums."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Zone maps: which tracks documents have, and what the samples of each lie between."""
+"""Zone maps: the tracks of documents, and the range of the samples of each."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Zones:
 
 
 def rows_of(about: Ints) -> list[Row]:
-    """What tracks are read by."""
+    """Return the keys with which tracks are read."""
     return list(zip(*about[:GAPS].tolist(), strict=True))
 
 
@@ -128,7 +128,7 @@ class Table:
         return np.asarray((self.places << 32) | self.about[CHUNK_NUMBER], np.int64)
 
     def ends(self, channel: int, frames: Ints) -> Interval:
-        """What the samples of a channel lie between. frames: how many of each track are asked for."""
+        """Return the range of the samples of a channel. frames: number of requested frames of each track."""
         some = (self.about[BITS] >> channel & 1).astype(bool)
         gaps = (self.about[GAPS] >> channel & 1).astype(bool)
         always = some & ~gaps & (self.about[FRAMES] >= frames)

@@ -1,1 +1,1 @@
-"""Nodes as numbers: which there are, in what order, and the heads and frames of documents as arrays of them."""
+"""Nodes as numbers: their numbering and order, and the heads and frames of documents as arrays of them."""

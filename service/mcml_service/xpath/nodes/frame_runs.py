@@ -1,4 +1,4 @@
-"""What frames carry beside their bones, as runs of equal frames: motion names and ids."""
+"""Data of frames other than their bones, as runs of equal frames: motion names and ids."""
 
 from __future__ import annotations
 

@@ -63,8 +63,8 @@ class HeadRows(Stored):
         self.names = _joined([part.names for part in every], np.int16)
         document = np.repeat(np.arange(len(parts)), counts)
         within = _joined([part.parents for part in every], np.int64)
-        # What has no parent in its part hangs from `mcml`; the document node is its own parent here, and the parent
-        # axis leaves it out.
+        # Nodes without a parent in their part are children of `mcml`; the document node is its own parent here, and the
+        # parent axis leaves it out.
         above = np.repeat(self.starts[document] + MCML_ROW, sizes)
         above[self.starts[:-1]] = self.starts[:-1]
         self.parents = np.where(within < 0, above, within + np.repeat(places[:-1], sizes)).astype(np.int32)

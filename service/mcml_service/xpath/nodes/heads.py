@@ -185,7 +185,7 @@ def first_part(version: str) -> Subtree:
 
 
 def motion_part(frames: int, frame_time: str | None) -> Subtree:
-    """`motion` with what it holds beside frames."""
+    """Return `motion` with its content other than frames."""
     known, rows = _motion(frame_time is not None)
     texts = list(known.texts)
     for row, text in zip(rows, (str(frames), frame_time), strict=False):

@@ -108,7 +108,7 @@ def _numbers_of(names: tuple[str, ...], numbers: tuple[int, ...]) -> dict[str, i
 
 @lru_cache(maxsize=4096)
 def _same(found: Same) -> Same:
-    """The equal one that other documents have: what is one object is equal at a glance."""
+    """Return the equal object of other documents: identical objects are compared fast."""
     return found
 
 
@@ -200,7 +200,7 @@ class ShapeRuns(Stored):
 
     @property
     def nbytes(self) -> int:
-        """About how much memory it takes, with what is worked out when it is asked for."""
+        """Approximate memory in bytes, including values computed on use."""
         arrays = (self.of_document, self.offsets, self.slots, self.counts, self.places, self.keys, self.shape)
         return 32 * len(self.bones) + sum(array.nbytes for array in arrays) + 100 * len(self.naming_of)
 

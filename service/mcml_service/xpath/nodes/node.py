@@ -1,4 +1,4 @@
-"""What a query gives."""
+"""Results of queries."""
 
 from __future__ import annotations
 

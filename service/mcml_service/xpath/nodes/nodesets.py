@@ -1,4 +1,4 @@
-"""Node sets for many context nodes at once, and what becomes of them: counts, truth, first nodes, extremes."""
+"""Node sets for many context nodes at once, and their aggregates: counts, truth, first nodes, extremes."""
 
 from __future__ import annotations
 

@@ -1,12 +1,12 @@
 """Nodes as numbers: every node of every document in scope is a 64-bit integer, and document order is their order.
 
-    bits 48–62  document    its place in the batch, from 0
-    bits 24–47  frame       its position from 1; 0 for all that is not in a frame
-    bits  0–23  slot        which node of the frame, or of the head
+    bits 48–62  document    its index in the batch, from 0
+    bits 24–47  frame       its position from 1; 0 for nodes outside frames
+    bits  0–23  slot        the node in the frame, or in the head
 
 A frame has its own element in slot 0, its namespace node in 1, `@id` in 2; motion names from slot 16 in fours (element,
 namespace, text); frame_bones from slot BONES in sixteens (element, namespace, `@name`, then the channels in order).
-The head numbers its nodes in document order from 0, the document node. `motion` and what it holds beside frames begin
+The head numbers its nodes in document order from 0, the document node. `motion` and its content other than frames begin
 at slot MOTION, so that the numbers of frames need no head. Numbers have gaps; nothing else is lost by that, and most
 axes become arithmetic on arrays (compare Grust 2002, "Accelerating XPath location steps").
 """

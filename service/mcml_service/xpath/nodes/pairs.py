@@ -1,4 +1,4 @@
-"""Pairs (index of a context node, node reached): what a step makes of an array of context nodes."""
+"""Pairs (index of a context node, reached node): the results of a step for an array of context nodes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from mcml_service.xpath.nodes.numbering import Bools, Ints
 Pairs: TypeAlias = tuple[Ints, Ints]
 NONE: Pairs = (np.empty(0, np.int64), np.empty(0, np.int64))
 MAX_PAIRS = 1_000_000
-"""Pairs that a step may make at once; who asks for more is told to ask for fewer contexts (TooWideError)."""
+"""Limit of pairs in one step; more pairs need fewer contexts at a time (TooWideError)."""
 
 
 class TooWideError(Exception):

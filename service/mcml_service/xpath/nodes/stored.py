@@ -16,15 +16,15 @@ Self = TypeVar("Self", bound="Stored")
 
 
 class Stored:
-    """What is made of the columns that STORED names alone: all else is worked out of them when it is needed.
+    """An object made only from the columns in STORED: other values are computed from them on use.
 
-    Of one that was restored a column is decoded when it is first looked at: few questions look at all.
+    A restored object decodes each column on first use, because few queries use all.
     """
 
     STORED: ClassVar[tuple[str, ...]] = ()
 
     def stored(self) -> Mapping[str, Any]:
-        """The columns: arrays, or what JSON can say."""
+        """Return the columns: arrays, or JSON values."""
         return {name: getattr(self, name) for name in self.STORED}
 
     @classmethod
@@ -36,7 +36,7 @@ class Stored:
         return made
 
     def _begin(self) -> None:
-        """Where what is worked out later is kept."""
+        """Prepare the place of computed values."""
 
     def __getattr__(self, name: str) -> Any:
         if name not in type(self).STORED or "_columns" not in self.__dict__:

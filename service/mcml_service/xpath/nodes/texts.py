@@ -1,4 +1,4 @@
-"""Strings as columns, each different one held once; and what XPath 1.0 makes of numbers as strings and back."""
+"""Strings as columns, each distinct string stored once; and XPath 1.0 conversions between numbers and strings."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def combine(columns: Sequence[Strings], function: Callable[..., str | float | bo
 
 
 def to_number(text: str) -> float:
-    """`number()` of a string: NaN for what is no number. As in libxml2, an exponent is part of a number."""
+    """`number()` of a string: NaN for other text. As in libxml2, an exponent is part of a number."""
     if not _NUMBER.fullmatch(text):
         return math.nan
     stripped = text.strip(" \t\r\n")

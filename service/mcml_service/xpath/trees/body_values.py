@@ -50,7 +50,7 @@ from mcml_service.xpath.trees.evaluate import Items
 Values: TypeAlias = Mapping[str, Atomic]
 Numbers: TypeAlias = NDArray[Any]
 Met: TypeAlias = dict[Call, dict[tuple[str, ...], None]]
-"""What the arguments of a call that are not the same everywhere named."""
+"""Names in the variable arguments of a call."""
 _PREFIX = "$mo-"
 """Of variables that are ours."""
 _MISSED = uuid4().hex
@@ -60,7 +60,7 @@ FEW = 100
 ONE_BY_ONE = 4
 """Of more, so many are learned one after the other, before all are given."""
 _MAPS, _ARRAYS = (f"Q{{http://www.w3.org/2005/xpath-functions/{kind}}}" for kind in ("map", "array"))
-# A column ends with the number of what is in no frame. In 1.0-compatibility mode, sums are no integers.
+# A column ends with the number for nodes outside frames. In 1.0-compatibility mode, sums are no integers.
 _FUNCTIONS = f"""let $mo-frames := array {{ /mcml/motion/frame }},
 $mo-places := {_MAPS}merge(
   for $i in 1 to {_ARRAYS}size($mo-frames) return {_MAPS}entry(generate-id($mo-frames($i)), $i)),
@@ -115,16 +115,17 @@ class BodyValues:
         """Of a document alone: others may never be looked at."""
         forest = self._forests[stored.key]
         if forest not in self._noted:
-            # What is known of the bodies of a group is what an answer has warnings from.
+            # The warnings of an answer come from the facts of the bodies of a group.
             Bodies(forest, self._limits.check).facts()
             self._noted.add(forest)
         return Columns(forest.part([stored]), self._limits.check, is_later=True)
 
     def answer(self, ask: Callable[[str, Values], Items], text: str, variables: Values, stored: Listed) -> Items:
-        """What elementpath answers to an expression about a document. ask: asks it, with variables.
+        """Return elementpath's answer to an expression about a document.
 
-        Which joint an argument names, `mo:height(.)`, is known while it is evaluated: then it is asked again with the
-        numbers that it lacked. Raises QueryError for what only columns can answer, LimitError for too many numbers.
+        ask: evaluates it, with variables. The joint of an argument such as in `mo:height(.)` is known only during the
+        evaluation: the expression is then evaluated again with the missing numbers. Raises QueryError for expressions
+        that only columns can answer, LimitError for too many numbers.
         """
         if PREFIX not in text:
             return ask(text, variables)
@@ -139,7 +140,7 @@ class BodyValues:
 
 
 class _Asked:
-    """An expression for elementpath, about one document. text, variables: what it is asked."""
+    """An expression for elementpath, about one document. text, variables: its input."""
 
     def __init__(self, columns: Columns, text: str, variables: Values, most: int, met: Met) -> None:
         self._motions = columns.motions
@@ -201,7 +202,7 @@ class _Asked:
     def _number(self, found: WrittenCall) -> str:
         """Of a function that has a value in each frame."""
         call = found.call
-        # What a rate is of is asked of frames: it is the same wherever it stands.
+        # The argument of a rate is evaluated for frames: it is the same in every context.
         named = () if call.function in OF_NUMBERS else call.arguments
         places = [number for number, one in enumerate(named) if not is_of_variables(one)]
         columns = {}
@@ -218,7 +219,7 @@ class _Asked:
         return f"({look} = 1)" if type_of(call) == "boolean" else look
 
     def _keys(self, call: Call, places: Sequence[int]) -> Iterable[tuple[str, ...]]:
-        """What the arguments at some places name: what they are known to name, or all that they can."""
+        """Yield the names in the arguments at some positions: the known ones, or all possible ones."""
         met = self._met.get(call, {})
         chosen = [
             self._joints if _is_joint(call, place) else list(dict.fromkeys(names[number] for names in met))

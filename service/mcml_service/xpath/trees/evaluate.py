@@ -87,7 +87,7 @@ class Tree:
         except (MemoryError, McmlError):
             raise
         except Exception as error:
-            # What a value that it did not foresee makes of its code is no fault of the server.
+            # Errors of its code for unexpected values are not faults of the server.
             raise QueryError(f"This has no value: {in_words(str(error))[:200] or 'it is not defined'}.") from error
 
     def _item(self, item: Any) -> Found | Atomic:

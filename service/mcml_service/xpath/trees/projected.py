@@ -27,7 +27,7 @@ class Xml:
         self.projection = projection(tree)
 
     def of(self, stored: Listed) -> Iterator[bytes]:
-        """The XML in pieces. LimitError for what is too large."""
+        """Yield the XML in pieces. Raises LimitError if it is too large."""
         self._check_size(stored)
         document = self.tx.heads.document(stored)
         blocks: Iterator[FrameBlock] = iter(())

@@ -1,4 +1,4 @@
-"""Answers of what has no columns: an expression over a scope, document by document."""
+"""Evaluate expressions without columns over a scope, document by document."""
 
 from __future__ import annotations
 
@@ -146,7 +146,7 @@ class Sequences:
         return self.bodies.answer(ask, text, self.variables, stored)
 
     def _tree(self, stored: Listed) -> Tree:
-        """Of a document; the last one is kept, for who asks it twice."""
+        """Return the tree of a document; the last one is cached for repeated use."""
         if self._last is None or self._last[0] is not stored:
             self._last = stored, Tree(self.xml.of(stored))
         return self._last[1]
@@ -160,7 +160,9 @@ def value_of_nothing(query: Query) -> Items:
 
 
 def require_alone(tree: Expression, documents: int) -> None:
-    """QueryError for what is asked of several documents together, and cannot be of each alone."""
+    """Raise QueryError for an expression that needs several documents together, and cannot be evaluated for each
+    alone.
+    """
     if documents > 1 and spans_documents(tree):
         raise QueryError(
             "This combines all documents, but contains a function that is evaluated on one document at a time.",

@@ -1,4 +1,4 @@
-"""What differs between databases, and only that: one module each, listed here."""
+"""The differences between databases: one module each, listed here."""
 
 from __future__ import annotations
 

@@ -16,7 +16,11 @@ from mcml_service.storage.core.statements import Prepared
 
 @dataclass(frozen=True, slots=True)
 class Compaction:
-    """What compacting a store means. bytes: given back. room: needed meanwhile. stops_writers: until it is done."""
+    """The effect of compacting a store.
+
+    bytes: bytes returned to the disk. room: disk space needed meanwhile. stops_writers: whether writers must wait until
+    it is done.
+    """
 
     bytes: int
     room: int = 0
@@ -53,7 +57,7 @@ class Dialect(ABC):
         """A connection in a read transaction: every statement sees the same snapshot."""
 
     def looking(self) -> AbstractContextManager[Connection]:
-        """As `reading`, but each statement sees what is there when it is asked: for who asks one, and often."""
+        """As `reading`, but each statement sees the current state: for callers that often run a single statement."""
         return self.reading()
 
     @abstractmethod
@@ -76,8 +80,9 @@ class Dialect(ABC):
 
     @abstractmethod
     def retire_keys(self, connection: Connection) -> None:
-        """Let no document and no skeleton to come get the key of one that this transaction deletes: what processes keep
-        under a key never changes."""
+        """Keep keys of documents and skeletons that this transaction deletes from being used again: data that
+        processes cache under a key never changes.
+        """
 
     @abstractmethod
     def erase_what_goes(self, connection: Connection) -> None:
@@ -85,7 +90,7 @@ class Dialect(ABC):
 
     @abstractmethod
     def settle(self) -> None:
-        """Let what was deleted be gone from the database's files as far as it can be while others work."""
+        """Remove deleted data from the database's files, as far as possible while others work."""
 
     @property
     def file(self) -> Path | None:
@@ -94,7 +99,7 @@ class Dialect(ABC):
 
     @abstractmethod
     def compaction(self) -> Compaction:
-        """What `compact` would do now."""
+        """Return the effect that `compact` would have now."""
 
     @abstractmethod
     def compact(self, progress: Callable[[int], None]) -> None:
@@ -115,11 +120,11 @@ class Dialect(ABC):
 
     @abstractmethod
     def is_damaged(self, error: BaseException | None) -> bool:
-        """Whether the driver's error says that the database's own structures are not what it wrote."""
+        """Tell whether the driver's error means that the database's own structures are damaged."""
 
     @abstractmethod
     def faults(self, connection: Connection) -> Iterator[str]:
-        """What the database itself finds wrong with its pages and indexes, in words."""
+        """Yield faults that the database itself finds in its pages and indexes, as text."""
 
     @abstractmethod
     def last_keys(self, connection: Connection) -> dict[str, int]:

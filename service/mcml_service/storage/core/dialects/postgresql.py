@@ -85,7 +85,7 @@ class PostgreSQL(Dialect):
                     yield connection
             except (DBAPIError, psycopg.Error) as error:
                 if self.is_away(error.orig if isinstance(error, DBAPIError) else error):
-                    # What the others of the pool were connected to went as well.
+                    # The other connections of the pool are lost as well.
                     self.engine.dispose()
                 raise
 

@@ -183,7 +183,7 @@ class SQLite(Dialect):
         self.settle()
 
     def is_full(self, error: BaseException | None) -> bool:
-        # The second is what opening a store meets: the file beside it that connections share cannot grow.
+        # The second occurs when a store is opened: the file that connections share cannot grow.
         code = getattr(error, "sqlite_errorcode", None)
         return isinstance(error, sqlite3.Error) and code in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR_SHMSIZE)
 

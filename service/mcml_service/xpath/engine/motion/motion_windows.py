@@ -1,7 +1,7 @@
 """Functions of the frames around a frame (`min(mo:window(-1, 0)/mo:height('Root'))`), without listing these for each.
 
-What is asked of a frame is worked out once for every frame of a document; the least, greatest and sum over a window
-of each are found from that together.
+The expression is evaluated once for every frame of a document; the least, greatest and sum over a window of each are
+found from that together.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ ONE_BY_ONE = 1024
 
 
 class Columns(Protocol):
-    """What evaluates the parts."""
+    """The evaluator of the parts."""
 
     @property
     def check(self) -> Callable[[], None]: ...
@@ -89,7 +89,7 @@ class MotionWindows:
     def _around(
         self, key: object, evaluate: Callable[[Context], Kept], window: Call, nodes: Ints
     ) -> tuple[Kept, Ints, Ints]:
-        """What is evaluated of all frames, and for each node where its window begins in that, and ends before."""
+        """Return the values of all frames, and for each node the begin and end of its window in them."""
         found, _, starts = self._motions.everywhere(key, evaluate, nodes)
         first, last = self._motions.reach(window, nodes)
         inside = frames_of(nodes) > 0
@@ -117,7 +117,7 @@ def _is_plain(expression: Expression) -> bool:
 
 
 def _asked(expression: Expression) -> tuple[Call, tuple[Expression, ...]] | None:
-    """The window, and what its frames must fulfil."""
+    """Return the window, and the conditions on its frames."""
     if _is_window(expression):
         return _window(expression), ()
     if isinstance(expression, Filter) and _is_window(expression.operand):

@@ -44,7 +44,7 @@ Kept = TypeVar("Kept")
 
 
 class Columns(Protocol):
-    """What evaluates arguments."""
+    """The evaluator of arguments."""
 
     forest: Forest
 
@@ -91,7 +91,7 @@ class Motions:
         return found == 1 if type_of(call) == "boolean" else found
 
     def _asked_number(self, expression: Expression, context: Context) -> Floats:
-        """What is asked of `mo:known`: a contact is a number as long as nothing is made of it."""
+        """Evaluate the argument of `mo:known`: a contact stays a number here."""
         if isinstance(expression, Call) and expression.function == CONTACT:
             return self._number(expression, context)
         return self._columns.numbers(expression, context)
@@ -105,8 +105,9 @@ class Motions:
         return found
 
     def everywhere(self, key: object, evaluate: Callable[[Context], Kept], nodes: Ints) -> tuple[Kept, Ints, Ints]:
-        """What is evaluated of all frames of the documents that nodes are of, these frames, and for each node where the
-        first frame of its document is among them. What is worked out for one slice of nodes serves the next ones."""
+        """Return the values of all frames of the nodes' documents, these frames, and for each node the index of the
+        first frame of its document. Values for one slice of nodes are reused for the next ones.
+        """
         documents, index = np.unique(documents_of(nodes), return_inverse=True)
         known = self._known.get(key)
         if known is None or not np.array_equal(known[0], documents):
@@ -206,7 +207,7 @@ class Motions:
         return np.where(rows >= 0, column[rows], np.nan) if len(column) else np.full(len(nodes), np.nan)
 
     def _name(self, argument: Expression, context: Context) -> Strings:
-        """What an argument names: of a node its name."""
+        """Return the name in an argument; for a node, its name."""
         if isinstance(argument, Path) or type_of(argument) == "nodes":
             argument = Path((Step("attribute", NAME),), start=argument)
         return self._columns.strings(argument, context)

@@ -1,5 +1,6 @@
-"""What stands around a node, found without listing it for each: whether anything does, how many frames of a window, how
-many children."""
+"""Facts about the neighbours of nodes, without listing them for each: their existence, the number of frames in a
+window, the number of children.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +22,7 @@ from mcml_service.xpath.nodes.numbering import Bools, Floats, Ints
 
 
 class Columns(Protocol):
-    """What evaluates predicates and paths."""
+    """The evaluator of predicates and paths."""
 
     forest: Forest
 
@@ -31,7 +32,7 @@ class Columns(Protocol):
 
 
 class Neighbours:
-    """Of the documents of some columns; what is found for one slice of context nodes serves the others."""
+    """Neighbours in the documents of some columns; results for one slice of context nodes are reused for the others."""
 
     def __init__(self, columns: Columns) -> None:
         self._columns = columns

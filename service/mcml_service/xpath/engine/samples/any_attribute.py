@@ -1,7 +1,7 @@
 """`//@*[. > 170]` and `//@*[. = 'x']`: attributes of any name, compared with a constant.
 
-Nearly all attributes are samples, in which zone maps and codes find what there is (`stacked`); names and those of heads
-are compared a text at a time, ids as the numbers that they are. So no node is made of what is not found.
+Nearly all attributes are samples, for which zone maps and codes find matches (`stacked`); names and attributes of heads
+are compared one text at a time, ids as numbers. So no node is made for attributes that do not match.
 """
 
 from __future__ import annotations
@@ -72,7 +72,9 @@ class AnyAttribute:
 
 
 def any_attribute(tree: Expression) -> AnyAttribute | None:
-    """What an expression asks of all attributes, in the form of `rules.normal`; None for another expression."""
+    """Return the condition of an expression on all attributes, in the form of `rules.normal`; None for another
+    expression.
+    """
     if not isinstance(tree, Path) or not tree.absolute or len(tree.steps) != 2:
         return None
     every, last = tree.steps

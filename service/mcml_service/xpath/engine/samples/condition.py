@@ -1,8 +1,7 @@
-"""A condition on samples, and what follows from its form: what it reads, what it cannot do without, and what zone maps
-say of it.
-
-It means what its tree means to `columns`: nothing here tells of a frame whether it fulfils it. The arithmetic on the
-ends of zone maps (`intervals`) says beforehand in which tracks no frame does, and in which each does.
+"""A condition on samples, and facts derived from its form: the samples that it reads, those that it requires, and the
+verdict of zone maps. It has the meaning of its tree in `columns`: nothing here evaluates it for a frame. Arithmetic on
+the ends of zone maps (`intervals`) decides beforehand in which tracks no frame fulfils it, and in which every frame
+does.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ class Condition:
 
     @classmethod
     def of(cls, tree: Expression) -> Condition:
-        """What `conditions` makes, with the numbers that constants are."""
+        """Make a condition from the output of `conditions`, with constants as numbers."""
         return cls(_folded(tree))
 
     @cached_property
@@ -83,7 +82,7 @@ class Condition:
         return _with_leaves(self.tree, function)
 
     def judge(self, ends: Ends) -> Verdict:
-        """What zone maps say."""
+        """Return the verdict of zone maps."""
         return _judged(self.tree, ends)
 
 
@@ -100,7 +99,7 @@ def _with_leaves(tree: Expression, function: Callable[[Expression], Expression])
 
 def _strict(tree: Expression) -> frozenset[Sample]:
     if isinstance(tree, Call):
-        # What is negated holds without samples, too: other conditions must ask for these.
+        # A negation is also true without samples: other conditions must require them.
         return frozenset() if tree.function == "not" else samples_of(tree)
     if not isinstance(tree, Operation):
         return frozenset()
@@ -166,7 +165,7 @@ def _judged(tree: Expression, ends: Ends) -> Verdict:
 
 
 def _between(tree: Expression, ends: Ends) -> Interval:
-    """What a number lies between."""
+    """Return the range of a number."""
     if isinstance(tree, Sample):
         return ends[tree]
     if isinstance(tree, Literal):

@@ -1,8 +1,9 @@
-"""What is asked of all frame_bones of each of many frames: whether any fulfils a condition, how many, sum and extremes.
+"""Aggregates over all frame_bones of each of many frames: whether any fulfils a condition, their number, sum and
+extremes.
 
-`frame[count(frame_bone[@Rx > 20]) >= 5]` and `frame[not(frame_bone[@Rx > 20])]` look at every bone of every frame. The
-samples lie side by side (`stacked`), so that no node is made for any of them. This is said of frames that have the
-same frame_bones, in order, with the same channels as their neighbours; others are walked.
+`frame[count(frame_bone[@Rx > 20]) >= 5]` and `frame[not(frame_bone[@Rx > 20])]` read every bone of every frame. The
+samples are stacked in arrays (`stacked`), so that no node is made for any of them. This works for frames with the same
+frame_bones, in the same order, with the same channels as their neighbours; others are evaluated node by node.
 """
 
 from __future__ import annotations
@@ -63,8 +64,10 @@ class FrameBones:
     def value(
         self, expression: Expression, context: Context, frames: NodeSets | None, walk: Callable[[Context], Value]
     ) -> Value | None:
-        """The value for each context; None where this is no such question. frames: what the path of the expression
-        starts from, if that is no context node. walk: gives the value for other contexts."""
+        """Return the value for each context; None if the expression has another form.
+
+        frames: the start of the expression's path, if it is not a context node. walk: evaluates other contexts.
+        """
         if len(context) < FEW:
             return None
         if expression not in self._known:
@@ -108,7 +111,7 @@ class FrameBones:
 
 
 def asked(expression: Expression) -> Asked | None:
-    """What an expression asks of the frame_bones of a frame; None where it is something else."""
+    """Return the aggregate of an expression over the frame_bones of a frame; None for other expressions."""
     if isinstance(expression, Path | Operation):
         condition = any_bone_condition(expression)
         return None if condition is None else Asked("any", Condition.of(condition))

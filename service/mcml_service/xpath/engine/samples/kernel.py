@@ -17,7 +17,7 @@ from mcml_service.xpath.nodes.samples import Samples
 
 
 class Columns(Protocol):
-    """What evaluates expressions over the documents of a forest. check: raises when time is up."""
+    """The evaluator of expressions over the documents of a forest. check: raises when time is up."""
 
     forest: Forest
 

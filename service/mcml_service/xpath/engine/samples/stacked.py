@@ -77,7 +77,7 @@ class Some:
         return view[:, self.columns if self._span is None else self._span]
 
     def spread(self, of_tracks: NDArray[Any]) -> NDArray[Any]:
-        """What is said of tracks, (bones, units), as said of their frames."""
+        """Expand values of tracks, (bones, units), to values of their frames."""
         if self._span is None:
             return of_tracks[:, self._unit_of[1]]
         edges = np.clip(self.stack.offsets, self._span.start, self._span.stop)
@@ -116,8 +116,9 @@ class StackedBones:
         return bool(self._judge(condition).may.any())
 
     def truth(self, condition: Condition, some: Some) -> Bools:
-        """(bones, frames): which frame_bones fulfil a condition; what it says of those that are not there, where it
-        asks for no sample, is left open."""
+        """Return (bones, frames): the frame_bones that fulfil a condition; values for missing ones are undefined if
+        it requires no sample.
+        """
         known: dict[Variable, Bools] = {}
 
         def decided(leaf: Expression) -> Expression:
@@ -162,7 +163,7 @@ class StackedBones:
         return found
 
     def _judge(self, condition: Condition) -> Verdict:
-        """What zone maps say of each track of the group."""
+        """Return the verdict of zone maps for each track of the group."""
         found = self._verdicts.get(condition.tree)
         if found is None:
             frames = self._table.about[FRAMES]

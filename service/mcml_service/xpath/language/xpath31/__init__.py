@@ -1,1 +1,1 @@
-"""XPath 3.1 as it is written: elementpath's parser, corrected, and what is known of an expression before its value."""
+"""XPath 3.1 evaluated as written: elementpath's parser, with corrections, and static facts about expressions."""

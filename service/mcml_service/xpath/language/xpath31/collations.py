@@ -1,10 +1,10 @@
 """Collations: by code points, ASCII without case, and the strengths of the Unicode Collation Algorithm, approximated.
 
 elementpath compares by the locale of the process, which is one for all threads, needs locales that few machines have,
-and leaves a lock behind where there is none. Here a collation is a key of each text:
+and leaves a lock behind if the locale does not exist. Here a collation is a key of each text:
 
 - primary: letters alone, without accents and case; secondary: without case; others: as it is, composed (NFC).
-- a name that is none of these is refused with FOCH0002, as is a UCA with `fallback=no`.
+- any other name is refused with FOCH0002, as is a UCA with `fallback=no`.
 """
 
 from __future__ import annotations

@@ -94,8 +94,9 @@ def _round(number: float) -> float:
 
 
 def _substring(self: Any, context: Any = None) -> str:
-    """fn:substring (F&O 3.1 §5.4.3): the characters at positions p with
-    round(start) <= p < round(start) + round(length), whatever is infinite or no number."""
+    """fn:substring (F&O 3.1 §5.4.3): the characters at positions p with round(start) <= p < round(start) +
+    round(length), also for infinite values and NaN.
+    """
     context = self.context or context
     text: str = self.get_argument(context, default="", cls=str)
     first, length = (
@@ -131,8 +132,9 @@ def _path(self: Any, context: Any = None) -> Iterator[Any]:
 
 
 def _bound(self: Any, context: Any) -> Iterator[Any]:
-    """A context for each choice of the variables of a loop or quantifier (XPath 3.1 §3.9): what the second variable is
-    in is asked in the focus of the whole, not in that which the first one left."""
+    """A context for each choice of the variables of a loop or quantifier (XPath 3.1 §3.9): the sequence of the
+    second variable is evaluated in the focus of the whole expression, not in the focus left by the first.
+    """
     waiting = [(0, context)]
     while waiting:
         place, outer = waiting.pop()

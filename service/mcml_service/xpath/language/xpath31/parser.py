@@ -59,8 +59,11 @@ class XPath31(XPath31Parser):
 
 
 class _Compared:
-    """A general comparison. In the mode compatible with 1.0 (XPath 3.1 §3.7.2) each item is a number where one of both
-    is, or less or greater is asked; but dates, durations and the like are compared as what they are."""
+    """A general comparison.
+
+    In XPath 1.0 compatibility mode (XPath 3.1 §3.7.2) both items are compared as numbers if one of them is a number, or
+    for less and greater; but dates, durations and similar types are compared by their own type.
+    """
 
     def iter_comparison_data(self, context: Any) -> Iterator[Any]:
         token: Any = self
@@ -111,12 +114,12 @@ def read_tokens(text: str, *, compatible: bool, parser: type[XPath31] = XPath31)
     except (MemoryError, RecursionError, McmlError):
         raise
     except Exception as error:
-        # What the parser did not foresee in a text is no fault of the server.
+        # Unexpected errors of the parser for a text are not faults of the server.
         raise QueryError("this is no XPath 3.1", at=Place(column=1), xpath_error="XPST0003") from error
 
 
 def query_error(error: Exception, text: str = "") -> QueryError:
-    """What elementpath says of an expression, with the W3C's code. text: the expression, for the column."""
+    """Return elementpath's error for an expression, with the W3C's code. text: the expression, for the column."""
     line, column, code, what = _MESSAGE.fullmatch(str(error)).groups()  # type: ignore[union-attr]  # it always matches
     place = None
     if text:
@@ -127,5 +130,5 @@ def query_error(error: Exception, text: str = "") -> QueryError:
 
 
 def in_words(message: str) -> str:
-    """What elementpath or Python says, with types as XPath names them."""
+    """Rewrite a message of elementpath or Python, with XPath's names of types."""
     return _CLASS.sub(lambda found: _TYPES.get(found[1], found[1]), " ".join(message.split())).rstrip(".")

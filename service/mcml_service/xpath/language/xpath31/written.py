@@ -1,4 +1,4 @@
-"""What of XPath 3.1 has no tree of ours: it is checked here, and evaluated by elementpath as it is written."""
+"""XPath 3.1 that columns cannot evaluate: it is checked here, and evaluated by elementpath as written."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _KIND_TEST_BEFORE_SIGN = re.compile(
 )
 _ATTRIBUTE_KIND_TEST = re.compile(r"""'[^']*'|"[^"]*"|(@)(?=\s*(?:node|text|comment|processing-instruction)\s*\()""")
 _UNPREFIXED = "mo-"
-"""What stands for the prefix of functions of bodies in motion: elementpath has none in the names of functions."""
+"""Replacement for the prefix of functions of bodies in motion: elementpath allows none in names of functions."""
 _OF_FRAMES = frozenset(name.replace(PREFIX, _UNPREFIXED) for name in (WINDOW, RUNS))
 
 
@@ -37,9 +37,10 @@ _WithBodies.build()
 
 
 def read_written(text: str, variables: Mapping[str, Atomic], *, compatible: bool = True) -> Written:
-    """The expression as a tree of one node. compatible: in the mode compatible with XPath 1.0.
+    """The expression as a tree of one node.
 
-    Raises QueryError for what is no XPath 3.1, or reads files, the network or the environment.
+    compatible: in XPath 1.0 compatibility mode. Raises QueryError for invalid XPath 3.1, and for expressions that read
+    files, the network or the environment.
     """
     text = spell_for_elementpath(text)
     root = read_tokens(MOTION_CALL.sub(_unprefixed, text), compatible=compatible, parser=_WithBodies)

@@ -1,1 +1,1 @@
-"""Columns beside the store: what one process worked out, for the first questions of the next."""
+"""Columns on disk beside the store: computed by one process, for the first queries of the next."""

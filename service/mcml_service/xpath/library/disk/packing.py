@@ -1,4 +1,4 @@
-"""Columns as bytes: arrays behind each other, each compressed where that pays, with a table of what they are."""
+"""Columns as bytes: concatenated arrays, each compressed if that saves space, with a table of contents."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _RAW, _ZSTD, _NUMBERS, _JSON = range(4)
 
 
 def pack(columns: Mapping[str, Any]) -> bytes:
-    """Arrays, and what JSON can say, by name. TypeError for what is neither."""
+    """Pack arrays and JSON values, by name. Raises TypeError for other values."""
     table: list[tuple[str, int, str, tuple[int, ...], int, int]] = []
     parts: list[bytes] = []
     at = 0
@@ -61,7 +61,7 @@ def _kind(name: str) -> np.dtype[Any]:
 
 
 class Packed:
-    """What `pack` made, each column decoded when it is asked for. ValueError for other bytes."""
+    """The output of `pack`; each column is decoded on use. Raises ValueError for other bytes."""
 
     def __init__(self, data: bytes) -> None:
         try:

@@ -16,7 +16,7 @@ from mcml_service.storage.database import Database
 FORMAT = 2
 """Of the file and of all parts. A file of another one is thrown away."""
 FAULTS = (sqlite3.Error, OSError, UnicodeDecodeError)
-"""What a file that is broken or cannot be written raises. Of a broken one even messages may be no texts."""
+"""Errors of a damaged or unwritable file. With a damaged file even messages may be invalid text."""
 BUSY_SECONDS = 5.0
 PAGE_BYTES = 32_768
 OFF = "none"
@@ -53,9 +53,12 @@ def why_not(path: Path) -> str:
 
 
 def opened(path: Path) -> sqlite3.Connection:
-    """A connection to the file. Where it is not there, of another format or broken, it is made anew; OSError and
-    sqlite3.OperationalError where that cannot be."""
-    # Of two threads that find it broken, one makes it anew, and the other does not remove that again.
+    """A connection to the file.
+
+    If the file is missing, damaged or of another format, it is created again. Raises OSError and
+    sqlite3.OperationalError if that fails.
+    """
+    # If two threads find it damaged, one creates it again, and the other does not remove the new file.
     with _opening:
         try:
             return _connected(path)
@@ -76,8 +79,8 @@ def _connected(path: Path) -> sqlite3.Connection:
         if connection.execute("PRAGMA page_count").fetchone() == (0,):
             connection.execute(f"PRAGMA page_size={PAGE_BYTES}")
             connection.execute("PRAGMA auto_vacuum=INCREMENTAL")
-        # It may be lost at any time: nothing waits for the disk. Not mapped into memory: whoever truncates it would end
-        # the process.
+        # It may be lost at any time: nothing waits for the disk. Not mapped into memory: a process that truncates it
+        # would end the process.
         for pragma in ("journal_mode=WAL", "synchronous=OFF", "secure_delete=ON"):
             connection.execute(f"PRAGMA {pragma}").fetchall()
         connection.execute("PRAGMA journal_size_limit=1048576")
@@ -108,14 +111,14 @@ def cleared(connection: sqlite3.Connection, whole_since: int) -> bool:
 
 
 def emptied(connection: sqlite3.Connection) -> None:
-    """Let nothing of what went be in the files."""
+    """Remove all traces of deleted data from the files."""
     connection.execute("PRAGMA incremental_vacuum").fetchall()
     # The log holds pages as they were.
     connection.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
 
 
 def forget(database: Database, folder: str) -> None:
-    """Remove the parts of what was purged or pruned from the disk; a server that runs goes on with an empty file."""
+    """Remove the parts of purged or pruned data from the disk; a running server continues with an empty file."""
     path = path_of(database, folder)
     if path is None or not path.exists():
         return
@@ -132,7 +135,7 @@ def forget(database: Database, folder: str) -> None:
 
 
 def remove(path: Path) -> None:
-    """Remove the file, and what SQLite has beside it."""
+    """Remove the file, and SQLite's files beside it."""
     for ending in ("", "-wal", "-shm", "-journal"):
         path.with_name(path.name + ending).unlink(missing_ok=True)
 

@@ -1,8 +1,7 @@
-"""Columns beside the store: what a process worked out of groups of documents, for the first questions of the next one.
-
-A part is named by what it was made of (documents and their revisions) and marked with the commit that was the newest
-then: in a store of another history no part is believed. Nothing needs it: what is wrong, lost or cannot be written is
-worked out again.
+"""Columns on disk beside the store: computed by a process for groups of documents, for the first queries of the next
+one. A part is identified by its sources (documents and their revisions) and marked with the newest commit at that time:
+in a store with another history no part is used. The file is optional: invalid, lost or unwritable parts are computed
+again.
 """
 
 from __future__ import annotations
@@ -41,8 +40,10 @@ Made = TypeVar("Made", bound=_Sized)
 
 @dataclass
 class _View:
-    """What a transaction sees. mark: of parts that are made in it, "" where none are kept. known: marks, and whether
-    they are of its history."""
+    """The view of a transaction.
+
+    mark: of parts that are made in it, "" if none are stored. known: marks, and whether they belong to its history.
+    """
 
     mark: str
     whole_since: int
@@ -75,8 +76,10 @@ class Sidecar:
         stored: Callable[[Made], Mapping[str, Any]],
         restored: Callable[[Packed], Made],
     ) -> Made:
-        """A part; where it is not kept it is made, and kept from then on. key: what it is made of, and its name.
-        stored, restored: its columns, and the part of them."""
+        """Return a part; a missing part is computed and stored.
+
+        key: its sources and its name. stored, restored: convert a part to columns and back.
+        """
         found = self.read(tx, key)
         if found is not None:
             return restored(found)
@@ -125,7 +128,7 @@ class Sidecar:
         return int(self.limit * ROOM) - int(total)
 
     def forget(self, held: Container[bytes]) -> None:
-        """Write nothing any more of what is asked no more. held: first parts of keys that are."""
+        """Stop writing data of unused keys. held: first parts of keys in use."""
         self._writer.forget(held)
 
     def flush(self) -> None:
@@ -133,7 +136,7 @@ class Sidecar:
         self._writer.flush()
 
     def close(self, seconds: float = 0.0) -> None:
-        """End the thread that writes. seconds: that it may take for what waits."""
+        """End the writer thread. seconds: time limit for waiting data."""
         self._writer.close(seconds)
         with self._lock:
             if self._reader is not None:
@@ -141,7 +144,7 @@ class Sidecar:
                 self._reader = None
 
     def _view(self, tx: Transaction) -> _View | None:
-        """None for a transaction that reads what is past: few ask for it again."""
+        """Return the view of a transaction; None if it reads the past, which is rarely needed again."""
         view = self._views.get(tx)
         if view is None:
             newest, since = tx.newest_commit(), tx.pruning.whole_since()

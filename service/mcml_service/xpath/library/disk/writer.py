@@ -18,7 +18,7 @@ from mcml_service.xpath.library.disk.part_file import FAULTS, checksum_of, clear
 AT_ONCE = 16 << 20
 """Bytes that are written in one transaction."""
 MOST_WAITING = 512 << 20
-"""Bytes of columns that wait; what comes then is not kept."""
+"""Limit of waiting columns in bytes; further columns are dropped."""
 NICE = 10
 REST = 2.0
 """Seconds that parts wait at least: while others write to the store they are of no use a moment later."""
@@ -82,7 +82,9 @@ class Writer:
             self._wake()
 
     def since(self, commit: int) -> None:
-        """The history of the store is whole since a commit: what was made while it was so since another one goes."""
+        """Set the commit since which the history of the store is complete; parts made with another such commit are
+        deleted.
+        """
         with self._changed:
             self._since = commit
             self._wake()
@@ -96,7 +98,7 @@ class Writer:
             self._flushing -= 1
 
     def close(self, seconds: float) -> None:
-        """End; what is not written by then is not kept."""
+        """End the writer; unwritten data is dropped after this time."""
         self.flush(seconds)
         with self._changed:
             self._closed = True
@@ -159,7 +161,7 @@ class Writer:
             now = int(time.time())
             update = "UPDATE part SET used = ? WHERE held = ? AND name = ?"
             connection.executemany(update, [(now, *key) for key in used])
-            # What was read before a purge must not come after it.
+            # Data that was read before a purge must not be written after it.
             good = [row for whole_since, row in rows if known == (whole_since,)]
             connection.executemany("INSERT OR REPLACE INTO part VALUES (?, ?, ?, ?, ?, ?, ?)", good)
             self._make_room(connection)
@@ -173,7 +175,7 @@ class Writer:
             emptied(connection)
 
     def _packed(self) -> list[tuple[int, tuple[bytes, str, str, int, int, bytes, bytes]]]:
-        """(whole since, row) of some of what waits."""
+        """Return (whole since, row) of some of the waiting data."""
         rows = []
         size = 0
         while size < AT_ONCE:
