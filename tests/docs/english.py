@@ -68,7 +68,6 @@ def check_areas() -> dict[str, list[Fault]]:
         "pages": {
             str(path.relative_to(ROOT)): path.read_text(encoding="utf-8")
             for path in [*ROOT.glob("docs/**/*.md"), ROOT / "CONTRIBUTING.md", ROOT / "SECURITY.md"]
-            if "decisions" not in path.parts
         },
         "docstrings": _docstrings("service/mcml_service", "mcml", "schemas"),
     }
