@@ -31,7 +31,8 @@ _CONFLICT = {
 
 class FrameBlock(RequestBody):
     """Samples of consecutive frames: `values`, rows of numbers; or `data`, the same as little-endian doubles, row after
-    row, as base64. null, or NaN, leaves a sample as it is."""
+    row, as base64. null, or NaN, keeps a sample.
+    """
 
     first: int = Field(ge=1, le=2**31 - 1, description="Frame of the first row")
     columns: list[str] = Field(min_length=1, max_length=100_000, description="BONE.CHANNEL of each column")

@@ -86,10 +86,10 @@ class ComposeRequest(RequestBody):
 
 
 class ComposedSeam(BaseModel):
-    """Where a segment begins: its first frame or its transition, positions from 1.
+    """The start of a segment: its first frame or its transition, positions from 1.
 
-    degrees, shift: how the segment was turned about the axis up and moved. root_step, angle_step: the largest step over
-    the seam, in parts of the largest inside the segments.
+    degrees, shift: rotation of the segment about the up axis, and its shift. root_step, angle_step: the largest step at
+    the seam, relative to the largest inside the segments.
     """
 
     segment: int
@@ -172,7 +172,7 @@ class SplitPart(BaseModel):
 
 
 class SplitParts(BaseModel):
-    """The documents that were made, in order. The one that was split stays as it is."""
+    """The new documents, in order. The split document does not change."""
 
     model_config = ConfigDict(
         json_schema_extra=shown({"items": [{"document": DOCUMENT, "name": "walk 1-100", "first": 1, "last": 100}]})

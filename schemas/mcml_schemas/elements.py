@@ -42,7 +42,7 @@ class DeleteEdit(RequestBody):
 
 
 class ReplaceEdit(RequestBody):
-    """Put other elements in the place of one."""
+    """Replace an element by others."""
 
     do: Literal["replace"]
     xpath: Path
@@ -50,7 +50,7 @@ class ReplaceEdit(RequestBody):
 
 
 class InsertEdit(RequestBody):
-    """Put elements beside one, or into it, at its end."""
+    """Insert elements beside one, or into it, at its end."""
 
     do: Literal["insert"]
     xpath: Path
@@ -59,7 +59,7 @@ class InsertEdit(RequestBody):
 
 
 class MoveEdit(RequestBody):
-    """Take an element from its place and put it beside another, or into it."""
+    """Move an element beside another, or into it."""
 
     do: Literal["move"]
     xpath: Path
@@ -73,7 +73,7 @@ Edit = Annotated[ChangeEdit | DeleteEdit | ReplaceEdit | InsertEdit | MoveEdit, 
 class ElementEdits(RequestBody):
     """Edits that become one revision: all, or none.
 
-    Every expression means the document as it was before the first of them.
+    Every expression refers to the document before the first of them.
     """
 
     model_config = ConfigDict(
@@ -133,7 +133,7 @@ class ChildPage(BaseModel):
 
 
 class TextPlace(BaseModel):
-    """Where a text stands in a document's own text. line, column: from 1."""
+    """The place of a text in a document's text. line, column: from 1."""
 
     line: int
     column: int
@@ -143,7 +143,7 @@ class TextPlace(BaseModel):
 
 
 class TextFound(BaseModel):
-    """The next place of a text; null where there is none any more, or where time was up before it was found."""
+    """The next place of a text; null if there is no further one, or if the time limit was reached."""
 
     model_config = ConfigDict(
         json_schema_extra=shown(

@@ -1,4 +1,4 @@
-"""Many documents asked for as one file."""
+"""Export of many documents as one file."""
 
 from __future__ import annotations
 

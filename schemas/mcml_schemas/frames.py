@@ -54,7 +54,7 @@ class InsertFrames(_Range):
 
 
 class MirrorFrames(_Range):
-    """Exchange left and right, at the upright plane of the body as it stands in the first of these frames."""
+    """Exchange left and right, at the upright plane of the body in the first of these frames."""
 
     do: Literal["mirror"]
 

@@ -55,7 +55,7 @@ _ANALYSIS = {
 
 
 class Selection(RequestBody):
-    """Which documents an analysis reads: those that fulfil every condition that is given, at least one."""
+    """The documents that an analysis reads: those that match all given conditions, at least one."""
 
     model_config = ConfigDict(json_schema_extra=shown(_SELECTION))
 

@@ -30,7 +30,7 @@ class SavedAliases(RequestBody):
 
 
 class AliasTable(BaseModel):
-    """version: counts the changes from 1, 0 where there are none. author, changed: of the last one."""
+    """version: number of changes, 0 without any. author, changed: of the last one."""
 
     model_config = ConfigDict(
         json_schema_extra=shown(
@@ -60,7 +60,7 @@ class Rename(BaseModel):
 
 
 class AppliedNames(BaseModel):
-    """revision: of the document afterwards; the one it has where nothing was renamed, or only asked."""
+    """revision: the new revision of the document; the current one if nothing was renamed, or in a dry run."""
 
     model_config = ConfigDict(
         json_schema_extra=shown(

@@ -35,8 +35,8 @@ def _whole(value: Any) -> Any:
 class RequestBody(BaseModel):
     """A body of a request, or a part of one.
 
-    JSON tells numbers from texts and truth values, so nothing is converted: `0` is no boolean, `false` and `"1"` are no
-    numbers. A whole number may be written as `1.0`, as JSON Schema has it.
+    JSON distinguishes numbers, texts and booleans, so nothing is converted: `0` is not a boolean, `false` and `"1"` are
+    not numbers. An integer may be written as `1.0`, as in JSON Schema.
     """
 
     model_config = ConfigDict(extra="forbid")
@@ -46,7 +46,7 @@ class RequestBody(BaseModel):
         made = handler(source)
         model: Any = handler.resolve_ref_schema(made)
         while model["type"] != "model":
-            # Functions that look at the whole body stand around it.
+            # Validators of the whole body wrap it.
             model = model["schema"]
         model["schema"] = _make_strict(model["schema"])
         return made

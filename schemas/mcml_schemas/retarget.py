@@ -125,8 +125,8 @@ class JointMatch(JointPair):
 class BoneError(BaseModel):
     """Degrees between a bone's directions in the source and in the result, over all frames.
 
-    bone, end: the joints it goes from and to. leads: whether the joint is turned so that this bone points as it should;
-    where bones branch only one can.
+    bone, end: the joints at its ends. leads: whether the rotation of the joint follows this bone; where bones branch
+    only one can.
     """
 
     bone: str
@@ -145,7 +145,9 @@ class FrameSpan(BaseModel):
 
 
 class FootSliding(BaseModel):
-    """How far a joint of a foot slides over the ground while it stands, all stances together, in the result's unit."""
+    """The distance that a joint of a foot slides over the ground while it is planted, over all contacts, in the
+    result's unit.
+    """
 
     foot: str
     stances: int

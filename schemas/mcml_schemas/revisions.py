@@ -31,7 +31,7 @@ class KeptFrames(BaseModel):
 
 
 class ElementDifference(BaseModel):
-    """An element of header, root or skeleton: its attributes and text before and after; null where it is not there."""
+    """An element of header, root or skeleton: its attributes and text before and after; null if it does not exist."""
 
     address: str
     before: str | None = None

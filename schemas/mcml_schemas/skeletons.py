@@ -61,7 +61,7 @@ class SkeletonBone(BaseModel):
 
 
 class Tip(BaseModel):
-    """The end of a chain: where a bone ends that no other one goes on from."""
+    """The end of a chain: the end of a bone without children."""
 
     bone: int = Field(description="Index of the bone that it is the end of")
     name: str = Field(description="As the file names it, mostly nothing")

@@ -139,7 +139,7 @@ def create_app(
         Guard, settings=settings, authentication=authentication, counts=app.state.requests, traffic=traffic
     )
     if settings.friends:
-        # Outside all others: a browser asks first whether it may ask, and sends no token then.
+        # Outermost: a browser sends a preflight request first, without a token.
         app.add_middleware(
             CORSMiddleware,
             allow_origins=settings.friends,

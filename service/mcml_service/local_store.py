@@ -60,8 +60,10 @@ def _holding(held: ExitStack, blocks: Iterator[bytes | memoryview]) -> Iterator[
 
 
 def open_store(address: str) -> Local:
-    """A store by its file or SQLAlchemy URL; a file that is not there is made. StoreError for an older schema, which
-    `mcml db upgrade` upgrades."""
+    """Open a store by its file or SQLAlchemy URL; create a missing file.
+
+    Raises StoreError for an older schema, which `mcml db upgrade` upgrades.
+    """
     settings = Settings(database=address if "://" in address else f"sqlite:///{address}")
     database = Database(settings.database_url)
     database.make_or_require()

@@ -25,14 +25,14 @@ _ROWS = (
     "1qaz2wsx3edc4rfv5tgb6yhn7ujm8ik",
 )
 _ROW = 4
-"""So many keys side by side are a row; fewer are in words, such as rty in party."""
+"""Number of adjacent keys that form a row; shorter rows occur in words, such as rty in party."""
 _NAME = 3
 """Shorter names are in words."""
 MOST_OF_A_NAME = 64
 _AT_ONCE = BoundedSemaphore(2)
 """A hash takes 64 MiB while it is made: many logins wait for each other, not for memory."""
 TAKEN = ("local",)
-"""Names of revisions that nobody signed."""
+"""Reserved names of revisions without an author."""
 
 
 @cache

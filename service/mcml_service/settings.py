@@ -40,7 +40,7 @@ def cache_folder() -> Path:
 
 
 def private_folder(folder: Path) -> Path:
-    """The folder, made where it is not there; the data folder is for its owner alone."""
+    """Return the folder, created if missing; only its owner can read the data folder."""
     folder.mkdir(parents=True, exist_ok=True)
     if folder == data_folder() and os.name == "posix":
         # It may be another user's.
@@ -219,7 +219,7 @@ class Settings(BaseSettings):
 
     @property
     def openid(self) -> str | None:
-        """The provider's name for people, None where there is none."""
+        """The provider's name for people, None without a provider."""
         return None if self.openid_issuer is None else self.openid_name
 
     @property
@@ -229,7 +229,7 @@ class Settings(BaseSettings):
 
     @property
     def knows_host(self) -> bool:
-        """Whether somebody said what is listened on. An application that another program serves cannot see it."""
+        """Whether the listening address is set. An application run by another program cannot see it."""
         return "host" in self.model_fields_set
 
     @property

@@ -25,8 +25,11 @@ from mcml_service.storage.work.tables import saved
 
 
 class AnalysisContract:
-    """analysis: the entry of the catalogue. parameters: those that differ from their defaults. wishes: parameters of a
-    call of operations on results, by their names; operations without are not tried."""
+    """The contract of an analysis.
+
+    analysis: the entry of the catalogue. parameters: those that differ from their defaults. wishes: parameters of a
+    call of operations on results, by their names; operations without parameters are not tested.
+    """
 
     analysis: Analysis
     parameters: Mapping[str, Any] = {}

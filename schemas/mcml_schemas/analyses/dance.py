@@ -160,8 +160,11 @@ class GraphEdge(BaseModel):
 
 
 class GraphEdges(BaseModel):
-    """A graph with another threshold. components: of each bar, 0 for the largest: there a dance can go on for ever.
-    least, greatest: distances of the jumps that the result knows."""
+    """A graph with another threshold.
+
+    components: of each bar, 0 for the largest: in it a dance can continue without end. least, greatest: distances of
+    the stored jumps.
+    """
 
     model_config = ConfigDict(
         json_schema_extra={

@@ -179,7 +179,7 @@ class ExpressionLevelChoice(RequestBody):
 
 
 class ExpressionCandidate(ExpressionFrame):
-    """A frame that stands for others at a level."""
+    """A frame that represents others at a level."""
 
     model_config = ConfigDict(json_schema_extra=shown(_CANDIDATE))
 
@@ -190,7 +190,7 @@ class ExpressionCandidate(ExpressionFrame):
 
 
 class ExpressionLink(BaseModel):
-    """One may go from one candidate to the other."""
+    """A link between two candidates of a level."""
 
     model_config = ConfigDict(json_schema_extra=shown(_LINK))
 
@@ -263,7 +263,7 @@ class ExpressionNeighbour(ExpressionCandidate):
 
 
 class ExpressionNeighbours(BaseModel):
-    """Where one may go from a candidate."""
+    """The linked candidates of a candidate."""
 
     model_config = ConfigDict(json_schema_extra=shown({"candidate": _CANDIDATE, "neighbours": [_NEIGHBOUR]}))
 

@@ -41,7 +41,7 @@ class PropertyCounts(BaseModel):
 
 
 class FacetList(BaseModel):
-    """Counts of documents among those that fulfil the conditions; of each facet the most frequent values."""
+    """Counts of matching documents; for each facet the most frequent values."""
 
     model_config = ConfigDict(
         json_schema_extra=shown(

@@ -1,4 +1,4 @@
-"""XPath questions and answers."""
+"""XPath queries and answers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ AnswerForm: TypeAlias = Literal["json", "xml", "ndjson", "csv", "runs", "arrow",
 
 WITH = r"^(totals|range)(,(totals|range))*$"
 MOST_DOCUMENTS = 10_000
-"""That one question names."""
+"""Limit of documents named in one query."""
 
 _RUN = {
     "document": DOCUMENT,
@@ -126,7 +126,7 @@ class QueryAnswer(BaseModel):
 
 
 class QueryRequest(RequestBody):
-    """An XPath question in a body, for long expressions."""
+    """An XPath query in a body, for long expressions."""
 
     model_config = ConfigDict(
         populate_by_name=True,

@@ -20,7 +20,7 @@ _SHORT = Field(None, max_length=1024)
 
 
 class QueryToSave(RequestBody):
-    """An XPath question that is asked again."""
+    """A saved XPath query."""
 
     model_config = ConfigDict(json_schema_extra=shown(_QUERY))
 
@@ -82,7 +82,7 @@ class SavedQueryPage(BaseModel):
 
 
 class Collection(_Kept):
-    """documents: those that are in it now; only where one collection is asked for."""
+    """documents: its current documents; only in answers about a single collection."""
 
     model_config = ConfigDict(json_schema_extra=shown({**_KEPT, **_COLLECTION, "total": 1}))
 
@@ -113,7 +113,7 @@ class ColoursToSave(RequestBody):
 
 
 class Colours(ColoursToSave):
-    """version: counts the changes from 1, 0 where there are none."""
+    """version: number of changes, 0 without any."""
 
     model_config = ConfigDict(
         json_schema_extra=shown({**_COLOURS, "project": PROJECT, "version": 2, "author": "kim", "changed": TIME})
@@ -147,7 +147,7 @@ class VocabularyToSave(RequestBody):
 
 
 class Vocabulary(BaseModel):
-    """version: counts the changes from 1, 0 where there are none. author, changed: of the last one."""
+    """version: number of changes, 0 without any. author, changed: of the last one."""
 
     model_config = ConfigDict(
         json_schema_extra=shown({**_WORDS, "project": PROJECT, "version": 2, "author": "kim", "changed": TIME})

@@ -11,7 +11,7 @@ from mcml_schemas.request_body import RequestBody
 
 MOST_HITS = 1_000
 MOST_FRAMES = 2_000
-"""Of a motion that is asked."""
+"""Limit of frames of a searched motion."""
 MOST_POINTS = 100
 
 _ASKED = {"document": DOCUMENT, "first": 100, "last": 160, "limit": 5}
@@ -69,7 +69,7 @@ class SearchRequest(RequestBody):
 
 
 class SearchHit(BaseModel):
-    """A pose (`first` is `last`), or the stretch that is as like the motion as it can be."""
+    """A pose (`first` is `last`), or the frame range that is most similar to the motion."""
 
     model_config = ConfigDict(json_schema_extra=shown(_HIT))
 

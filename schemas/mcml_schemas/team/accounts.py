@@ -157,7 +157,7 @@ class TokenMade(BaseModel):
 
 
 class TokenView(BaseModel):
-    """hint: its first characters. account: whose it is. used: about when it last was."""
+    """hint: its first characters. account: its owner. used: approximate time of the last use."""
 
     model_config = ConfigDict(json_schema_extra=shown(_TOKEN))
 

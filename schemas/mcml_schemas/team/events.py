@@ -8,7 +8,7 @@ from mcml_schemas.examples import DOCUMENT, PROJECT, TIME, shown
 
 
 class DocumentEvent(BaseModel):
-    """A revision that somebody made; the data of events `document` and `label`."""
+    """A new revision; the data of events `document` and `label`."""
 
     model_config = ConfigDict(
         json_schema_extra=shown(

@@ -1,4 +1,4 @@
-"""Links by which somebody without an account sees some documents."""
+"""Share links, which show some documents to people without an account."""
 
 from __future__ import annotations
 

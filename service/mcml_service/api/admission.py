@@ -29,8 +29,10 @@ M_ARENA_MAX, M_MMAP_THRESHOLD = -8, -3
 HEAPS = 2
 
 APART_BYTES = 1 << 18
-"""Memory of so many bytes and more is no part of a heap: it goes back to the system when it is freed. By itself the C
-library counts ever more as too little for that, up to 32 MiB, and heaps get holes."""
+"""Memory blocks from this size on are allocated outside heaps: they return to the system when freed.
+
+By default the C library raises this limit up to 32 MiB, and heaps fragment.
+"""
 
 LOOK_SECONDS = 0.25
 """After so long, a request that is worked on ends when its client leaves; most are done before."""
@@ -43,8 +45,11 @@ BUSY_SECONDS = 10.0
 
 
 class AdmissionQueue:
-    """places: how many requests are worked on at a time; one client holds all but one. most: how many may wait, half of
-    them of one client. seconds: how long. left: told when one is over."""
+    """A queue of heavy requests.
+
+    places: number of requests that run at a time; one client holds all except one. most: limit of waiting requests,
+    half of them of one client. seconds: limit of the waiting time. left: called when a request ends.
+    """
 
     def __init__(self, places: int, most: int, seconds: float, left: Callable[[], None]) -> None:
         self._queue = FairQueue(places)

@@ -56,8 +56,10 @@ PASSED_ON = "This server requires a token for requests from other machines."
 
 
 def why_closed(settings: Settings, database: Database) -> str | None:
-    """Why a server needs a token from everybody, as far as its settings and the kind of its store say. None: they do
-    not."""
+    """Return the reason why a server needs a token from everybody, from its settings and the kind of its store.
+
+    None: it does not.
+    """
     if settings.login == "always":
         return "This server needs a token (MCML_LOGIN=always)."
     if not database.dialect.personal:
@@ -125,13 +127,13 @@ class Authentication:
         return None
 
     def _note_use(self, secret: str) -> None:
-        # That it cannot be noted keeps nobody out.
+        # If it cannot be recorded, access is not refused.
         with suppress(McmlError), self._database.write("authentication") as tx:
             tx.tokens.note_use(secret)
 
 
 def _is_direct(scope: Mapping[str, Any], headers: Headers) -> bool:
-    """Whether a request comes from this machine, and no proxy says that it passed it on."""
+    """Tell whether a request comes from this machine, without a header of a proxy."""
     client = scope.get("client")
     passed_on = any(name in FORWARDING or name.startswith("x-forwarded") for name in headers)
     return client is not None and is_loopback(client[0]) and not passed_on
@@ -157,15 +159,15 @@ def _cookie(headers: Headers, name: str) -> str | None:
 
 
 def _is_foreign(scope: Mapping[str, Any], headers: Headers) -> bool:
-    """Whether a write does not say that it comes from this server's own pages."""
+    """Tell whether a write lacks proof that it comes from this server's own pages."""
     return scope["method"] not in ("GET", "HEAD", "OPTIONS") and not is_own_page(scope, headers)
 
 
 def is_own_page(scope: Mapping[str, Any], headers: Headers) -> bool:
-    """Whether a page of this server sends a request, as its Origin says.
+    """Tell whether a page of this server sends a request, by its Origin.
 
-    A page without TLS is none where the server is reached by https. The other way round it may be: a proxy that is not
-    trusted cannot say that it was asked by https.
+    A page without TLS is rejected if the server is reached over https. The opposite is accepted: an untrusted proxy
+    cannot report that it was reached over https.
     """
     scheme, _, host = headers.get("origin", "").partition("://")
     return host == headers.get("host") and (scheme == "https" or scope["scheme"] != "https")
@@ -181,7 +183,7 @@ def foreign_name(headers: Headers) -> Any:
 
 
 def host_of(address: str) -> str:
-    """The host's name in lower case, "" where there is none or it makes no sense."""
+    """Return the host's name in lower case, "" if it is missing or invalid."""
     try:
         return urlsplit(address).hostname or ""
     except ValueError:

@@ -19,14 +19,14 @@ from mcml_service.api.problems import RETRY_SECONDS, plain
 from mcml_service.settings import Settings
 
 LEAST_BYTES = 16_384
-"""Of a body, that must come in the time of `stall_seconds`: about 500 bytes a second."""
+"""Bytes of a body that must arrive within `stall_seconds`: about 500 bytes a second."""
 
 BACKLOG = 128
 """Connections that are accepted in one go, before any is counted."""
 
 
 class Connection(H11Protocol):
-    """most: connections. header, stall: seconds, as the settings say."""
+    """A connection with limits. most: number of connections. header, stall: seconds, from the settings."""
 
     def __init__(self, *given: Any, most: int, header: float, stall: float, **named: Any) -> None:
         super().__init__(*given, **named)
@@ -77,7 +77,7 @@ class Connection(H11Protocol):
         self._refuse(400, msg)
 
     def shutdown(self) -> None:
-        # Streams of events have no end of their own.
+        # Streams of events never end by themselves.
         if "stopping" in self.app_state:
             self.app_state["stopping"].set()
         super().shutdown()

@@ -36,7 +36,7 @@ def install(app: FastAPI) -> None:
             for operation in (item for path in schema["paths"].values() for item in path.values()):
                 _name_problems(operation)
                 for parameter in operation.get("parameters", []):
-                    # The reference fills a form with these; in optional fields they would be conditions nobody asked.
+                    # The reference fills a form with these; in optional fields they would add unwanted conditions.
                     if parameter.get("required"):
                         _show(parameter, _first(parameter["schema"], schemas))
                 for media in _contents(operation):
@@ -56,7 +56,7 @@ def install(app: FastAPI) -> None:
 
 
 def _say_binary(model: dict[str, Any]) -> None:
-    """Files in forms as generators of clients know them, too: pydantic says them in the newer words alone."""
+    """Describe files in forms also in the older form, for client generators: pydantic uses only the newer form."""
     for field in model.get("properties", {}).values():
         for kind in (field, field.get("items", {})):
             if kind.get("contentMediaType") == "application/octet-stream":
@@ -64,7 +64,7 @@ def _say_binary(model: dict[str, Any]) -> None:
 
 
 def _name_problems(operation: dict[str, Any]) -> None:
-    """FastAPI describes errors of its own form, which never leave here; every refusal is a problem."""
+    """Replace FastAPI's own form of errors, which is never sent; every refusal is a problem."""
     operation["responses"].pop("422", None)
     operation["responses"]["4XX"] = {"description": "A problem: what, where, remedy", "content": dict(_PROBLEM)}
     away = "Too many requests, or the store is unreachable: retry after `Retry-After` seconds"

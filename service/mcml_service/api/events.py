@@ -32,7 +32,7 @@ NEWS_SECONDS = 0.3
 """How often a stream of events looks for news."""
 
 SILENCE_SECONDS = 15.0
-"""After so long without news a stream says that it is still there, or proxies would close it."""
+"""Time without events after which a stream sends a comment, because proxies would close it."""
 
 STREAM_SECONDS = 300.0
 """Length of a stream; its client then reconnects with the last event id."""
@@ -147,8 +147,9 @@ def _follow(http: Request) -> Database:
 
 
 class Stay:
-    """How long a stream goes on: as long as somebody listens, for a bounded time, and with the rights that they had
-    when it began."""
+    """The lifetime of a stream: as long as its client is connected, for a limited time, and with the same rights as
+    at its start.
+    """
 
     def __init__(self, http: Request) -> None:
         self._http = http

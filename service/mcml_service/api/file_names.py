@@ -49,5 +49,5 @@ def file_name_in(disposition: bytes) -> str | None:
 
 
 def read_names_in_forms() -> None:
-    """Let requests of this process parse forms so; the library offers no other place to say which parser."""
+    """Make requests of this process parse forms this way; the library has no other hook for the parser."""
     starlette.requests.MultiPartParser = NamedFilesParser  # type: ignore[attr-defined]

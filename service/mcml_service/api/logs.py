@@ -39,7 +39,7 @@ def begin_request(said: str | None) -> str:
 
 
 def keep_log(settings: Settings) -> None:
-    """Let all that this process logs go to the standard error as the settings say."""
+    """Send the log of this process to standard error, as configured in the settings."""
     handler = Faults(sys.stderr)
     handler.setFormatter(Line() if settings.log_format == "text" else JsonLine())
     logging.basicConfig(handlers=[handler], level=logging.WARNING, force=True)
@@ -54,7 +54,7 @@ class Line(logging.Formatter):
         head = f"{told['time']} {told['level']} {told['source']} {told.get('request', '-')}: {told['message']}"
         if "repeated" in told:
             head += f" (and {told['repeated']} times since the last message)"
-        # Addresses may hold line ends: nobody writes lines of his own here.
+        # Addresses may contain line breaks: they are escaped, so that nobody can forge log lines.
         head = _CONTROL.sub(lambda found: ascii(found[0])[1:-1], head)
         # Nor in the text of an exception: lines of a traceback are indented.
         traced = [_CONTROL.sub("?", line) for line in told.get("traceback", "").splitlines()]
@@ -103,7 +103,7 @@ class Faults(logging.StreamHandler[Any]):
             super().emit(record)
 
     def close(self) -> None:
-        """Say how often came what was only counted."""
+        """Log the counts of repeated faults."""
         self.acquire()
         try:
             self._tell_rest()

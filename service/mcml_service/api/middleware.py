@@ -38,7 +38,7 @@ OPEN_FILES = ("/assets/", "/favicon.svg", "/shared")
 ASKERS = ("Cookie", "Authorization")
 """Headers of requests by which answers differ."""
 ENTRIES = {LOGIN_PATH, "/api/v1/session", SHARED, f"{LOGIN_PATH}/openid", f"{LOGIN_PATH}/openid/back"}
-"""Where one who has no session yet may ask for one."""
+"""Paths for requesting a session."""
 
 
 class Guard:
@@ -71,7 +71,7 @@ class Guard:
         request = begin_request(headers.get("x-request-id"))
         refusal = self._refusal(scope, headers)
         if headers.get("range"):
-            # Ranges are of the bytes as they are.
+            # Ranges refer to uncompressed bytes.
             plain_only = [(name, value) for name, value in scope["headers"] if name != b"accept-encoding"]
             scope = {**scope, "headers": plain_only}
         path = scope["path"]
@@ -180,7 +180,7 @@ class Guard:
 
 
 def _in_words(send: Send) -> Send:
-    """Tells a start that fails for a reason of ours as this reason, in the place of a traceback."""
+    """Report an expected failure of the start as its message, not as a traceback."""
 
     async def tell(message: MutableMapping[str, Any]) -> None:
         error = sys.exc_info()[1]
@@ -210,7 +210,7 @@ def depends_on_asker(path: str) -> bool:
 
 
 def _keep_private(message: MutableMapping[str, Any]) -> None:
-    """Let no cache give an answer to somebody else (RFC 9111, 3.5 and 4.1)."""
+    """Keep caches from giving an answer to another user (RFC 9111, 3.5 and 4.1)."""
     headers = MutableHeaders(raw=message["headers"])
     told = headers.get("cache-control", "")
     if "private" not in told and "no-store" not in told:

@@ -27,7 +27,7 @@ START, BACK = f"{LOGIN_PATH}/openid", f"{LOGIN_PATH}/openid/back"
 FLOW_COOKIE = "mcml_openid"
 FLOW_SECONDS = 600
 ALGORITHMS = ["RS256", "RS384", "RS512", "PS256", "PS384", "PS512", "ES256", "ES384", "EdDSA"]
-"""Signatures that are believed: of keys that the provider alone has."""
+"""Accepted signature algorithms: with keys that only the provider has."""
 SCOPE = "openid profile email"
 SECONDS = 10.0
 """That a provider has to answer."""
@@ -126,7 +126,7 @@ def back(
 
 
 def _person(database: Database, settings: Settings, claims: Claims, flow: Flow) -> Account:
-    """Whose account it is, made where there is none and one may come so."""
+    """Return the account of the person; create it if there is none and new accounts are allowed."""
     issuer = str(settings.openid_issuer)
     with database.write(settings.openid_name) as tx:
         person = tx.accounts.find_identified(issuer, claims["sub"])
@@ -188,7 +188,7 @@ def _claims(settings: Settings, http: Request, code: str, flow: Flow) -> Claims:
 
 
 def asking() -> Any:
-    """The module that authlib asks with."""
+    """Return the HTTP module that authlib uses."""
     try:
         import httpx2
     except ModuleNotFoundError:

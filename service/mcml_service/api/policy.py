@@ -16,11 +16,13 @@ DEFAULTS = (
     ("referrer-policy", "same-origin"),
     ("cross-origin-resource-policy", "same-origin"),
 )
-"""Headers of every answer that does not say otherwise."""
+"""Default headers of every answer."""
 
 ONLY_TLS = ("strict-transport-security", "max-age=31536000")
-"""Of every answer to a request that came by https, to the server or to a proxy that it trusts. Names below this one are
-not ours to close."""
+"""Header of every answer to a request over https, to the server or to a trusted proxy.
+
+It does not cover subdomains, which may belong to others.
+"""
 
 
 def page_policy(

@@ -21,7 +21,7 @@ from mcml_service.actions.checking.describe_problem import problem_of
 from mcml_service.api.logs import REQUEST
 
 RETRY_SECONDS = "5"
-"""After these a store that could not be reached, or a server that was too busy, may be asked again."""
+"""Seconds after which to retry an unreachable store or a busy server."""
 
 log = logging.getLogger("mcml.api")
 
@@ -34,7 +34,7 @@ def respond(problem: Problem, headers: dict[str, str] | None = None) -> JSONResp
 
 
 def answer(error: errors.McmlError) -> JSONResponse:
-    """An error of ours."""
+    """Return the answer for an error of this program."""
     if isinstance(error, errors.AttemptsError):
         return respond(problem_of(error), {"retry-after": str(error.seconds)})
     later = isinstance(error, (errors.UnavailableError, errors.BusyError))
@@ -44,7 +44,7 @@ def answer(error: errors.McmlError) -> JSONResponse:
 def plain(
     status: int, detail: str, remedy: str | None = None, headers: Mapping[str, str] | None = None
 ) -> JSONResponse:
-    """A problem that is no error of ours, such as a route that does not exist."""
+    """Return the answer for another problem, such as an unknown route."""
     title = HTTPStatus(status).phrase
     problem = Problem(type="about:blank", title=title, status=status, detail=detail, remedy=remedy)
     return respond(problem, None if headers is None else dict(headers))
@@ -61,13 +61,15 @@ def _list_methods(app: FastAPI, request: Request) -> list[str]:
 
 
 def _words(said: str) -> str:
-    """A fault as Pydantic tells it, without what it says of Python."""
+    """Return Pydantic's message, without its references to Python."""
     return "A file is needed here, not a text." if "UploadFile" in said else said.removeprefix("Value error, ")
 
 
 def install(app: FastAPI, unknown: Callable[[Request], Response | None]) -> None:
-    """Let every error leave as a problem. unknown: the page for an address that leads nowhere, None where no page is
-    asked for."""
+    """Answer every error as a problem.
+
+    unknown: returns the page for an unknown address, None if the request is not for a page.
+    """
 
     @app.exception_handler(errors.McmlError)
     def _ours(_request: Request, error: errors.McmlError) -> JSONResponse:
@@ -113,7 +115,7 @@ def install(app: FastAPI, unknown: Callable[[Request], Response | None]) -> None
 
     @app.exception_handler(OSError)
     def _of_the_system(request: Request, error: OSError) -> JSONResponse:
-        # Uploads wait in temporary files, so a disk can be full before the store is asked.
+        # Uploads wait in temporary files, so a disk can be full before the store is used.
         return respond(problem_of(errors.SpaceError())) if errors.is_full(error) else _answer_unexpected(request, error)
 
     @app.exception_handler(Exception)

@@ -36,7 +36,7 @@ LOCAL = Entry("local")
 """The identity of anonymous requests on a store with anonymous access."""
 
 LASTING = {"cache-control": "private, max-age=31536000, immutable"}
-"""Of answers about a revision that the question names: a client that has one never asks for it again."""
+"""Headers of answers about a revision named in the request: clients can cache them permanently."""
 
 _MARKS: dict[str, Callable[..., Any]] = {"path": Path, "query": Query, "header": Header, "form": Form, "file": FilePart}
 
@@ -51,7 +51,7 @@ def add_routes(router: APIRouter, operations: list[Operation]) -> None:
 
 
 def _unknown_analysis(name: str) -> None:
-    """The list of analyses, for a name that is none."""
+    """Return the error for an unknown analysis, with the list of analyses."""
     find_analysis(name)
 
 
@@ -187,7 +187,7 @@ def _signature(operation: Operation) -> inspect.Signature:
 
 
 def _annotation(argument: Argument) -> Any:
-    """The type with the marker that tells FastAPI where the value comes from."""
+    """Return the type with FastAPI's marker for the source of the value."""
     if argument.place == "body":
         return argument.kind
     if argument.body is not None:
@@ -222,7 +222,7 @@ def _calling(operation: Operation) -> Callable[[Request], Any]:
 
 
 def call_of(request: Request) -> Call:
-    """The call that a request makes: authentication has noted who asks."""
+    """Return the call of a request: authentication has stored the user."""
     entry = request.scope.get("mcml.entry", LOCAL)
     host = request.client.host if request.client else ""
     call = Call(
@@ -252,7 +252,7 @@ def _responses(operation: Operation) -> dict[int | str, dict[str, Any]]:
 
 
 def _content(operation: Operation) -> dict[str, Any] | None:
-    """The body of a request, where it is read as it is."""
+    """Describe the body of a request that is read as raw bytes."""
     for argument in operation.arguments:
         body = argument.body
         if body is not None:

@@ -63,11 +63,9 @@ def open_session(
     request: SessionRequest = NOTHING_SAID,
     authorization: Annotated[str | None, Header(description="Bearer and a token", examples=["Bearer mcml_0"])] = None,
 ) -> SessionOpened:
-    """Exchange a name and password, a token, or the code of a link or an invitation for a cookie that opens the
-    repository for some hours.
-
-    The token stands in the body, or in `Authorization`. Writes with the cookie need the same `Origin`. Revoking the
-    token ends the session.
+    """Exchange a name and password, a token, or the code of a link or an invitation for a session cookie, valid for
+    some hours. The token is in the body, or in `Authorization`. Writes with the cookie need the same `Origin`. Revoking
+    the token ends the session.
     """
     scheme, _, credential = (authorization or "").partition(" ")
     if request.token is None and scheme.lower() == "bearer":
@@ -121,7 +119,7 @@ def login(
     invitation: Annotated[str | None, Query()] = None,
     then: Annotated[str, Query()] = "/",
 ) -> HTMLResponse:
-    """A page that asks for a name and a password, or a token; or follows a link or an invitation."""
+    """Show the sign-in page, for a name and a password, or a token; or follow a link or an invitation."""
     if invitation is not None:
         return join_page(http, "invitation", invitation, INVITED)
     if link is not None:
@@ -204,7 +202,7 @@ def _open_session(http: Request, request: SessionRequest) -> tuple[str, str]:
     """
     database: Database = http.app.state.repository.database
     address, name = http.client.host if http.client else "", (request.name or "").strip()
-    # Tokens and links have no name, and lock nobody else out.
+    # Tokens and links have no name, so wrong ones lock nobody out.
     counted = {"address": address} | ({"name": name} if name else {})
     count_attempt(database, counted)
     if request.invitation is not None or (request.link is not None and request.name is not None):
@@ -249,7 +247,7 @@ def _use_link(database: Database, link: str) -> tuple[str, str]:
 def _log_in(database: Database, name: str, password: str) -> tuple[str, str]:
     with database.read() as tx:
         person = tx.accounts.find(name)
-    # A name that is not there takes as long.
+    # An unknown name takes as long.
     if not opens(password, None if person is None else person.password) or person is None or person.closed is not None:
         raise AccessError("This is no name and password of an account.", remedy="Check both.")
     with database.write("session") as tx:

@@ -28,7 +28,7 @@ Again: TypeAlias = Callable[[], Iterator[Bytes]]
 
 _RANGE = re.compile(r"bytes=(\d{0,18})-(\d{0,18})")
 _UTF_8 = {"application/xml": "application/xml; charset=utf-8"}
-"""All XML that the service writes is; of text the framework says so."""
+"""All XML that the service writes is UTF-8; for text the framework adds it."""
 _HEADERS = {"total-count": "x-total-count"}
 """Names of facts that are not the repository's own."""
 
@@ -70,7 +70,10 @@ def make_response(
 
 
 def _range(content: Content, headers: dict[str, str], http: Request) -> range | None:
-    """The bytes that a client asks for, None for all (RFC 9110, 14). One range; others are answered whole."""
+    """Return the requested bytes, None for all (RFC 9110, 14).
+
+    Supports one range; other requests get the whole content.
+    """
     match = _RANGE.fullmatch(http.headers.get("range", ""))
     tag = http.headers.get("if-range")
     if match is None or content.size is None or "etag" not in headers or (tag is not None and tag != headers["etag"]):
@@ -152,7 +155,7 @@ async def ahead(content: Generator[Bytes], first: Bytes = b"") -> AsyncIterator[
     """
 
     def end(made: asyncio.Future[Bytes]) -> None:
-        # Nobody else asks for its error any more. Cancelled with the loop: a thread may still be in it.
+        # Nobody else reads its error. Cancelled with the loop: a thread may still be in it.
         if not made.cancelled() and made.exception() is None:
             content.close()
 
@@ -160,7 +163,7 @@ async def ahead(content: Generator[Bytes], first: Bytes = b"") -> AsyncIterator[
     try:
         if first:
             yield first
-        # A reader who leaves is cancelled here; the thread goes on to its end.
+        # If the client disconnects, it is cancelled here; the thread runs to its end.
         while piece := await asyncio.shield(making):
             making = asyncio.ensure_future(run_in_threadpool(next, content, b""))
             yield piece
@@ -169,7 +172,7 @@ async def ahead(content: Generator[Bytes], first: Bytes = b"") -> AsyncIterator[
 
 
 async def read_body(request: Request, most: int) -> bytes:
-    """The whole body of a request that is small by nature. LimitError above so many bytes."""
+    """Read the whole body of a small request. Raises LimitError above `most` bytes."""
     content = bytearray()
     async for block in request.stream():
         content += block

@@ -1,4 +1,4 @@
-"""The studio's files, and the pages that are its addresses. Where it is not built, `/` says so."""
+"""The studio's files, and the pages at its addresses. If it is not built, `/` reports it."""
 
 from __future__ import annotations
 
@@ -54,8 +54,9 @@ def studio_page(request: Request, accept_encoding: Annotated[str, Header()] = ""
 
 
 def unknown_page(request: Request) -> Response | None:
-    """The studio, which tells a browser that an address leads nowhere; None where no page is asked for, and for paths
-    of the API and of files."""
+    """Return the studio's page for an unknown address; None if the request is not for a page, and for paths of the
+    API and of files.
+    """
     wants_page = request.method in ("GET", "HEAD") and "text/html" in request.headers.get("accept", "")
     if not wants_page or request.url.path.startswith(OTHERS):
         return None
@@ -90,7 +91,7 @@ def show_shared_page(accept_encoding: Annotated[str, Header()] = "") -> Response
 @router.get("/assets/{name}")
 def send_built_file(name: str, accept_encoding: Annotated[str, Header()] = "") -> Response:
     """A script, style or worker of the studio."""
-    # A page that asks for embedder policy starts only workers that say it too.
+    # A page with an embedder policy starts only workers with the same policy.
     headers = {"cache-control": FOR_GOOD, "cross-origin-embedder-policy": "require-corp"}
     return _file(f"assets/{name}", accept_encoding, headers)
 
@@ -101,9 +102,10 @@ def icon() -> Response:
 
 
 def _file(name: str, accepted: str, headers: dict[str, str]) -> Response:
-    """A built file, compressed where the client takes it. NotFoundError for any other name.
+    """Return a built file, compressed if the client accepts it.
 
-    It is read before its length is told: `make web` may write another one in its place at any moment.
+    Raises NotFoundError for any other name. It is read before its length is sent: `make web` may replace it at any
+    time.
     """
     if ".." in name or "\\" in name:
         raise NotFoundError(f"There is no file {name!r}.")

@@ -11,7 +11,7 @@ FOLLOWING = "/events"
 
 
 class Traffic:
-    """The requests of a server. Told by one thread, asked by others."""
+    """The requests of a server. Written by one thread, read by others."""
 
     def __init__(self) -> None:
         self._under_way = 0

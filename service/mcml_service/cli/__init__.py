@@ -121,7 +121,7 @@ def _make_app() -> typer.Typer:
 
 
 def _nothing() -> None:
-    """Stands where a command is made later."""
+    """A placeholder for a command that is made later."""
 
 
 def _version(wanted: bool) -> None:
@@ -145,7 +145,9 @@ collect_again()
 
 
 def main() -> None:
-    """The entry point: errors of ours become one message and exit code 1 (2: wrong usage), never a traceback."""
+    """The entry point: errors of this program become one message and exit code 1 (2: wrong usage), never a
+    traceback.
+    """
     spare_what_stays()
     if isinstance(sys.stdout, io.TextIOWrapper):
         # A terminal that cannot show a name, such as a Korean one in the C locale, is no reason to fail.

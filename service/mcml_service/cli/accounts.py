@@ -31,7 +31,7 @@ def invite(
     database: DatabaseOption = None,
     server: ServerOption = None,
 ) -> None:
-    """Make a link by which somebody makes an account. It is shown once."""
+    """Make a link with which a person can create an account. It is shown only once."""
     made = open_client(database, server).call("invite", request={"role": role, "project": project, "hours": hours})
     home = (server or f"http://127.0.0.1:{choose_settings(database).port}").rstrip("/")
     print(f"{home}{made.path}")
@@ -40,7 +40,7 @@ def invite(
 
 
 def add(name: Name, role: RoleOption = "editor", database: DatabaseOption = None) -> None:
-    """Make an account on this machine; its password is asked for."""
+    """Create an account on this machine; prompts for its password."""
     from mcml_service.passwords import check_name, hash_password
 
     name = check_name(name)
@@ -69,7 +69,7 @@ def role(
     database: DatabaseOption = None,
     server: ServerOption = None,
 ) -> None:
-    """Give somebody another role."""
+    """Change the role of an account."""
     open_client(database, server).call("change_account", name=name, change={"role": role})
     console.print(f"{name}: {role}")
 
@@ -81,7 +81,7 @@ def add_member(
     database: DatabaseOption = None,
     server: ServerOption = None,
 ) -> None:
-    """Let somebody belong to a project, or give them another role there."""
+    """Add a member to a project, or change their role."""
     open_client(database, server).call("set_member", name=name, change={"role": role}, project=project)
     console.print(f"{name} is {'an' if role[0] in 'eo' else 'a'} {role} of {project}")
 
@@ -95,7 +95,7 @@ def share(
     database: DatabaseOption = None,
     server: ServerOption = None,
 ) -> None:
-    """Make a link by which somebody without an account sees some documents. It is shown once."""
+    """Make a share link, which shows some documents to people without an account. It is shown only once."""
     asked = {"name": name, "documents": documents, "days": days, "formats": format or [], "latest": not fixed}
     made = open_client(database, server).call("add_share", request=ShareRequest.model_validate(asked))
     home = (server or f"http://127.0.0.1:{choose_settings(database).port}").rstrip("/")

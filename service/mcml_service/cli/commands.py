@@ -1,4 +1,4 @@
-"""OPERATIONS as commands of Typer: one loop. Each is made when it is asked for, so that no other's modules are read.
+"""OPERATIONS as Typer commands: one loop. Each is created on use, so that modules of other commands are not loaded.
 
 A word in capitals in `Operation.command` is an argument of that name, a field of the request, or else a file: the body
 that is sent, or OUTPUT, which the answer is written to. All other arguments are options of the same names and words.
@@ -41,7 +41,7 @@ _METAVARS = {"q": "TEXT"}
 """Words of commands for arguments that the API calls otherwise."""
 
 MOST = 1000
-"""Items that a list shows unless it is told."""
+"""Default number of items in a list."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ def _slots(operation: Operation) -> list[_Slot]:
         place = Annotated[Path, typer.Argument(help="File to write")]
         slots.append(_Slot("output", None, None, place, inspect.Parameter.empty))
         slots.append(_Slot("force", None, None, ForceOption, False))
-    # Arguments come in the order of the words, options behind them.
+    # Arguments have the order of the words, options follow.
     order = list(words)
     return sorted(slots, key=lambda slot: order.index(slot.name) if slot.name in order else len(order))
 
@@ -170,7 +170,7 @@ def _slot(
 
 
 def _plain_fields(argument: Argument) -> dict[str, FieldInfo]:
-    """The fields of a body whose values a command line can say."""
+    """Return the fields of a body whose values can be given on a command line."""
     model: type[BaseModel] = argument.plain
     if get_origin(model) is list:
         return {}

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from mcml_service.storage.documents.columns import Listed
 
 FEW = 8
-"""Documents of an import of which each is told what is known of its body; of more, how many are known how well."""
+"""Limit of imported documents whose calibration is printed one by one; for more, counts are printed."""
 CALIBRATED = {"unit": "metres", "up": "up", "floor": "floor", "leg": "leg"}
 """Printed values, and the values that they depend on."""
 

@@ -66,7 +66,7 @@ def import_(
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Store files. Files that are stored already are skipped, so an interrupted import goes on where it stopped."""
+    """Store files. Existing clips are skipped, so an interrupted import can be repeated."""
     write_to_the_end()
     client = open_client(database, server)
     options: dict[str, Any] = {
@@ -117,7 +117,7 @@ def _derive(client: Client, documents: list[ImportedDocument], *, no_derive: boo
     stored = [document for document in documents if not document.skipped]
     here = isinstance(client, Local) and client.repository.settings.derive and not no_derive
     if isinstance(client, Local) and here:
-        # Those that were here before, too: their import may have been stopped while it derived.
+        # Existing ones too: their import may have been stopped while it derived.
         derive_stored(client.repository.database, {document.id for document in documents}, quiet=quiet)
     if quiet:
         return

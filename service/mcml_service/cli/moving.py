@@ -37,7 +37,7 @@ def quota(
     database: DatabaseOption = None,
     server: ServerOption = None,
 ) -> None:
-    """Say how much a project may hold; without options, how much it holds and may."""
+    """Set the quotas of a project; without options, print its use and quotas."""
     client = open_client(database, server)
     size = None if megabytes is None else megabytes * 1_000_000
     if documents is None and size is None:

@@ -20,7 +20,7 @@ from mcml_service.cli.terminal.opening import (
 )
 
 _FORMS = [form for form in get_args(FrameForm) if form not in ("json", "block")]
-"""Those that are files by themselves."""
+"""Forms that are files."""
 
 
 def numbers(

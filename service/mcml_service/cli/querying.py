@@ -54,7 +54,7 @@ def xpath(
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Ask the library an XPath question."""
+    """Run an XPath query on the library."""
     if as_ not in FORMS:
         raise typer.BadParameter(f"--as is one of {', '.join(FORMS)}")
     if output is not None and as_ not in STREAMS:

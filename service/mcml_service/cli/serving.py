@@ -225,7 +225,7 @@ def doctor(
     address = store.dialect.engine.url.render_as_string(hide_password=True)
     try:
         version, wanted = store.schema_versions()
-    except Exception as error:  # any driver's own error: the doctor reports it and goes on
+    except Exception as error:  # any driver's own error: the doctor reports it and continues
         line("store", f"{address}: {error}", False, "Check the address and that the server runs.")
     else:
         line("store", address)

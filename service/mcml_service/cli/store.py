@@ -28,7 +28,7 @@ from mcml_service.storage.core.identifiers import now
 
 
 def upgrade(database: DatabaseOption = None) -> None:
-    """Bring the store's schema to this program's version; an SQLite store is copied beside itself before."""
+    """Bring the store's schema to this program's version; an SQLite store is copied to a file beside it first."""
     settings = choose_settings(database)
     before, wanted = find_database(settings).schema_versions()
     upgrade_database(settings)
@@ -88,8 +88,10 @@ def prune(
     database: DatabaseOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Forget history: each document as it was so many days ago stays, and all after it. Activity older than
-    MCML_ACTIVITY_DAYS goes, too."""
+    """Delete history: keep each document as it was a number of days ago, and all later revisions.
+
+    Also delete activity older than MCML_ACTIVITY_DAYS.
+    """
     settings = choose_settings(database)
     store = open_database(settings)
     pruned = prune_history(store, older_than, do=yes)
@@ -110,7 +112,7 @@ def compact(
     database: DatabaseOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Give room that nothing uses back to the disk, while a server goes on working."""
+    """Return unused space to the disk, also while a server runs."""
     store = open_database(choose_settings(database))
     plan = store.dialect.compaction()
     if plan.stops_writers and not yes:

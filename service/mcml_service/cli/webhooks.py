@@ -1,4 +1,4 @@
-"""`mcml webhook add`: an address that a server tells of events."""
+"""`mcml webhook add`: an address to which a server sends events."""
 
 from __future__ import annotations
 

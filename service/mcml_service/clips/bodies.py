@@ -63,14 +63,14 @@ class Body:
         return Stretch(places, len(frames), self.frame_time, self.calibration, first=first)
 
     def facts(self) -> dict[str, Any]:
-        """All but the positions, as plain values for JSON."""
+        """Everything except the positions, as plain values for JSON."""
         known = self.calibration.to_json()
         told = {"names": self.names, "frames": self.frames, "calibration": known, "frame_time": self.frame_time}
         return {**told, "blocks": len(self.blocks), "doubtful": self.doubtful, "made": MADE}
 
     @classmethod
     def pack(cls, body: ClipBody) -> Body:
-        """The body of a clip as it is kept."""
+        """Return the stored form of the body of a clip."""
         blocks = tuple(pack(body.steps))
         return cls(body.names, len(body.steps), body.calibration, body.frame_time, blocks, body.doubtful)
 
@@ -86,7 +86,7 @@ class Body:
 
 
 def derive_bodies(tx: Transaction, documents: Sequence[Listed], skeletons: Skeletons) -> Iterator[Body]:
-    """The body of each document, worked out from its frames. skeletons: as `read_clip` takes them."""
+    """Compute the body of each document from its frames. skeletons: as for `read_clip`."""
     first = 0
     while first < len(documents):
         # Kinematics of short clips takes as long for one as for ten.

@@ -1,4 +1,4 @@
-"""Bodies of documents that have none yet, worked out and kept, so that questions find them."""
+"""Derive and store missing bodies of documents for queries."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mcml_service.storage.transaction import Transaction
 
 AUTHOR = "derive"
 LOOKED_AT, TOGETHER = 512, 128
-"""Documents of which it is asked at once whether they have a body, and whose bodies are derived and kept together."""
+"""Number of documents that are checked at once for a body, and whose bodies are derived and stored together."""
 
 Failed: TypeAlias = Callable[[Listed, Exception], None]
 """Called with a document whose body cannot be computed, and the error; other documents continue."""

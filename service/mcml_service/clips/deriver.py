@@ -23,14 +23,14 @@ log = logging.getLogger("mcml.derive")
 LOOK_SECONDS = 1.0
 """Interval of checks for new documents, also from other processes."""
 QUIET_SECONDS = 0.5
-"""After a commit, and how often it is asked meanwhile whether others are at work, a tenth of it."""
+"""Waiting time after a commit; other work is checked after each tenth of it."""
 PATIENCE_SECONDS = 10.0
 """Behind a server that is always at work, some bodies are derived nevertheless, after so long: meanwhile an import in
 another thread gets on several times as slowly."""
 LATER_SECONDS = 30.0
 """After the store could not be read or written."""
 MANY = 32
-"""Documents that changed, after which columns are built before anybody asks for them."""
+"""Number of changed documents after which columns are built in advance."""
 TOGETHER, FRAMES = 16, 4096
 """Documents, and frames of several documents, at a time: 40 ms."""
 
@@ -39,7 +39,7 @@ class Deriver:
     """Started and stopped with the server.
 
     busy: whether the server has something else to do. build: builds the columns of the first queries, of documents
-    before their bodies are derived and of bodies after that; it is given a function that says whether to go on.
+    before their bodies are derived and of bodies after that; its argument is a function that tells whether to continue.
     """
 
     def __init__(
@@ -113,7 +113,7 @@ class Deriver:
         return not self._stopping.is_set()
 
     def _may_go_on(self) -> bool:
-        """Wait until nobody is served and nothing is imported, but not for ever; whether the server goes on."""
+        """Wait, for a limited time, until the server is idle and nothing is imported; return whether to continue."""
         until = time.monotonic() + PATIENCE_SECONDS
         while self._others() and time.monotonic() < until:
             if self._stopping.wait(QUIET_SECONDS / 10):

@@ -18,14 +18,14 @@ from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 
 FIRST = 10
-"""Priority of pieces: they go before jobs that nobody has begun."""
+"""Priority of pieces: they run before jobs that have not started."""
 
 
 class DaskExecutor(Executor):
-    """An executor over a client of Dask. `Client.get_executor` tells neither keys nor priorities: work cannot be killed
-    without the one, and pieces would wait behind jobs without the other.
+    """An executor over a client of Dask.
 
-    tasks: Dask's own future for each that is not done.
+    `Client.get_executor` has neither keys nor priorities: without keys work cannot be killed, without priorities pieces
+    would wait behind jobs. tasks: Dask's own future for each unfinished one.
     """
 
     def __init__(self, client: Any, priority: int = 0) -> None:
@@ -111,7 +111,7 @@ class DaskWorkers(Workers):
                 client.restart_workers(busy, timeout=30, raise_for_error=False)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Leave the cluster, which goes on."""
+        """Disconnect from the cluster, which continues."""
         with self._lock:
             self._drop()
 
@@ -138,7 +138,7 @@ class DaskWorkers(Workers):
 
 @dataclass(frozen=True)
 class DaskCrew:
-    """All workers of the cluster. They run already, so a job asks them at once."""
+    """All workers of the cluster. They run already, so a job uses them at once."""
 
     alone_seconds: float = 0.0
 

@@ -1,4 +1,4 @@
-"""A worker process of this host. It imports no mathematics before it has said how many threads that may have."""
+"""A worker process of this host. It sets the number of threads before it imports mathematics."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_
 
 @dataclass(frozen=True)
 class Kept:
-    """Stands for a value that the process was started with, by its place."""
+    """A reference to a start parameter of the process, by its index."""
 
     place: int
 

@@ -41,7 +41,7 @@ class HostWorkers(Workers):
         self._lock = threading.Lock()
 
     def submit(self, function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Begin at once: in an idle process if there is one, else in a new one."""
+        """Start at once, in an idle process if there is one, else in a new one."""
         future: Future[Any] = Future()
         future.set_running_or_notify_cancel()
         with self._lock:

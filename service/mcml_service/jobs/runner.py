@@ -31,16 +31,16 @@ from mcml_service.storage.work.jobs import LEASE_SECONDS, MOST_ATTEMPTS, StoredJ
 log = logging.getLogger("mcml.jobs")
 
 LOOK_SECONDS = 1.0
-"""How often a runner looks for jobs that nobody told it of."""
+"""Interval of checks for jobs without a notification."""
 
 STOP_SECONDS = 0.3
 """How often the owner of a job looks whether the server stops."""
 
 STARTING = "starting a worker"
-"""The stage of a job until its worker tells another one."""
+"""The stage of a job until its worker reports another one."""
 
 KILL_SECONDS = 10.0
-"""How long a cancelled job may go on before its worker is killed."""
+"""Time that a cancelled job has to stop before its worker is killed."""
 
 
 class Runner:
@@ -162,7 +162,7 @@ class Runner:
             ) from error
 
     def _watch(self, job: StoredJob, future: Future[Outcome]) -> bool:
-        """Keep the lease until the work has ended; False where it was given up."""
+        """Renew the lease until the work has ended; return False if it was lost."""
         renewed, cancelled_at = time.monotonic(), None
         while not wait([future], STOP_SECONDS).done:
             if self._stopping.is_set():
@@ -201,8 +201,10 @@ class Runner:
         return f"Choose fewer clips, or raise MCML_JOB_MEMORY_MIB ({self._settings.job_memory_mib})."
 
     def _begin_again(self, job: StoredJob, error: McmlError) -> None:
-        """Let a job wait again, a few times. Deaths of servers do not count: those are no fault of a job either, and
-        leave nobody to count them."""
+        """Let a job wait again, a few times.
+
+        Crashes of servers do not count: jobs do not cause them either, and nothing is left to count them.
+        """
         self._deaths[job.uuid] += 1
         log.warning("job %s: %s", job.uuid, error)
         if self._deaths[job.uuid] < MOST_ATTEMPTS:

@@ -14,7 +14,7 @@ TELL_SECONDS = 0.3
 """Time between two looks at the row."""
 
 BEGUN = "starting"
-"""The first stage that a job itself tells."""
+"""The first stage that a job itself reports."""
 
 
 class CancelledError(Exception):

@@ -38,7 +38,7 @@ SEND_SECONDS = 20.0
 """Longest time for one, from looking its host up to its answer's head."""
 
 MAPPED = ipaddress.ip_network("64:ff9b::/96")
-"""Addresses of IPv6 that stand for some of IPv4 (RFC 6052)."""
+"""IPv6 addresses that represent IPv4 addresses (RFC 6052)."""
 
 
 def is_public(address: str) -> bool:
@@ -56,7 +56,10 @@ def is_public(address: str) -> bool:
 
 
 def addresses_of(host: str, port: int, *, private: bool) -> list[str]:
-    """Addresses of a host. OSError where there are none, or some is of a network of one's own and those are refused."""
+    """Return the addresses of a host.
+
+    Raises OSError if there are none, or if one is private and private ones are refused.
+    """
     addresses = [str(entry[4][0]) for entry in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)]
     if not private and not all(map(is_public, addresses)):
         raise OSError("the host is in a private network")
@@ -70,7 +73,7 @@ def signature(secret: str, message: str, timestamp: int, payload: bytes) -> str:
 
 
 class Sender:
-    """Started and stopped with the server. private: whether hosts of networks of one's own are told, too."""
+    """Started and stopped with the server. private: whether hosts in private networks are allowed."""
 
     def __init__(self, database: Database, *, private: bool) -> None:
         self._database = database.for_call(database.view, SERVER)
@@ -116,7 +119,7 @@ class Sender:
             tx.webhooks.note_outcome(claimed, status, problem, patience)
 
     def _send(self, claimed: Claimed) -> tuple[int | None, str | None, float]:
-        """(status, why it failed, seconds that the answer asks to wait)."""
+        """Send a message; return (status, reason of a failure, seconds that the answer asks to wait)."""
         timestamp, payload = int(time.time()), claimed.payload.encode()
         headers: dict[bytes | str, bytes | str] = {
             "content-type": "application/json",
@@ -139,7 +142,7 @@ class Sender:
 
 
 class _Network(httpcore.NetworkBackend):
-    """Connects to the addresses that were looked at, and to no others that a name might have a moment later."""
+    """Connects only to the checked addresses, also if the name gets others meanwhile."""
 
     def __init__(self, until: float, *, private: bool) -> None:
         self._until = until
@@ -160,7 +163,7 @@ class _Network(httpcore.NetworkBackend):
 
 
 class _Stream(httpcore.NetworkStream):
-    """A connection that ends at a time, however slowly bytes come."""
+    """A connection with a total time limit, also for slow bytes."""
 
     def __init__(self, stream: httpcore.NetworkStream, until: float) -> None:
         self._stream = stream
@@ -187,7 +190,7 @@ class _Stream(httpcore.NetworkStream):
 
 
 def _measure_time_left(until: float) -> float:
-    """Seconds; httpcore.ReadTimeout where there are none."""
+    """Return the remaining seconds; raise httpcore.ReadTimeout if there are none."""
     left = until - time.monotonic()
     if left <= 0:
         raise httpcore.ReadTimeout("it took too long")

@@ -56,13 +56,13 @@ class Pairs:
         return Pairs(np.concatenate([self.places, others.places]), np.concatenate([self.codes, others.codes]))
 
     def having(self, wanted: Mask, documents: int) -> Mask:
-        """Which of so many documents have one of the codes that are wanted."""
+        """Return a mask of the documents that have one of the requested codes."""
         mask = np.zeros(documents, np.bool_)
         mask[self.places[wanted[self.codes]]] = True
         return mask
 
     def counts(self, among: Mask, codes: int) -> Numbers:
-        """How many documents have each of so many codes."""
+        """Return the number of documents for each code."""
         codes_of = self.codes if among.all() else self.codes[among[self.places]]
         return np.bincount(codes_of, minlength=codes)
 
@@ -121,12 +121,11 @@ class Columns:
         return value
 
     def place_behind(self, name: str, key: int) -> int:
-        """How many documents stand before a name and key, or there."""
+        """Return the number of documents up to a name and key."""
         return _place(self.table["names"], self.table["keys"], (name, key + 1))
 
     def update(self, commit: int, whole_since: int, gone: Sequence[int], facts: ListRows) -> Columns:
-        """The same as another commit left it. gone: documents that are not any more as they were. facts: of those of
-        them that there still are, and of new ones."""
+        """Return the columns at another commit. gone: changed or deleted documents. facts: of changed and new ones."""
         rows = sorted(facts.documents, key=lambda row: (row[2], row[0]))
         kept = ~np.isin(self.table["keys"], np.array(gone, np.int64))
         table = {name: column[kept] for name, column in self.table.items()}

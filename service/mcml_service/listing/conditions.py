@@ -1,4 +1,4 @@
-"""Which documents of the columns fulfil the conditions of a list; `storage.filtering` says the same in SQL."""
+"""Filter documents of the columns by the conditions of a list; `storage.filtering` does the same in SQL."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from mcml_service.storage.core.identifiers import normalise_name
 from mcml_service.storage.lists.filtering import SHORT, DocumentFilter, Range
 
 KEPT = 16
-"""Conditions of which it is kept who fulfils them: a page, the next one and the counts are asked with the same."""
+"""Number of conditions with cached matches: a page, the next page and the counts use the same conditions."""
 
 
 def can_tell(wanted: DocumentFilter) -> bool:

@@ -51,7 +51,7 @@ def _most(numbering: Numbering[Any], counts: Numbers, most: int) -> Counts:
     """(value, count) of the values that occur, the most frequent first; those as frequent by their order."""
     codes = np.flatnonzero(counts)
     if len(codes) > most:
-        # Only those that may be among them are looked at one by one.
+        # Only candidates are compared one by one.
         least = np.partition(counts[codes], len(codes) - most)[len(codes) - most]
         codes = codes[counts[codes] >= least]
     most_common = ((-int(counts[code]), numbering.values[code]) for code in codes.tolist())

@@ -1,4 +1,4 @@
-"""Documents of the columns in an order, and where a page begins; `storage.orders` says the same in SQL."""
+"""Sort documents of the columns, and find the start of a page; `storage.orders` does the same in SQL."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from mcml_service.storage.lists.orders import UNKNOWN, Order, Place, Value
 
 
 def places_of(columns: Columns, among: Mask, order: Order, after: Place | None, limit: int, offset: int) -> list[Place]:
-    """Where documents stand in an order, of those behind a place the first ones after an offset."""
+    """Return the first documents in an order after a position and an offset."""
     arranged: Numbers = columns.once(order, lambda: _arrange(columns, order))
     chosen = arranged if among.all() else arranged[among[arranged]]
     first = (0 if after is None else _behind(columns, chosen, order, after)) + offset
@@ -25,7 +25,7 @@ def places_of(columns: Columns, among: Mask, order: Order, after: Place | None, 
 
 
 def _arrange(columns: Columns, order: Order) -> Numbers:
-    """Places of documents in the columns, in an order. Equal values stay as they are: by name and key."""
+    """Return the indices of documents in the columns, sorted. Equal values keep their order by name and key."""
     return np.argsort(_direct(columns, order), kind="stable")
 
 
@@ -55,7 +55,7 @@ _HELD = {
     "modified": "modified",
     "key": "keys",
 }
-"""Columns that are kept as they are."""
+"""Columns that are used unchanged."""
 
 
 def _encode(columns: Columns, column: str) -> tuple[Numbering[str], Column]:
@@ -74,14 +74,14 @@ def _ranks(columns: Columns, vocabulary: Numbering[str]) -> Numbers:
 
 
 def _decode(columns: Columns, column: str, value: int | float) -> Value:
-    """The value itself that a number stands for."""
+    """Return the value that a number represents."""
     if column in ("project", "format"):
         return _sort(columns, _encode(columns, column)[0])[int(value)]
     return None if value != value else value  # NaN
 
 
 def _behind(columns: Columns, chosen: Numbers, order: Order, after: Place) -> int:
-    """How many of the chosen documents, which stand in the order, come before a place or there."""
+    """Return the number of the chosen, sorted documents up to a position."""
     values = _direct(columns, order)[chosen]
     number = _number(columns, order.column, after)
     if number is None:
@@ -96,7 +96,7 @@ def _behind(columns: Columns, chosen: Numbers, order: Order, after: Place) -> in
 
 
 def _number(columns: Columns, column: str, after: Place) -> float | None:
-    """The number that stands for the value of a place; between two others where no document has that value now."""
+    """Return the number for the value of a position; between two others if no document has this value now."""
     if column == "key":
         return after.key
     if column == "name":

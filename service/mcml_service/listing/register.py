@@ -1,4 +1,6 @@
-"""The columns of a library for as long as a process runs, and lists from them; from the store where there are none."""
+"""The columns of a library for the lifetime of a process, and lists from them; lists come from the store without
+columns.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,10 @@ STALE = 3
 
 
 class Found(NamedTuple):
-    """places: of documents on the page, and one more where there is one. total: documents on all pages."""
+    """places: indices of documents on the page, and of one more if there is one.
+
+    total: number of documents on all pages.
+    """
 
     places: list[Place]
     total: int

@@ -107,7 +107,7 @@ class Properties(Vocabulary[Property]):
         return value[2] or ""
 
     def columns(self) -> PropertyColumns:
-        """Those of all that there are now. For one thread at a time."""
+        """The columns of all current properties. For one thread at a time."""
         known = self._columns
         if new := self.values[len(known.names) :]:
             self._columns = PropertyColumns(

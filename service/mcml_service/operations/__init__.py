@@ -1,4 +1,4 @@
-"""OPERATIONS: everything that a user can ask of the repository, readable from top to bottom.
+"""OPERATIONS: all operations of the repository, readable from top to bottom.
 
 A row has the name, the path below /api/v1, the effect on the store, the required right, the description, the module in
 this package with the function of that name, and the command with its positional arguments in capitals. A row without a
@@ -366,7 +366,7 @@ OPERATIONS: dict[str, Operation] = {operation.name: operation for operation in _
 
 
 def find_operation(name: str) -> Operation:
-    """The operation of that name. NotFoundError where there is none."""
+    """Return the operation with a name. Raises NotFoundError for an unknown name."""
     if name in OPERATIONS:
         return OPERATIONS[name]
     operations = {operation.name: operation for operation in all_operations()}
@@ -376,7 +376,7 @@ def find_operation(name: str) -> Operation:
 
 
 def all_operations() -> list[Operation]:
-    """Those of OPERATIONS, and those that the catalogue of analyses makes."""
+    """Return the operations of OPERATIONS, and those generated from the catalogue of analyses."""
     from mcml_service.operations.analyses import make_operations
 
     return [*_ROWS, *make_operations()]

@@ -52,7 +52,7 @@ def read_music(
         BeatsPerBar | None, Field(description="Beats of a bar, where they are known", examples=[3])
     ] = None,
 ) -> MusicBeats:
-    """Needs the extra `audio`; nothing is kept. Tempi that fit nearly as well are told as rivals."""
+    """Needs the extra `audio`; nothing is stored. Tempi that fit nearly as well are listed as rivals."""
     return beats_of(file, call.settings, bpm, beats_per_bar)
 
 

@@ -139,7 +139,7 @@ def find_for_write(tx: Transaction, uuid: str, if_match: str | None, *, deleted:
 
 
 def at_revision(tx: Transaction, uuid: str, revision: int | None) -> tuple[Transaction, StoredDocument]:
-    """The document as it is, or as a revision left it, and the transaction to read it with."""
+    """Return the document at the current or a given revision, and the transaction to read it with."""
     if revision is None:
         return tx, tx.documents.get(uuid)
     current = tx.documents.get(uuid)

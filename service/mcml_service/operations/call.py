@@ -36,8 +36,9 @@ class Repository:
         self.import_pool: ImportPool | None = None
         """Processes that read uploads of many files, of a server."""
         self.evaluated: Literal["here", "bounded", "apart"] = "here"
-        """Where questions are: in this process, with the limits that its code asks; the same for a command, with limits
-        that the system sets; for a server in processes of their own."""
+        """Where queries run: in this process, with limits checked by code; in this process, with system limits, for
+        a command; in separate processes, for a server.
+        """
 
     @cached_property
     def queries(self) -> Queries:
@@ -67,7 +68,7 @@ class Repository:
         return Results(self.database, self.settings)
 
     def begin(self) -> None:
-        """Start what evaluates the questions of others before the first one comes."""
+        """Start the processes that evaluate queries before the first query."""
         from mcml_service.xpath.query_pool import PooledQueries
 
         if isinstance(self.queries, PooledQueries):
@@ -155,7 +156,7 @@ class Call:
         return self.queries.limits(self.client, self.author)
 
     def makes(self, document: str | None) -> None:
-        """Say which document was made, or None where it was only said what would be."""
+        """Set the id of the new document, or None for a preview."""
         self.made = document is not None
         self.created = None if document is None else f"documents/{document}"
 

@@ -90,7 +90,7 @@ class Wanted:
     deleted: Annotated[bool, Field(description="List deleted documents instead, which can be restored")] = False
 
     def filter(self, call: Call) -> DocumentFilter:
-        """The same as the store asks for it. QueryError for a condition that is none."""
+        """Return the filter in the form of the store. Raises QueryError for an invalid condition."""
         return DocumentFilter(
             length=(None, None) if self.length is None else parse_range(self.length),
             rate=(None, None) if self.rate is None else _rate(self.rate),
@@ -110,7 +110,7 @@ class Wanted:
         """Keys of the documents of the collection in which the expression finds something; None for all."""
         if self.xpath is None and self.collection is None:
             return None
-        # Imported here: lists without a question need no engine.
+        # Imported here: lists without an XPath need no engine.
         from mcml_service.xpath.finding import documents_with
 
         hits = None if self.xpath is None else documents_with(call.queries, self.xpath, self.project, call.limits)
@@ -176,11 +176,11 @@ def list_documents(
         ),
     ] = None,
 ) -> DocumentPage:
-    """Documents with equal values stand by name; those without a length or rate come last in both directions.
+    """Documents with equal values are sorted by name; those without a length or rate are last in both directions.
 
     With `thumbnail` each has a moving picture (MT1, base64), with `labels` the spans of its motion names, with
-    `passport` unit, up axis, rate and joints, and which of them are guesses. A picture that had to be made first may be
-    missing in a long list, and be there in the next.
+    `passport` unit, up axis, rate and joints, and which of them are guesses. In a long list, thumbnails that are not
+    made yet may be missing; the next list has them.
     """
     order = parse_order(sort)
     after = _after(page, order)
@@ -319,7 +319,7 @@ def list_revisions(
 
 
 def _find_touched(tx: Transaction, stored: StoredDocument, revision: StoredRevision) -> list[FrameRange] | None:
-    """None of the first revision that is kept, before which there is none."""
+    """Returns None for the first stored revision, which has no earlier one."""
     from mcml_service.storage.undo.changed_frames import find_changed_frames
 
     then = tx.at_commit(revision.commit).documents.get(stored.uuid, deleted=True)
@@ -356,10 +356,10 @@ def set_properties(
     ],
     project: InProject = None,
 ) -> ChangedDocuments:
-    """One line a document, one column a property.
+    """One line for each document, one column for each property.
 
-    The first column is `document` (ids) or `name`; units stand in brackets in the headings: `age (year)`. Empty cells
-    and properties that the table does not name stay as they are. All of the table is written, or nothing.
+    The first column is `document` (ids) or `name`; units are in parentheses in the headings: `age (year)`. Empty cells
+    and properties without a column do not change. The whole table is written, or nothing.
     """
     from mcml_service.actions.labelling import set_properties as setting
 

@@ -38,8 +38,8 @@ def get_mcml(
         Field(description="Only the lines before the first frame, or only those of frames first to last"),
     ] = None,
 ) -> Content:
-    """A part of it is text of the whole: the headers `x-mcml-first-line`, `x-mcml-lines` and `x-mcml-total-lines` say
-    which lines of how many it is. With a `revision` it never changes, and says so.
+    """For a part, the headers `x-mcml-first-line`, `x-mcml-lines` and `x-mcml-total-lines` give its lines in the whole
+    text. With a `revision` the answer never changes and can be cached.
     """
     if part is not None:
         return _window(call, id, revision, part, first, last, Layout.PRETTY if pretty else Layout.LINES)
@@ -84,14 +84,17 @@ def export_document(
     ] = None,
     raw: Raw = False,
 ) -> Content:
-    """In its own format an unedited one comes back byte for byte."""
+    """In its own format an unedited document is returned byte for byte."""
     options = ExportOptions(format, first, last, names, unit, up, original=original, frame_time=frame_time, raw=raw)
     return _content(call, id, revision, options)
 
 
 @gives("A streamed zip; its `refused.txt` lists documents that could not be exported", {"application/zip": None})
 def export_documents(call: Call, request: ExportRequest) -> Content:
-    """Each document as it is now. Two of one name become two files, the second with the end of its id."""
+    """Exports the current revision of each document.
+
+    Two documents with the same name become two files, the second with the end of its id.
+    """
     from mcml_service.actions.composing import export_documents as exporting
 
     options = ExportOptions(
@@ -134,8 +137,9 @@ def find_text(
     revision: AtRevision = None,
     pretty: Annotated[bool, Field(description="In the text with every element on a line of its own")] = False,
 ) -> TextFound:
-    """In the text that the document has as MCML, within lines. Where a long document takes longer than a question may,
-    `next` says where to go on.
+    """Searches the MCML text of the document, within lines.
+
+    If a long document exceeds the time limit of queries, `next` is the line to continue from.
     """
     with call.database.read() as tx:
         then, stored = at_revision(tx, id, revision)

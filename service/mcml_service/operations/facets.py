@@ -18,7 +18,7 @@ def get_facets(
     limit: Annotated[int, Field(ge=1, le=1000, description="Most values of each facet", examples=[50])] = 100,
     bins: Annotated[int, Field(ge=1, le=100, description="Of each range of numbers", examples=[12])] = 12,
 ) -> FacetList:
-    """Takes the conditions of the list of documents, and counts among those that fulfil them."""
+    """Takes the conditions of the list of documents, and counts the matching ones."""
     conditions = wanted.filter(call)
     with call.database.read() as tx:
         facets = call.repository.register.facets(tx, conditions, limit, bins)

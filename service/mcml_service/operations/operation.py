@@ -135,7 +135,7 @@ class Argument:
 
     @property
     def body(self) -> Body | None:
-        """How the body is sent that the argument is, None where it is none."""
+        """The form of the body, if the argument is a body, else None."""
         return self.mark(Body)
 
     def mark(self, kind: type[Mark]) -> Mark | None:
@@ -197,12 +197,12 @@ class Operation:
 
     @property
     def media(self) -> Media | None:
-        """Answers that are no JSON, None where there are none."""
+        """The answers other than JSON, None if there are none."""
         return getattr(self.function, "media", None)
 
     @cached_property
     def model(self) -> type[BaseModel] | None:
-        """The model of an answer in JSON, None where there is none."""
+        """The model of the JSON answer, None if there is none."""
         returned = get_type_hints(self.function, include_extras=True)["return"]
         kinds = get_args(returned) if get_origin(returned) in (Union, UnionType) else (returned,)
         return next((kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel)), None)
@@ -293,7 +293,9 @@ def _as_shared(share: Share, given: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def gives(words: str, types: Mapping[str, Any]) -> Callable[[Function], Function]:
-    """Says that a function may answer content of these media types, each with an example (None: the words say all)."""
+    """Declare that a function may return content of these media types, each with an example (None: the description
+    is enough).
+    """
 
     def attach(function: Function) -> Function:
         function.media = Media(words, types)  # type: ignore[attr-defined]  # functions take any attribute

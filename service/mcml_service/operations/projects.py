@@ -28,7 +28,7 @@ def export_project(call: Call, project: ProjectName) -> Content:
     """
     from mcml_service.actions.keeping.move_project import export_project as exporting
 
-    # Not of a replica: a long answer without a tag could not go on, if that went away.
+    # Not from a replica: a long answer without a tag could not continue if the replica became unreachable.
     tx = call.held.enter_context(call.database.for_call(call.view).read())
     tx.quotas.require(tx.projects.get(project), "own")
     return Content(exporting(tx, project), "application/zip", f"{project}.project.zip")
@@ -70,8 +70,9 @@ def import_project(
         str | None, Field(min_length=1, max_length=256, description="Default: as it was called", examples=["gait 2"])
     ] = None,
 ) -> ProjectImported:
-    """With every revision, or nothing at all. Authors stay as text, nobody gets an account; ids that are taken here
-    become others.
+    """Imports every revision, or nothing.
+
+    Authors stay as text, no accounts are created; ids already in use are replaced.
     """
     from mcml_service.actions.keeping.move_project import import_project as importing
 

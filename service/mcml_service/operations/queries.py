@@ -92,9 +92,9 @@ def get_query(
         ),
     ] = None,
 ) -> QueryAnswer | Content:
-    """A node set comes in pages of nodes with canonical addresses, as runs (maximal ranges of frames), or whole as a
-    stream. A scalar comes as `value`, or one a document. Pages are stable: a cursor reads the state in which the first
-    page was read. A query ends when its time is up, or when its client leaves.
+    """A node set is returned in pages of nodes with canonical addresses, as runs (maximal ranges of frames), or whole
+    as a stream. A scalar is returned as `value`, or one for each document. Pages are stable: a cursor reads the same
+    state of the store as the first page. A query ends at its time limit, or when its client disconnects.
     """
     request = QueryRequest(
         q=q,

@@ -27,7 +27,7 @@ INLINE_NUMBERS = 2_000_000
 """Most numbers in one JSON answer."""
 
 MOST_ROWS = 500
-"""Of those that one question may name."""
+"""Limit of rows named in one request."""
 
 
 def list_results(
@@ -86,7 +86,7 @@ def get_result_array(
     ] = None,
     format: Annotated[Literal["json", "npy"], Field(description="JSON, or a NumPy file")] = "json",
 ) -> ArrayValues | Content:
-    """A result never changes, and the answer says so."""
+    """A result never changes, so the answer can be cached."""
     with call.database.read() as tx:
         stored, stored_part = _part(tx, id, part)
         asked = crc32(repr((id, part, array, first, rows, row, dtype, format)).encode())
@@ -129,7 +129,7 @@ def get_result_picture(
         float | None, Field(ge=1, le=30, description="Inches; default as it is meant", examples=[7.0])
     ] = None,
 ) -> Content:
-    """For a page or a paper; needs the extra `plots`. A result never changes, and the answer says so."""
+    """For a page or a paper; needs the extra `plots`. A result never changes, so the answer can be cached."""
     from mcml_service.actions.analysing.draw_result import draw_result
 
     with call.database.read() as tx:

@@ -83,8 +83,9 @@ def get_collection(call: Call, name: Name, project: Keeper = "default") -> Colle
 def save_collection(
     call: Call, name: Name, collection: CollectionToSave, project: Keeper = "default", if_match: IfMatch = None
 ) -> Collection:
-    """Where ids of documents are taken, `collection:NAME` or `collection:PROJECT/NAME` stands for those that are in it.
-    A present one is changed with `If-Match`, its version.
+    """Use `collection:NAME` or `collection:PROJECT/NAME` in place of ids of documents.
+
+    To change an existing collection, send its version in `If-Match`.
     """
     content = collection.model_dump(exclude_none=True)
     if "where" in content:
@@ -136,7 +137,10 @@ def delete_vocabulary(call: Call, project: Keeper = "default", if_match: IfMatch
 
 
 def _check_vocabulary(words: list[VocabularyWord]) -> list[dict[str, object]]:
-    """As they are kept. VocabularyError for names that cannot be, DocumentError for one that is there twice."""
+    """Return the words in their stored form.
+
+    Raises VocabularyError for impossible names, DocumentError for a repeated one.
+    """
     from mcml.language.motion_names import canonical
 
     items: dict[str, dict[str, object]] = {}

@@ -13,8 +13,9 @@ from mcml_service.operations.uploads import Files
 
 
 def search_motion(call: Call, request: SearchRequest) -> SearchAnswer:
-    """Poses are compared as bodies: where they stand, face and how large they are counts for nothing, nor which rig
-    they are of. A motion may be half as fast or twice as fast.
+    """Poses are compared as bodies: position, facing direction, size and rig are ignored.
+
+    A motion may be half as fast or twice as fast.
     """
     # Imported here: other operations need no mathematics.
     from mcml_service.actions.reading.search_motion import Where, ask_document, ask_positions, find_alike

@@ -1,4 +1,4 @@
-"""Files that come in: stored as documents, or only looked at."""
+"""Uploaded files: stored as documents, or only inspected."""
 
 from __future__ import annotations
 

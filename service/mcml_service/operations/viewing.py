@@ -14,8 +14,9 @@ THUMBNAIL = "application/vnd.mcml.thumbnail"
 
 
 def get_skeleton(call: Call, id: DocumentId, revision: AtRevision = None) -> SkeletonView:
-    """Bones with parents, sides, offsets, axes and channels; ends of chains; unit, up axis, rate and origin. With a
-    `revision` the answer never changes, and says so.
+    """Bones with parents, sides, offsets, axes and channels; ends of chains; unit, up axis, rate and origin.
+
+    With a `revision` the answer never changes and can be cached.
     """
     # Imported here: other operations need no mathematics.
     from mcml_service.actions.reading.describe_skeleton import describe_skeleton
@@ -27,7 +28,7 @@ def get_skeleton(call: Call, id: DocumentId, revision: AtRevision = None) -> Ske
 
 
 def get_calibration(call: Call, id: DocumentId, revision: AtRevision = None) -> Calibration:
-    """Each value says whether the file states it, or it was measured, guessed or set."""
+    """Each value has its origin: stated by the file, measured, guessed or set."""
     from mcml_service.actions.editing.calibration import describe_calibration
 
     with call.database.read() as tx:
@@ -49,8 +50,9 @@ def change_calibration(call: Call, id: DocumentId, change: CalibrationChange, if
 
 @gives("A moving picture of at most 4 KB, in the form MT1", {THUMBNAIL: None})
 def get_thumbnail(call: Call, id: DocumentId, revision: AtRevision = None) -> Content:
-    """The busiest 2.6 seconds of the motion, and poses over all of it to scrub through (docs/api/thumbnails.md). 404
-    where a document has nothing to draw. With a `revision` the answer never changes, and says so.
+    """The busiest 2.6 seconds of the motion, and poses of the whole motion for scrubbing (docs/api/thumbnails.md).
+
+    404 if a document has nothing to draw. With a `revision` the answer never changes and can be cached.
     """
     from mcml_service.actions.reading.show_thumbnails import keep_pictures, picture_of
 

@@ -1,1 +1,1 @@
-"""Programs of this house in processes of their own, bounded in time and memory."""
+"""Separate programs with limits of time and memory."""

@@ -1,4 +1,4 @@
-"""How a program bounds itself, from inside: the system ends it even where nobody watches it any more."""
+"""Limits that a program sets for itself: the system ends it even without a watcher."""
 
 from __future__ import annotations
 
@@ -18,8 +18,7 @@ GRACE_SECONDS = 5.0
 
 
 def bound_growth(memory: int) -> None:
-    """Refuse this process more than so many bytes beyond those that it holds now, on Linux only; and leave no copy of
-    its memory on the disk when it crashes."""
+    """Limit the memory that this process can allocate from now on, on Linux only; and disable core dumps."""
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     if sys.platform == "linux":
         hard = resource.getrlimit(resource.RLIMIT_DATA)[1]

@@ -8,9 +8,9 @@ from concurrent.futures import Future
 
 
 class FairQueue:
-    """So many places, of which one client may hold all but one.
+    """A number of places, of which one client may hold all except one.
 
-    Clients who wait are served in turn, each with its oldest request. Threads may share it.
+    Waiting clients are served in turn, each with its oldest request. Threads may share it.
     """
 
     def __init__(self, places: int) -> None:

@@ -31,7 +31,7 @@ _HOMES = [
     str(Path(mcml_schemas.__file__ or "").resolve().parents[1]),
     str(Path(__file__).resolve().parents[2]),
 ]
-"""Where the packages of this very installation lie: one folder in a wheel's, three in a checkout."""
+"""Folders of the packages of this installation: one in a wheel, three in a checkout."""
 _LAST_WORDS = 1 << 16
 """Limit of a program's last output; its last line has the kind of error."""
 

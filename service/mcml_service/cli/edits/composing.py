@@ -160,7 +160,7 @@ def _retarget_many(client: Client, request: RetargetMany, as_json: bool) -> None
 
 
 def lines_of(blocks: Iterable[bytes | memoryview]) -> Iterator[bytes]:
-    """The lines of bytes that come in blocks."""
+    """Yield the lines of bytes that arrive in blocks."""
     rest = b""
     for block in blocks:
         *whole, rest = (rest + bytes(block)).split(b"\n")

@@ -116,7 +116,7 @@ def set_(
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """State what the files of documents do not say. Nothing is converted; each change is a revision."""
+    """Set values that the files of documents do not state. Nothing is converted; each change is a revision."""
     stated = {"frame_time": frame_time, "unit": unit, "up": up, "description": description}
     facts = {key: value for key, value in stated.items() if value is not None}
     if not facts:

@@ -75,7 +75,7 @@ def move(
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Take an element from its place and put it beside another, or into it."""
+    """Move an element beside another, or into it."""
     edit = {"do": "move", "xpath": xpath, "to": to, "where": where}
     request = ElementEdits.model_validate({"edits": [edit], "renumber": renumber, "message": message})
     client = open_client(database, server)

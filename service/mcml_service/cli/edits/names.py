@@ -166,7 +166,7 @@ def save(
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Save which joint is which: pairs of your own, over those that are suggested for two documents."""
+    """Save a mapping of joints: your own pairs, in addition to those suggested for two documents."""
     write_to_the_end()
     client = open_client(database, server)
     pairs: dict[str, str] = {}

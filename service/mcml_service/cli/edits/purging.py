@@ -1,4 +1,4 @@
-"""`mcml purge`: documents removed for good."""
+"""`mcml purge`: remove documents permanently."""
 
 from __future__ import annotations
 

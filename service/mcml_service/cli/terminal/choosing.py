@@ -1,4 +1,4 @@
-"""Options that choose documents, and batches that go on past a refusal."""
+"""Options that select documents, and batches that continue after a refusal."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ YesOption = Annotated[bool, typer.Option("--yes", "-y", help="Do it; without thi
 def resolve_documents(
     client: Client, ids: list[str] | None, project: str | None, motion_name: str | None, xpath: str | None
 ) -> list[DocumentSummary]:
-    """The documents of a command: those that it names, or those that its options choose; wrong usage for both."""
+    """Return the documents of a command: named ones, or those selected by options; both together are wrong usage."""
     options = [option for option in (project, motion_name, xpath) if option is not None]
     if bool(ids) == bool(options):
         raise typer.BadParameter("name documents, or choose them by --project, --motion-name, --xpath")
@@ -37,7 +37,7 @@ def resolve_documents(
 
 
 def confirm(found: list[DocumentSummary], yes: bool, what: str) -> bool:
-    """Whether to go on; else the documents are shown, with how to go on."""
+    """Tell whether to continue; if not, print the documents and the option for continuing."""
     if yes:
         return True
     rows = table("id", "name", "project", "frames#")
@@ -49,7 +49,10 @@ def confirm(found: list[DocumentSummary], yes: bool, what: str) -> bool:
 
 
 def for_each(found: list[DocumentSummary], do: Callable[[DocumentSummary], None]) -> None:
-    """Do something to each document; a refusal is told and stops no other. Exit code 3, or 1 where all were refused."""
+    """Process each document; a refusal is printed and does not stop the others.
+
+    Exit code 3, or 1 if all were refused.
+    """
     refused = 0
     for item in found:
         try:

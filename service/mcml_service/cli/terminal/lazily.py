@@ -26,7 +26,7 @@ def lazy_command(make: Callable[[], tuple[Callable[..., None], str | None]]) -> 
                 self._made = typer.main.get_command(alone)
             return self._made
 
-        # Click sets these when it makes a command; ours come later.
+        # Click sets these when it makes a command; these commands are made later.
         params = property(lambda self: self._ready().params, lambda self, _: None)
         callback = property(lambda self: self._ready().callback, lambda self, _: None)
         help = property(lambda self: self._ready().help, lambda self, _: None)
@@ -35,7 +35,7 @@ def lazy_command(make: Callable[[], tuple[Callable[..., None], str | None]]) -> 
 
 
 def lazy_group(module: str) -> type[TyperGroup]:
-    """A class of groups whose commands are those that `add_to` of a module adds."""
+    """Return a class of groups with the commands that `add_to` of a module adds."""
 
     class Lazy(TyperGroup):
         @property

@@ -18,9 +18,10 @@ from mcml_service.operations.operation import gives
 
 
 def compose(call: Call, request: ComposeRequest, shown: Shown) -> Composed:
-    """A segment is a range of frames, or the runs that an XPath expression finds. Layers put the bones of one clip on
-    the body of another. Pieces that follow one another in their source come out bit by bit. With `preview` nothing is
-    stored.
+    """A segment is a range of frames, or the runs that an XPath expression finds.
+
+    Layers put the bones of one clip on the body of another. Consecutive pieces of one source are joined bit by bit.
+    With `preview` nothing is stored.
     """
     made = compose_frames.compose_frames(call.database, call.queries, call.settings, request, call.author, shown.window)
     call.makes(made.document)

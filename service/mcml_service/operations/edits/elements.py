@@ -111,8 +111,10 @@ def list_children(
     limit: Annotated[int, Field(ge=1, description="Most children", examples=[20])] = 100,
     revision: AtRevision = None,
 ) -> ChildPage:
-    """Of a motion of any length only those that are asked are read. Frames are the last children of `/mcml/motion`,
-    behind `frames` and, where it is there, `frametime`. With a `revision` the answer never changes, and says so.
+    """Only the requested children are read, for a motion of any length.
+
+    Frames are the last children of `/mcml/motion`, after `frames` and the optional `frametime`. With a `revision` the
+    answer never changes and can be cached.
     """
     with call.database.read() as tx:
         then, stored = at_revision(tx, id, revision)
@@ -171,7 +173,7 @@ def insert_elements(
 
 
 def edit_elements(call: Call, id: DocumentId, request: ElementEdits, edit: Edit) -> ElementEdited:
-    """Every expression means the document as it was before the first edit."""
+    """Every expression refers to the document before the first edit."""
     edits = [
         made
         for item in request.edits
@@ -196,8 +198,10 @@ def _edit(call: Call, uuid: str, edit: Edit, edits: Sequence[ElementEdit], messa
 def make_edits(
     call: Call, uuid: str, item: AnyEdit, base: int | None, *, many: bool, renumber: bool
 ) -> list[ElementEdit]:
-    """An edit by an expression, as edits by canonical addresses. base: the revision that it is said of; default the
-    current one."""
+    """Resolve an edit by an expression to edits by canonical addresses.
+
+    base: the revision that it refers to; default the current one.
+    """
     targets = _addresses(call, uuid, item.xpath, many and item.do != "move", base)
     if isinstance(item, ChangeEdit):
         return [ElementEdit(address, Change(item.attributes, item.text)) for address in targets]

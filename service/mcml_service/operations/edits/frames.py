@@ -59,7 +59,7 @@ from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 MOST_IN_HEADER = 2048
-"""Bytes of names of columns that stand in a header."""
+"""Limit of the names of columns in a header, in bytes."""
 ROWS = {"columns": ["left_up_leg.Rx"], "values": [[45.2], [45.9]]}
 NPY = "a NumPy file of (frames, columns), the columns named by `column`"
 
@@ -120,21 +120,21 @@ def get_frames(
     ] = 1000,
     raw: Raw = False,
 ) -> FramePage | Content:
-    """`npz` holds `values`, `columns` (their names), `ids` and `times` (seconds from the first frame, NaN where the
-    rate is unknown). Values of channels are (frames, columns), missing samples NaN; positions (frames, bones, 3),
-    rotations (frames, bones, 4), bones in the order of `columns`. `npy` is `values` alone; a header names its columns
-    where they are few. `block` is `npy` without its head: numbers alone, little-endian, frame after frame; the header
+    """`npz` has `values`, `columns` (their names), `ids` and `times` (seconds from the first frame, NaN where the rate
+    is unknown). Values of channels are (frames, columns), missing samples NaN; positions (frames, bones, 3), rotations
+    (frames, bones, 4), bones in the order of `columns`. `npy` is `values` alone; a header names its columns if there
+    are few. `block` is `npy` without its head: numbers alone, little-endian, frame after frame; the header
     `x-mcml-shape` has the lengths of its axes. `arrow` (an IPC stream) and `parquet` are tables of frame, id, time and
-    a column for each number, as is `csv`; the first two need the extra `arrow`. With a `revision` the answer never
-    changes, and says so.
+    a column for each channel, as is `csv`; the first two need the extra `arrow`. With a `revision` the answer never
+    changes and can be cached.
 
     A `quantity` (docs/motion.md) is in metres, seconds and degrees, NaN where unknown: `height:left_hand`,
     `position:left_hand,up`, `angle:left-knee-flexion`, `speed:right_hand,Root`, `contact:left_toes` (1 or 0). The
     units of columns are `units` in `npz`, the header `x-mcml-units` of `npy` and `block`, and `unit` of the fields of
     `arrow` and `parquet`; those of channels are empty.
 
-    `reduce=minmax` answers (stretches, columns, 2) as `npy` or `block`; the header `x-mcml-step` says how many frames a
-    stretch has (a multiple of 256 where that is 256 or more: then nothing is unpacked for it).
+    `reduce=minmax` returns (ranges, columns, 2) as `npy` or `block`; the header `x-mcml-step` has the number of frames
+    in each range (a multiple of 256 from 256 on, which needs no decompression).
     """
     if origin == "subtract" and (space != "positions" or format == "json"):
         raise RequestError("Only positions have an origin.", remedy="Ask with space=positions, in a format of numbers.")
@@ -157,7 +157,7 @@ def get_frames(
         point = origin_of(then, source) if origin == "subtract" else None
         numbers = read_numbers(source.clip, source.names, bone, space, origin=point, held=missing == "hold", tips=tips)
         if asked_for:
-            # Kept with those that queries look at; a document has all that a body is read by.
+            # Cached together with the bodies for queries; a document has all data for reading a body.
             (body,) = call.queries.caches.bodies.read(then, [cast("Listed", stored)])
             made = quantity_columns(then, stored, body, asked_for, source.first, source.last)[::step]
             numbers = with_quantities(numbers, asked_for, made, alone=not bone)
@@ -195,7 +195,7 @@ def _reduce(
     dtype: str,
     form: str,
 ) -> Content:
-    """which: first frame, last frame, stretches."""
+    """which: first frame, last frame, ranges."""
     with call.database.read() as tx:
         then, stored = at_revision(tx, uuid, revision)
         asked = zlib.crc32(repr(bone).encode())
@@ -269,15 +269,15 @@ def _describe_columns(numbers: Numbers) -> dict[str, str]:
 
 
 def _short(columns: list[str]) -> dict[str, str]:
-    """Names of columns beside an array, percent-encoded, where they are few: proxies refuse long headers."""
+    """Return the header with names of columns, percent-encoded, if there are few: proxies refuse long headers."""
     text = ",".join(quote(column, safe=" .:-_") for column in columns)
     return {"columns": text} if len(text) <= MOST_IN_HEADER else {}
 
 
 def edit_frames(call: Call, id: DocumentId, edits: FrameEdits, if_match: IfMatch = None) -> FramesEdited:
-    """All of the list, or nothing, becomes one revision.
+    """The whole list becomes one revision, or nothing changes.
 
-    What stays is not written again. Positions in a later edit are those that the earlier ones left.
+    Remaining frames are not written again. Positions in a later edit refer to the result of the earlier ones.
     """
     with call.database.write(call.author) as tx:
         changed = frame_ranges.edit_frames(tx, find_for_write(tx, id, if_match), edits)

@@ -146,7 +146,7 @@ def import_labels(
     strict: Strict = False,
     replace: Annotated[bool, Field(description="The labels that these documents had go")] = False,
 ) -> ChangedDocuments:
-    """`name` may stand for `document`. All of the table, or nothing."""
+    """A column `name` may replace `document`. The whole table is imported, or nothing."""
     with call.database.write(call.author) as tx:
         return describe_changed(edit_labels.write_label_table(tx, content, project, strict=strict, replace=replace))
 

@@ -33,7 +33,7 @@ def delete_documents(call: Call, selection: Selection) -> ChangedDocuments:
 
 
 def restore_documents(call: Call, request: ManyDocuments) -> ChangedDocuments:
-    """Those of them that are not deleted stay as they are."""
+    """Documents that are not deleted do not change."""
     done = []
     with call.database.write(call.author) as tx:
         for uuid in dict.fromkeys(request.documents):
@@ -45,7 +45,7 @@ def restore_documents(call: Call, request: ManyDocuments) -> ChangedDocuments:
 
 
 def copy_documents(call: Call, request: ManyCopies) -> CopiedDocuments:
-    """With their whole histories and the files that they came of, into another project or beside themselves."""
+    """Copies include the whole histories and the uploaded files. The target may be another project or the same one."""
     # Imported here: other operations move no rows.
     from mcml_service.storage.upkeep.project_rows import copy_document
 

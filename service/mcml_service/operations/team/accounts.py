@@ -79,8 +79,10 @@ def add_owner(call: Call, request: OwnerRequest) -> AccountView:
 
 
 def change_account(call: Call, name: AccountName, change: AccountChange) -> AccountView:
-    """There is always an owner. A closed account opens nothing, and its sessions end; its name stays taken, as
-    revisions carry it. Its tokens open something again when it is opened again.
+    """There is always an owner.
+
+    A closed account has no access, and its sessions end; its name stays in use, because revisions have it. When it is
+    reopened, its tokens work again.
     """
     values: dict[str, str | None] = {} if change.role is None else {"role": change.role}
     if change.closed is not None:
@@ -132,7 +134,7 @@ def list_invitations(call: Call) -> InvitationList:
 
 
 def revoke_invitation(call: Call, number: Number) -> None:
-    """Nobody can accept it from then on."""
+    """It can no longer be accepted."""
     with call.database.write(call.author) as tx:
         tx.accounts.take_back(number)
 

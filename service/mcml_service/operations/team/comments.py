@@ -18,7 +18,7 @@ CommentId = Annotated[int, Field(ge=1, le=MOST, description="Number of the comme
 
 
 def list_comments(call: Call, id: DocumentId, page: Page) -> CommentPage:
-    """The oldest first, with those that are resolved."""
+    """Lists the oldest first, including resolved ones."""
     after = page.after(int)
     with call.database.read() as tx:
         stored = tx.documents.get(id)

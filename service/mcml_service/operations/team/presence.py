@@ -19,13 +19,13 @@ Tab = Annotated[str, Field(max_length=36, pattern="^[0-9a-zA-Z-]*$", description
 
 
 def list_present(call: Call, id: DocumentId) -> PresentList:
-    """Everybody who said so within the last 90 seconds."""
+    """Lists everybody who reported presence within the last 90 seconds."""
     with call.database.read() as tx:
         return _list_present(tx, tx.documents.get(id))
 
 
 def keep_presence(call: Call, id: DocumentId, presence: PresenceRequest) -> PresentList:
-    """It holds for 90 seconds: say it again before that. Answers with the others."""
+    """Valid for 90 seconds: repeat it before that. Returns the other people."""
     with call.database.write(call.author) as tx:
         stored = tx.documents.get(id)
         if call.account is not None:
@@ -34,7 +34,7 @@ def keep_presence(call: Call, id: DocumentId, presence: PresenceRequest) -> Pres
 
 
 def end_presence(call: Call, id: DocumentId, tab: Tab = "") -> None:
-    """Without this one is there for up to 90 seconds more."""
+    """Without this call, presence ends after at most 90 seconds."""
     with call.database.write(call.author) as tx:
         stored = tx.documents.get(id)
         if call.account is not None:

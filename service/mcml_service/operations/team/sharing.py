@@ -1,4 +1,4 @@
-"""Links by which somebody without an account sees some documents."""
+"""Share links, which show some documents to people without an account."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Number = Annotated[int, Field(ge=1, le=MOST, description="Number of the link", e
 
 
 def list_shares(call: Call, project: InProject = None) -> ShareList:
-    """Those that open something still, into projects that one may change."""
+    """Lists valid links to projects that you can edit."""
     with call.database.read() as tx:
         shares = tx.shares.all(None if project is None else tx.projects.get(project))
     return ShareList(items=[ShareView(**_describe(link)) for link in shares])

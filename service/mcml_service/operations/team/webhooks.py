@@ -70,7 +70,7 @@ def _check(url: str, *, private: bool) -> None:
             )
         addresses_of(host, port or (80 if plain else 443), private=private)
     except (OSError, ValueError):
-        # Whether a name of a private network is one is not told.
+        # The answer does not reveal whether a name belongs to a private network.
         raise RequestError(
             "There is no such host on the internet.",
             remedy="Check the address. Hosts of private networks need MCML_WEBHOOK_PRIVATE=true on the server.",
