@@ -24,6 +24,6 @@ def count_attempt(database: Database, of: dict[str, str]) -> None:
 
 
 def forget_attempts(database: Database, of: dict[str, str]) -> None:
-    """Somebody got in."""
+    """Reset the count after a successful attempt."""
     with database.write("session") as tx:
         tx.attempts.forget(of)

@@ -151,7 +151,7 @@ class Database:
                 mend(version, Transaction(connection, self.dialect))
 
     def make_or_require(self) -> None:
-        """Make a new store whole. StoreError where the schema of one that is there is not this program's."""
+        """Create a new store, or check an existing one. Raises StoreError if its schema is not this program's."""
         if self.schema_versions()[0] is None:
             self.migrate()
         else:
@@ -209,8 +209,10 @@ class Database:
             return self.dialect.size(connection)
 
     def has_token(self) -> bool:
-        """Whether there is any token or account, of an SQLite file, in microseconds: asked before every request to an
-        open one. For one thread, over a connection that nothing else uses, so it waits for no other request."""
+        """Tell whether an SQLite file has any token or account, in microseconds: called before every anonymous request.
+
+        For one thread, over a separate connection, so it waits for no other request.
+        """
         with translate(self.dialect):
             if self._watch is None:
                 self._watch = self.dialect.engine.raw_connection()

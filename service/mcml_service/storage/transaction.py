@@ -1,6 +1,7 @@
-"""A transaction on the store, with all repositories: `tx.documents`, `tx.tracks`, …. The one place that makes them.
+"""A transaction on the store, with all repositories: `tx.documents`, `tx.tracks`, ….
 
-A repository is given the transaction that it works on, and says in its constructor which others it needs.
+The only place that creates them. A repository gets its transaction, and names in its constructor the other repositories
+that it needs.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ Form = Literal["svg", "png"]
 
 
 class _Arrays(Mapping[str, NDArray[Any]]):
-    """Arrays of a part, each read when it is asked for: a picture needs few of them."""
+    """Arrays of a part, each read on use: a picture needs few of them."""
 
     def __init__(self, tx: Transaction, key: int, part: StoredPart) -> None:
         self._tx, self._key, self._part = tx, key, part
@@ -70,7 +70,7 @@ def draw_result(
 
 
 def pictures_of(analysis: Analysis | None, parts: Mapping[str, Part]) -> dict[str, Picture]:
-    """Every picture that there is of a result: the analysis's own, then each part as its kind says."""
+    """Return every picture of a result: the analysis's own, then each part, drawn by its kind."""
     own = {
         name: picture for name, picture in (analysis.pictures if analysis else {}).items() if picture.parts[0] in parts
     }
@@ -94,7 +94,7 @@ def _picture(analysis: Analysis | None, parts: Parts, name: str | None) -> tuple
 
 
 def _parts(tx: Transaction, stored: StoredResult) -> Parts:
-    """The parts of a result and, where it goes on from another, that one's."""
+    """Return the parts of a result and, if it continues another, the parts of that one."""
     parts = {
         part.name: Part(part.kind, part.data, _Arrays(tx, stored.key, part))  # type: ignore[arg-type]  # reads arrays as a dict of them would
         for part in tx.results.parts(stored.key)

@@ -1,6 +1,6 @@
-"""A process of its own that finds the beats of music: decoders of sound are large and read files of strangers.
+"""A separate process that finds the beats of music: decoders of sound are large and read untrusted files.
 
-Its arguments: NAME of the file, which comes on its input, SECONDS, and BPM where one is stated. The answer is one JSON
+Its arguments: NAME of the file, which is its input, SECONDS, and BPM if stated. The answer is one JSON
 object: {"beats", "clear", "rivals", "meters"}, times in seconds, or {"code", "what", "remedy"}.
 """
 

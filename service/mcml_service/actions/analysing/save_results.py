@@ -62,9 +62,9 @@ def save_results(database: Database, settings: Settings, job: StoredJob, runner:
 
 
 def write_labels(tx: Transaction, part: Part, job: StoredJob) -> Part:
-    """Name frames of the documents that were read, as the rows (document, name, first, last) of the part say.
+    """Label frames of the input documents by the rows (document, name, first, last) of the part.
 
-    A document that was edited since has other frames perhaps: it is left alone, and listed as such in the part.
+    A document that was edited since may have other frames: it is skipped, and listed in the part.
     """
     wanted: dict[str, list[tuple[str, int, int]]] = {}
     for uuid, name, first, last in part.data["rows"]:
@@ -92,7 +92,7 @@ def add_parts(tx: Transaction, key: int, parts: Parts, documents: Mapping[str, s
 
 
 def load_parts(tx: Transaction, key: int) -> Parts:
-    """The parts of a result as they were made, without clips."""
+    """Load the parts of a result, without clips."""
     return {
         part.name: Part(
             part.kind,  # type: ignore[arg-type]  # the column holds nothing else

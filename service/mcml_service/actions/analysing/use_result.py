@@ -41,7 +41,7 @@ class Results:
         self._ready: OrderedDict[str, tuple[StoredResult, Any]] = OrderedDict()
 
     def on(self, database: Database) -> Results:
-        """The same, over a store of which somebody sees less."""
+        """Return the same for a store with a limited view."""
         if database is self._database:
             return self
         other = copy(self)

@@ -7,7 +7,7 @@ from mcml_service.storage.documents.documents import StoredDocument
 
 
 def seconds_of(stored: StoredDocument) -> float:
-    """Seconds a frame. DocumentError where nobody has said."""
+    """Return the frame time in seconds. Raises DocumentError if it is unknown."""
     if stored.seconds_per_frame is None:
         raise DocumentError(
             f"{stored.name} ({stored.uuid}) has no frame time, so nothing is known of its speed.",

@@ -49,7 +49,7 @@ def status_of(error: errors.McmlError) -> int:
 
 
 def problem_of(error: errors.McmlError) -> Problem:
-    """An error of ours as a problem."""
+    """Convert an error to a problem."""
     if isinstance(error, UploadError):
         first = error.problems[0].problem
         return first.model_copy(update={"problems": [item.model_dump(exclude_none=True) for item in error.problems]})

@@ -198,7 +198,7 @@ def _head_of(tx: Transaction, uuid: str) -> ClipHead:
 
 
 def _set_frame_time(head: ClipHead, frame_time: float, sources: list[_Source]) -> ClipHead:
-    """The head at the frame time of the result: as it is written in the source, if it is still the same."""
+    """Set the frame time of the result in the head: with the source's text, if it is the same."""
     first = sources[0]
     fields = {name: text for name, text in head.fields.items() if name not in ("num_frames", "filename")}
     if frame_time == first.frame_time:

@@ -17,16 +17,17 @@ from mcml_service.storage.database import Database
 from mcml_service.xpath.queries import Queries
 
 REFUSED = "refused.txt"
-"""The file of a zip that says which documents are not in it, and why."""
+"""The file of a zip that lists missing documents with their reasons."""
 
 
 def export_documents(
     database: Database, queries: Queries, selection: Selection, options: ExportOptions
 ) -> Iterator[bytes]:
-    """A zip of the documents that are selected now, each as it is now.
+    """Stream a zip of the selected documents at their current revisions.
 
-    Two of one name become two files, the second with the end of its id. A document that the format cannot hold is told
-    in `refused.txt`, the last file. Raises UnsupportedError for a format that is none, before anything is made.
+    Two documents with the same name become two files, the second with the end of its id. Documents that the format
+    cannot represent are listed in `refused.txt`, the last file. Raises UnsupportedError for an unknown format, before
+    anything is made.
     """
     name, part = find_target(options.format)
     parts = [item.name for item in WRITERS[name].parts] if name in WRITERS and part is None else [options.format]

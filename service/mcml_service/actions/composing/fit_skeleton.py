@@ -1,4 +1,4 @@
-"""Frames of one clip on the skeleton of another: as they are where both are one body, else brought there."""
+"""Convert frames of one clip to the skeleton of another: unchanged if both are the same body, else retargeted."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _OF_BODY = (
     "scale_factor",
     "euler_rotation_order",
 )
-"""Fields of a header that say how the skeleton's own numbers are meant."""
+"""Fields of a header that define the meaning of the skeleton's numbers."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def upright(whole: Whole, up: str) -> tuple[Whole, list[str]]:
 
 
 def match_joints(source: Skeleton, target: Skeleton, mapping: JointMapping | None) -> tuple[Match, ...]:
-    """Suggested matches, or those of a mapping. DocumentError for names that are not there, unless it is not exact."""
+    """Return suggested matches, or those of a mapping. Raises DocumentError for unknown names in an exact mapping."""
     if mapping is None:
         return suggest_matches(source, target)
     suggested = {(match.source, match.target): match for match in suggest_matches(source, target)}
@@ -126,7 +126,7 @@ def with_body(head: ClipHead, body: ClipHead) -> ClipHead:
 
 
 def are_markers(skeleton: Skeleton) -> bool:
-    """Whether a skeleton is none: points without bones."""
+    """Tell whether a skeleton consists of markers: points without bones."""
     return any(joint.convention is Convention.MARKER for joint in skeleton.joints)
 
 
@@ -145,7 +145,7 @@ def _parent(skeleton: Skeleton, index: int) -> str:
 
 
 def _renumber_joints(source: Whole, skeleton: Skeleton) -> FrameBlock:
-    """Frames with joints as the other skeleton numbers them; those that it does not have are left out."""
+    """Renumber the joints of frames for the other skeleton; joints that it lacks are left out."""
     block, names = source.block, source.head.skeleton.names
     if names == skeleton.names:
         return block

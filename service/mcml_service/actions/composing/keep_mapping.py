@@ -13,7 +13,10 @@ from mcml_service.storage.work.mappings import StoredMapping
 def keep_mapping(
     tx: Transaction, project: str, name: str, pairs: list[JointPair], if_match: str | None, author: str
 ) -> StoredMapping:
-    """Save a mapping. DocumentError for a target that is named twice; PreconditionError where another one is there."""
+    """Save a mapping.
+
+    Raises DocumentError for a target that is named twice; PreconditionError if the version is not current.
+    """
     targets = [pair.target for pair in pairs]
     twice = next((target for target in targets if targets.count(target) > 1), None)
     if twice is not None:

@@ -94,7 +94,7 @@ def _motion(then: Transaction, stored: StoredDocument, body: Whole | None) -> Mo
 
 
 def _retarget_clip(then: Transaction, stored: StoredDocument, seconds: float, body: Whole) -> ClipStream:
-    """A clip on the skeleton of a body; one that has it already as it is."""
+    """Retarget a clip to the skeleton of a body; a clip with this skeleton is unchanged."""
     whole = read_whole(then, stored)
     if are_markers(whole.head.skeleton):
         raise DocumentError(

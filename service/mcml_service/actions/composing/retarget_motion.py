@@ -44,9 +44,10 @@ def retarget_motion(
     author: str,
     window: Window | None = None,
 ) -> Retargeted:
-    """Bring a motion onto another skeleton. window: frames of which positions are told.
+    """Retarget a motion to another skeleton.
 
-    Raises DocumentError for markers and for names that are not there, ConversionError where no joints match.
+    window: frames whose positions are returned. Raises DocumentError for markers and for unknown names, ConversionError
+    if no joints match.
     """
     with database.read() as tx:
         stored, other = tx.documents.get(uuid), tx.documents.get(request.skeleton)
@@ -154,7 +155,7 @@ def _retarget(
 
 
 def _parameters(request: Retargeting, mapping: JointMapping | None) -> dict[str, Any]:
-    """As asked; a saved mapping by its pairs too, for it may be changed later."""
+    """Return the parameters of the request, with the pairs of a saved mapping, because it may be changed later."""
     asked = request.model_dump(mode="json", exclude_defaults=True, exclude={"selection"})
     if isinstance(request.mapping, str) and mapping is not None:
         asked["pairs"] = [pair.model_dump() for pair in mapping.pairs]

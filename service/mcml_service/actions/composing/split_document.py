@@ -1,4 +1,4 @@
-"""A document in parts, each a document of its own."""
+"""Split a document into several documents."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MOST_PARTS = 1000
 def split_document(database: Database, settings: Settings, uuid: str, request: SplitRequest, author: str) -> SplitParts:
     """Store parts of a document: numbers bit by bit, motion names with their frames, the same header and skeleton.
 
-    Raises NotFoundError for frames and names that are not there, LimitError for more than 1000 parts.
+    Raises NotFoundError for missing frames and names, LimitError for more than 1000 parts.
     """
     items = []
     with database.read() as tx:

@@ -27,7 +27,7 @@ from mcml_service.storage.transaction import Transaction
 from mcml_service.storage.undo.differences import common_frames
 
 MOST_VALUES = 1000
-"""Of a conflict that are told."""
+"""Limit of values reported for a conflict."""
 
 
 @dataclass(frozen=True)
@@ -60,13 +60,16 @@ class _State:
 
 
 class Merge:
-    """then, base: the document as the changes were made for it. now, current: as it is."""
+    """A merge of changes.
+
+    then, base: the document at the revision of the changes. now, current: the current document.
+    """
 
     def __init__(self, then: Transaction, base: StoredDocument, now: Transaction, current: StoredDocument) -> None:
         self.then, self.now = _State(then, base), _State(now, current)
         self.conflicts: list[Conflict] = []
         self.mergeable: list[str] = []
-        # Where each frame of then is now, from 1; 0 for those that are gone.
+        # The current position of each frame of `then`, from 1; 0 for deleted ones.
         self._moved = np.zeros(base.frames + 1, np.int64)
         runs = common_frames(
             then.tracks.pieces(base.key, 1, base.frames), now.tracks.pieces(current.key, 1, current.frames)
@@ -75,7 +78,7 @@ class Merge:
             self._moved[run.before : run.before + run.count] = run.after + np.arange(run.count)
 
     def carry_over(self, changes: Changes) -> Changes:
-        """The changes as they are to be made now; `conflicts` has those that cannot be."""
+        """Return the changes for the current revision; `conflicts` has those that cannot be merged."""
         return Changes(
             [moved for edit in changes.elements for moved in self._element(edit)],
             [moved for block in changes.frames for moved in self._values(block)],
@@ -165,7 +168,7 @@ class Merge:
         return [label for label in theirs if label not in taken] + _without(added, theirs)
 
     def _label(self, name: str, first: int, last: int) -> Label | None:
-        """Where a label is now; None where none of its frames is there any more."""
+        """Return the current place of a label; None if none of its frames exists any more."""
         places = self._moved[first : last + 1]
         places = places[places > 0]
         return (name, int(places.min()), int(places.max())) if len(places) else None
@@ -201,7 +204,7 @@ def _facts_of(state: _State) -> dict[str, Any]:
 
 
 def _samples(state: _State, first: int, last: int, columns: Sequence[tuple[str, str]]) -> Array:
-    """(n, D) samples of frames first to last, NaN where there is none, or no such bone."""
+    """Return (n, D) samples of frames first to last, NaN for missing samples or bones."""
     numbers = {name: number for number, name in state.tx.heads.bone_names(state.stored.key).items()}
     wanted = [(numbers.get(bone, -1), CHANNEL_INDEX.get(channel, -1)) for bone, channel in columns]
     samples = np.full((last - first + 1, len(columns)), np.nan)

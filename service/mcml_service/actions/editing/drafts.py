@@ -1,7 +1,7 @@
-"""Everything that an editor kept as a draft, as one revision: values of frames, labels, elements, facts. All, or none.
+"""All changes of a draft as one revision: values of frames, labels, elements, facts.
 
-Everything is said of the document as it was before the first of them. Values come first, then labels, then elements
-from the end of the document to its beginning, then facts: none moves what another one means.
+All, or none. Everything refers to the document before the first change. Values are written first, then labels, then
+elements from the end of the document to its beginning, then facts: so no change moves the target of another one.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ Label = tuple[str, int, int]
 
 @dataclass(frozen=True)
 class Values:
-    """Samples of consecutive frames. columns: (bone, channel) of each column of values, (n, D); NaN: as it is."""
+    """Samples of consecutive frames. columns: (bone, channel) of each column of values, (n, D); NaN: unchanged."""
 
     first: int
     columns: list[tuple[str, str]]
@@ -66,7 +66,7 @@ def apply_changes(tx: Transaction, stored: StoredDocument, changes: Changes, mes
 
 
 def set_labels(tx: Transaction, stored: StoredDocument, labels: Sequence[Label]) -> list[str]:
-    """Let the document have these labels and no others; those that it has already stay. Answers what was done."""
+    """Set the labels of a document to these; existing ones stay. Returns a description."""
     wanted: Counter[Label] = Counter()
     for name, first, last in labels:
         check_range(stored, first, last)

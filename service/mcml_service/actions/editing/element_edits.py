@@ -31,7 +31,7 @@ _KINDS = ("", "motion_name", "frame_bone")
 
 @dataclass(frozen=True)
 class Insertion:
-    """where: beside the element at the address, or into it."""
+    """An insertion. where: beside the element at the address, or into it."""
 
     where: Where
     elements: tuple[Element, ...]
@@ -121,7 +121,7 @@ def describe_edits(edits: Sequence[ElementEdit]) -> str:
 
 
 def _place(address: str, order: dict[str, int]) -> tuple[int, int, int, int]:
-    """Where an address stands in the document: head, then frames, in them names, then frame_bones."""
+    """Return the sort key of an address in document order: head, then frames, in them names, then frame_bones."""
     place = read_frame_address(address)
     if place is None:
         return (1 if address.startswith(MOTION) else 0, order.get(split_attribute(address)[0], 0), 0, 0)

@@ -67,7 +67,7 @@ def _element_in_frames(address: str) -> FrameAddress | None:
 
 
 def replace_element(tx: Transaction, stored: StoredDocument, address: str, elements: list[Element]) -> None:
-    """Put elements in the place of the one at an address. Writes no revision."""
+    """Replace the element at an address by others. Writes no revision."""
     inside = _element_in_frames(address)
     if inside and not inside.tag:
         check_range(stored, inside.frame, inside.frame)
@@ -117,7 +117,7 @@ def _into_head(tx: Transaction, stored: StoredDocument, address: str, where: Whe
 
 
 def _place(frame: Element, tag: str, number: int, address: str) -> int:
-    """Where among the children of a frame the number-th of a tag stands."""
+    """Return the index among the children of a frame of the number-th element with a tag."""
     places = [index for index, child in enumerate(frame.children) if child.tag == tag]
     if not 1 <= number <= len(places):
         raise NotFoundError("The document has nothing at this address.", at=Place(element=address))
@@ -125,7 +125,7 @@ def _place(frame: Element, tag: str, number: int, address: str) -> int:
 
 
 def _end_of(frame: Element, elements: list[Element]) -> int:
-    """Motion names stand before the frame_bones."""
+    """Return the insertion index at the end of a frame: motion names come before the frame_bones."""
     names = len(frame.all("motion_name"))
     return names if all(element.tag == "motion_name" for element in elements) else len(frame.children)
 

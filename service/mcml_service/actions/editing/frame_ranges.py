@@ -1,5 +1,4 @@
-"""Changes of whole ranges of frames: taken out, kept alone, copied, moved, put in from elsewhere, turned around, and
-their numbers set as arrays."""
+"""Edit whole ranges of frames: delete, keep, copy, move, insert, reverse, and set their numbers as arrays."""
 
 from __future__ import annotations
 
@@ -80,9 +79,9 @@ def insert_frames(
     *,
     renumber: bool = True,
 ) -> None:
-    """Put frames first to last of a document, this one or another, before the frame at position `at`.
+    """Insert frames first to last of this or another document before the frame at position `at`.
 
-    The two need the same bones, by name, with the same skeleton below: else DocumentError says what to do.
+    Both documents need the same bones, by name, with the same skeleton; otherwise raises DocumentError with a remedy.
     """
     check_range(source, first, last)
     if not 1 <= at <= stored.frames + 1:
@@ -141,10 +140,10 @@ def write_values(
     *,
     some: bool = False,
 ) -> int:
-    """Set channels of consecutive frames; only the tracks that hold them are written. Answers how many tracks.
+    """Set channels of consecutive frames; only their tracks are written. Returns the number of tracks.
 
     columns: (bone, channel) of each column of values, (n, D). Frames that lack such a channel are refused: the document
-    says which samples there are. some: where values are NaN, samples stay as they are.
+    decides which samples exist. some: NaN values keep the samples.
     """
     count = len(values)
     check_range(stored, first, first + count - 1)

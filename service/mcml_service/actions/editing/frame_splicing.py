@@ -1,4 +1,4 @@
-"""Frames put in the place of others. Values that stay are not touched: only the timeline says where they now are."""
+"""Replace frames by others. Remaining values are not rewritten: only the timeline changes."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def splice_frames(
 
 
 def write_counts(tx: Transaction, stored: StoredDocument, frames: int) -> None:
-    """The number of frames where it stands: content, and the header's own count if it has one."""
+    """Write the number of frames: in the content, and in the header's own count if it has one."""
     tx.documents.write_content(stored.key, tx.commit, frames=frames, intact=False)
     document = tx.heads.document(stored)
     fresh = refresh_counts(document, frames)
@@ -76,7 +76,7 @@ def write_counts(tx: Transaction, stored: StoredDocument, frames: int) -> None:
 
 
 def _store(tx: Transaction, stored: StoredDocument, blocks: Iterable[FrameBlock]) -> tuple[ClipEncoder, int]:
-    """The frames as rows in chunks of their own; answers the encoder that made them and their first slot."""
+    """Store the frames as rows in new chunks; return their encoder and their first slot."""
     chunk = -(-stored.next_slot // CHUNK)
     names = tx.heads.bone_names(stored.key)
     with ThreadPoolExecutor(COMPRESSORS) as executor:
@@ -105,7 +105,7 @@ def _cut(piece: Piece, start: int, shift: int) -> Piece:
 
 
 def _join_pieces(pieces: Sequence[Piece]) -> list[Piece]:
-    """Pieces that go on in the next slot are one piece."""
+    """Join pieces with consecutive slots."""
     result: list[Piece] = []
     for piece in pieces:
         last = result[-1] if result else None
@@ -128,7 +128,7 @@ def _write_ids(
 
 
 def _write_spans(tx: Transaction, stored: StoredDocument, first: int, removed: int, encoder: ClipEncoder) -> None:
-    """Names of frames that went go with them; later ones move; those of the new frames come in."""
+    """Write the spans: names of deleted frames are removed, later ones move, those of the new frames are added."""
     behind, shift = first + removed, encoder.frames - removed
     old = tx.spans.of(stored.key)
     rows = [

@@ -173,7 +173,7 @@ def edit_head(
     try:
         validate_by_shapes(document, [(shape, 1) for shape in shapes], names)
     except DocumentError as error:
-        # The lines are those of a document that nobody sees.
+        # The line numbers belong to a temporary document.
         error.at = Place(element=(error.at.element if error.at else None) or address)
         raise
     check_head(document, to_head(document, stored.frame_time), MAX_JOINTS)

@@ -34,7 +34,7 @@ def change_document(
     up: str | None = None,
     frame_time: str | float | None = None,
 ) -> StoredDocument:
-    """Apply what is given (None leaves a fact as it is) as one revision; answers the document as it then is."""
+    """Set the given facts (None keeps a fact) as one revision; return the changed document."""
     changed = set_facts(
         tx,
         stored,
@@ -111,7 +111,7 @@ def delete_document(tx: Transaction, stored: StoredDocument) -> None:
 
 
 def restore_document(tx: Transaction, stored: StoredDocument) -> StoredDocument:
-    """Bring a deleted document back as it was."""
+    """Restore a deleted document."""
     if tx.documents.find(stored.uuid) is not None:
         raise ConflictError("The document is not deleted.", remedy="Say which `revision` to restore.")
     tx.documents.undelete(stored.key)
@@ -133,9 +133,9 @@ def restore_revision(tx: Transaction, stored: StoredDocument, number: int) -> St
 
 
 def undo_revision(tx: Transaction, stored: StoredDocument, number: int) -> StoredDocument:
-    """Take back what one revision did, as a new revision; later ones stay.
+    """Revert the changes of one revision, as a new revision; later ones stay.
 
-    ConflictError where they touched the same, or where there is nothing before.
+    Raises ConflictError if they changed the same items, or for the first revision.
     """
     undone = next(iter(tx.revisions.of(stored.key, before=number + 1, limit=1)), None)
     if undone is None or undone.number != number:

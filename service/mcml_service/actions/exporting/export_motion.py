@@ -37,10 +37,10 @@ WITH_REFERENCE = frozenset({"mot", "sto"})
 class ExportOptions:
     """format: a catalogue name, one part of a format ("asf", "amc"), "mcml" or "csv".
 
-    names: table of joint names ("mcml", "bvh1", …) instead of the source's. unit, up: turn and scale to these; the
+    names: table of joint names ("mcml", "bvh1", …) instead of the source's. unit, up: scale and rotate to these; the
     document must state its own. frame_time: seconds of a frame, for a document that does not state them. original:
-    False writes the file from the elements even where the kept bytes would do. raw: CSV has also texts that
-    spreadsheets take for formulas as they are.
+    False writes the file from the elements even if the uploaded bytes are still valid. raw: CSV does not escape texts
+    that spreadsheets read as formulas.
     """
 
     format: str
@@ -164,7 +164,7 @@ def _convert(source: StoredClip, name: str, options: ExportOptions) -> ClipStrea
 
 
 def _read_fact(clip: ClipStream, field: str, what: str, parameter: str) -> str:
-    """A fact of the header that a change of units or axes starts from. ConversionError where nobody stated it."""
+    """A fact of the header that a change of units or axes starts from. Raises ConversionError if it is not stated."""
     value = clip.head.fields.get(field)
     if not value:
         raise ConversionError(
@@ -175,7 +175,7 @@ def _read_fact(clip: ClipStream, field: str, what: str, parameter: str) -> str:
 
 
 def _columns(tx: Transaction, source: StoredClip) -> list[tuple[int, int]]:
-    """(joint, channel) of every channel that a frame has: those of the skeleton, then those that edits added."""
+    """Return (joint, channel) of every channel in a frame: those of the skeleton, then those added by edits."""
     bones = tx.heads.bone_names(source.stored.key)
     joints = {name: joint for joint, name in enumerate(source.names)}
     columns = dict.fromkeys(source.clip.head.skeleton.columns())
@@ -218,8 +218,9 @@ def _cell(text: str) -> str:
 def zip_files(
     files: Iterable[tuple[str, Callable[[], Iterator[bytes | memoryview]]]], *, compress: bool = False
 ) -> Iterator[bytes]:
-    """A zip of the files, streamed: each is asked for when the one before is done. Unless it is wanted nothing is
-    compressed; an answer is.
+    """A zip of the files, streamed: each starts when the previous one is done.
+
+    Files are compressed only on request; answers are.
 
     Times are fixed so that equal content gives equal bytes.
     """
@@ -236,7 +237,7 @@ def zip_files(
 
 
 class Tail(io.RawIOBase):
-    """A write-only stream that hands out what was written since last asked."""
+    """A write-only stream that returns the bytes written since the last call."""
 
     def __init__(self) -> None:
         self._blocks: list[bytes] = []

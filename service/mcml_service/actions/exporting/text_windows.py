@@ -43,7 +43,7 @@ class Window:
 
 @dataclass(frozen=True)
 class Place:
-    """Where a text stands. line, column: from 1. address: of the element whose line it is. frame: its position."""
+    """The place of a text. line, column: from 1. address: of the element on the line. frame: its position."""
 
     line: int
     column: int
@@ -74,9 +74,8 @@ def frames_window(tx: Transaction, stored: StoredDocument, first: int, last: int
 def find_text(
     tx: Transaction, stored: StoredDocument, text: str, line: int, layout: Layout, seconds: float
 ) -> tuple[Place | None, int | None]:
-    """(the first place of a text from a line on, None where there is none; where to go on if time was up).
-
-    seconds: how long to look.
+    """Return (the first place of a text from a line on, None without one; the line to continue from after the time
+    limit). seconds: time limit.
     """
     wanted, until = text.encode(), time.monotonic() + seconds
     source = _whole(tx, stored)
@@ -177,7 +176,7 @@ def _head_addresses(source: StoredClip, stored: StoredDocument, layout: Layout, 
     if layout is Layout.PRETTY:
         motion += [f"{MOTION}/{FRAMES}"] + [f"{MOTION}/{FRAMETIME}"] * (stored.frame_time is not None)
     below = list(_below(source.document, "/mcml", layout is Layout.PRETTY))
-    # The lines before the document element are nobody's.
+    # The lines before the document element belong to no element.
     before = lines - 1 - len(below) - len(motion)
     return ["/mcml"] * (before + 1) + below + motion
 

@@ -19,7 +19,7 @@ from mcml_service.actions.exporting.export_motion import Tail, zip_files
 from mcml_service.cells import safe_cell
 
 Batches = Iterator[Mapping[str, Any]]
-"""Columns by name, so many rows of each at a time; all batches have the same names."""
+"""Batches of columns by name; all batches have the same names."""
 
 ROWS = 5000
 """Rows of one batch."""
@@ -45,7 +45,7 @@ def plain_blocks(blocks: Iterator[Array], dtype: str) -> Iterator[memoryview]:
 
 
 def npz_blocks(arrays: Mapping[str, Callable[[], Iterator[bytes | memoryview]]]) -> Iterator[bytes]:
-    """Arrays as numpy.savez writes them, each is asked for in turn."""
+    """Write arrays like numpy.savez, each computed in turn."""
     return zip_files((f"{name}.npy", content) for name, content in arrays.items())
 
 

@@ -1,4 +1,4 @@
-"""A clip read, checked and turned into rows: all of an import that needs no store."""
+"""Read a clip, check it and convert it to rows: the part of an import that needs no store."""
 
 from __future__ import annotations
 

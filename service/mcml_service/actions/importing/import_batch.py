@@ -34,7 +34,7 @@ class Batch:
         self._bytes = 0
 
     def take(self, importer: Importer) -> None:
-        """Read a clip; store those that wait once they are enough, or where this one must see them stored."""
+        """Read a clip; store waiting clips when there are enough, or if this one needs them stored."""
         with self._blaming(importer):
             importer.begin()
             if importer.skips_twins and any(importer.digests == other.digests for other in self._waiting):
@@ -58,7 +58,7 @@ class Batch:
             self.store()
 
     def store(self) -> None:
-        """Store all that wait: in one transaction, or each in its own where that fails or one has begun."""
+        """Store all waiting clips: in one transaction, or each separately if that fails or one has begun."""
         waiting, self._waiting, self._bytes = self._waiting, [], 0
         for importer in waiting:
             importer.compress()

@@ -25,7 +25,7 @@ from mcml_service.storage.documents.tracks import Piece
 from mcml_service.storage.transaction import Transaction
 
 FLUSH_BYTES = 16 << 20
-"""Rows of a clip that wait in memory before they are written in a transaction of their own."""
+"""Limit of a clip's rows in memory before they are written in a separate transaction."""
 
 
 @dataclass(frozen=True)
@@ -229,7 +229,7 @@ class Importer:
         return Imported(self.uuid, self.name, facts)
 
     def _prepare(self, upload: Upload) -> None:
-        """Compress what is not stored yet; a large file goes into the store in transactions of its own."""
+        """Compress new files; a large file is stored in separate transactions."""
         if upload.blocks is not None:
             return
         if upload.size and not upload.early:

@@ -65,7 +65,7 @@ def import_files(
 
 
 def _short_clips(database: Database, clips: list[Clip], options: ImportOptions) -> dict[int, Clip]:
-    """The clips that another process may read, by their number: not those that are large, or stored already."""
+    """Return the clips that another process may read, by their number: not large or existing ones."""
     short = {
         number: clip
         for number, clip in enumerate(clips)

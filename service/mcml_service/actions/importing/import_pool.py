@@ -31,7 +31,7 @@ FEWEST_CLIPS = 8
 """For which workers are forked: to read these takes several times as long as to fork."""
 
 WORTH_STARTING = 64
-"""Clips for which the workers of a server are started; those that are there read fewer, too."""
+"""Number of clips from which the workers of a server are started; running workers also read fewer."""
 
 MOST_BYTES = 4 << 20
 """Of the files of a clip that a worker reads; larger ones stream into the store."""
@@ -40,7 +40,7 @@ AHEAD = 8
 """Clips of each worker that are handed out and not taken yet: bounds the memory of an import."""
 
 TOGETHER = 4
-"""Clips that a worker is sent at a time: to send one and to hear of it takes the importer's time, however short."""
+"""Clips that are sent to a worker at a time: each message takes some of the importer's time."""
 
 ROWS_UNSEARCHED = 50_000
 """Objects between two searches for cycles: at Python's own 700 they take a sixth of the importer's time."""
@@ -63,7 +63,7 @@ class ImportPool:
         return self._executor is not None
 
     def submit(self, sent: list[SentClip], settings: Settings) -> Future[list[ReadApart | None]]:
-        """Clips to be read. Starts workers where there are none, or where one has died."""
+        """Submit clips for reading. Starts workers if there are none, or if one has died."""
         for _ in range(2):
             executor = self._start(settings.import_processes_at_a_time)
             try:
@@ -202,8 +202,7 @@ def _rarely_searched() -> Iterator[None]:
 
 
 def _begin() -> None:
-    """In a worker: to be interrupted is the importer's, whose handlers have no place here; without it there is nothing
-    to do."""
+    """Start a worker: it ignores interrupts, which the importer handles, and ends with the importer."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     end_with_starter()

@@ -1,4 +1,4 @@
-"""Reference video and audio on its way into the store: told by its first bytes, kept as it came."""
+"""Store reference video and audio: recognised by its first bytes, stored unchanged."""
 
 from __future__ import annotations
 

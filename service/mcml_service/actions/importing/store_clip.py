@@ -47,7 +47,7 @@ def store_clip(
     provenance: Mapping[str, Any],
     once: bool = False,
 ) -> str:
-    """Store a made clip as a document of its own; see `store_stream`."""
+    """Store a made clip as a new document; see `store_stream`."""
     return store_stream(
         database,
         as_stream(made),
@@ -73,9 +73,9 @@ def store_stream(
     labels: tuple[Label, ...] = (),
     once: bool = False,
 ) -> str:
-    """Store a clip as a document that records where it came from; answers its uuid.
+    """Store a clip as a document with its provenance; return its uuid.
 
-    once: where a document of the same bytes, provenance included, is there already, that one counts.
+    once: use an existing document with the same bytes and provenance.
     """
     record = (PROVENANCE, json.dumps(provenance, ensure_ascii=False, separators=(",", ":")), "")
     kept = tuple(item for item in stream.head.properties if item[0] != PROVENANCE)
@@ -162,7 +162,7 @@ def _values(made: MadeClip) -> Array:
                 values[:, place[index, CHANNEL_INDEX[channel]]] = moved[:, axis]
         letters = "".join(channel[1].upper() for channel in joint.channels if channel[0] == "R")
         if letters:
-            # A joint with one or two angles is decomposed with the others last, where they come out as nothing.
+            # A joint with one or two angles is decomposed with the others last, where they become zero.
             angles = np.degrees(
                 to_euler(made.rotations[:, index], letters + "".join(sorted(set("XYZ") - set(letters))))
             )

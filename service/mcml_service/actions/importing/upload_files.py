@@ -24,10 +24,10 @@ def upload_files(
     progress: Progress | None = None,
     pool: ImportPool | None = None,
 ) -> UploadResult:
-    """Store every clip among the files; a bad one is a problem in the answer and stops no other.
+    """Store every clip among the files; a bad one is a problem in the answer and does not stop the others.
 
-    Movements are named, where that is asked, as a revision of their own: it can be undone, and the upload stays what
-    it was. Where they cannot be named, a notice of the receipt says why.
+    On request, movements are labelled in a separate revision, which can be undone without changing the upload. If they
+    cannot be labelled, a notice of the receipt has the reason.
     """
     done = import_files(database, files, options, settings, author=author, progress=progress, pool=pool)
     documents = []

@@ -27,8 +27,11 @@ from mcml_service.storage.transaction import Transaction
 
 @dataclass(frozen=True)
 class Compared:
-    """A document beside its files. key: of the document. faults: where its first revision holds other numbers.
-    chunks: (chunk, bone) of tracks that do. unread: why its files could not be compared."""
+    """A document compared with its files.
+
+    key: of the document. faults: places where its first revision has other numbers. chunks: (chunk, bone) of tracks
+    with differences. unread: the reason if its files could not be compared.
+    """
 
     key: int
     name: str
@@ -38,7 +41,7 @@ class Compared:
 
 
 def compare_all(tx: Transaction, settings: Settings) -> Iterator[Compared]:
-    """Every document that has an upload, deleted ones too, beside it."""
+    """Compare every document that has an upload with it, including deleted ones."""
     for key, uuid, name in tx.documents.everything():
         label = f"{name} ({uuid})"
         try:
@@ -118,7 +121,7 @@ def _chunks(blocks: Iterable[FrameBlock]) -> Iterator[FrameBlock]:
 
 
 def _spread(block: FrameBlock | None, columns: tuple[tuple[int, int], ...]) -> Array:
-    """The samples under these columns, NaN where there is none."""
+    """Return the samples in these columns, NaN where missing."""
     if block is None:
         return np.empty((0, len(columns)))
     values = np.full((len(block), len(columns)), np.nan)

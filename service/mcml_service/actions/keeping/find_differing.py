@@ -48,9 +48,9 @@ class Looked:
 
 
 def look_for_differing(database: Database, project: str | None, go_on: Callable[[], bool]) -> Iterator[Looked]:
-    """Each document of a project, or of all, in a transaction of its own; as long as `go_on` says so.
+    """Check each document of a project, or of all, in a separate transaction, while `go_on` returns true.
 
-    A document takes a sample of its frames, not its length; damaged ones are told and passed over.
+    Only a sample of a document's frames is read; damaged documents are reported and skipped.
     """
     with database.read() as tx:
         uuids = tx.documents.uuids(DocumentFilter(project=project))

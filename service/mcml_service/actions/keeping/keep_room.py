@@ -1,4 +1,4 @@
-"""Room that a store gives back: history that nobody wants any more, and pages that nothing uses."""
+"""Free space of a store: delete history, and return unused pages to the disk."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def _forget(database: Database, old: Old, author: str) -> None:
 
 
 def compact_store(database: Database, progress: Callable[[int], None]) -> int:
-    """Give back room that nothing uses; answers how many bytes. progress: gets the bytes that are left to do."""
+    """Return unused space to the disk; return the number of bytes. progress: called with the remaining bytes."""
     before = database.size()["total"]
     database.reserve.spend(lambda: _compact(database, progress))
     return max(0, before - database.size()["total"])

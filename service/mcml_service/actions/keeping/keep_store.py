@@ -19,7 +19,7 @@ WITH_CHECKSUMS = "0006"
 
 
 def backup(database: Database, target: Path) -> int:
-    """Write a snapshot of the store into a new file while others go on working; returns its size in bytes."""
+    """Write a snapshot of the store into a new file while others work; returns its size in bytes."""
     if target.exists():
         raise ConflictError(f"{target} exists.", remedy="Choose a new file name.")
     part = target.with_name(target.name + ".part")
@@ -38,10 +38,10 @@ def backup(database: Database, target: Path) -> int:
 
 
 def upgrade(database: Database) -> Path | None:
-    """Bring a store to this program's schema, or make a new one. Answers where an SQLite store is kept as it was; None
-    where nothing was upgraded, or the store is a server's, which has backups of its own.
+    """Bring a store to this program's schema, or make a new one.
 
-    SpaceError where there is no room for the copy: then nothing is upgraded.
+    Returns the path of the copy of an SQLite store; None if nothing was upgraded, or for a database server, which has
+    its own backups. Raises SpaceError without space for the copy: then nothing is upgraded.
     """
     version, wanted = database.schema_versions()
     path = database.dialect.file
@@ -63,7 +63,7 @@ def _mend(before: str, tx: Transaction) -> None:
 
 
 def _copy_file(path: Path, target: Path) -> None:
-    """Copy an SQLite store as it is while others use it. SpaceError."""
+    """Copy an SQLite store while others use it. Raises SpaceError."""
     os.close(os.open(target, os.O_CREAT | os.O_EXCL | os.O_RDWR, PRIVATE))
     try:
         copy_file(path, target)

@@ -173,7 +173,7 @@ class _Reading:
             yield rest
 
     def _blocks(self, name: str) -> Iterator[bytes]:
-        """The content of a member, BLOCK_BYTES at a time. FormatError where there is none."""
+        """The content of a member, BLOCK_BYTES at a time. Raises FormatError if it is missing."""
         info = self._names.get(name)
         if info is None:
             raise FormatError(f"The file has no {name}.", remedy="Give a file of `mcml project export`.")
@@ -182,7 +182,7 @@ class _Reading:
             while block := member.read(BLOCK_BYTES):
                 size += len(block)
                 self._total += len(block)
-                # Declared sizes may lie.
+                # Declared sizes may be false.
                 if (
                     self._total > limits.max_upload_bytes
                     or size > BLOCK_BYTES + limits.max_zip_ratio * info.compress_size

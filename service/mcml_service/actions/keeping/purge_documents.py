@@ -33,7 +33,10 @@ class Purgeable:
 
 
 def purgeable(database: Database, uuids: Sequence[str], deleted_days: float | None = None) -> list[Purgeable]:
-    """The documents of these full ids, and those deleted so many days ago or longer. NotFoundError."""
+    """Return the documents with these full ids, and those deleted at least this number of days ago.
+
+    Raises NotFoundError.
+    """
     with database.read() as tx:
         wanted = list(uuids)
         if deleted_days is not None:

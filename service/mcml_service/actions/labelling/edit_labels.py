@@ -60,8 +60,10 @@ def change_label(
 
 
 def name_frames(tx: Transaction, stored: StoredDocument, name: str, first: int, last: int) -> list[str]:
-    """Let frames first to last carry a name, where it does not lie on them already; the caller makes the revision.
-    Answers what was done."""
+    """Add a label to frames first to last that do not have it already; the caller makes the revision.
+
+    Returns a description.
+    """
     wanted = motion_names.canonical(name)
     if any((span.name, span.first, span.last) == (wanted, first, last) for span in tx.spans.of(stored.key)):
         return []
@@ -154,8 +156,10 @@ def label_rows(tx: Transaction, documents: Iterable[StoredDocument]) -> Iterator
 
 
 def label_table(rows: Iterable[tuple[str, str, int, int]], *, raw: bool = False) -> str:
-    """Rows of labels as CSV; `write_label_table` reads it again. raw: also names that spreadsheets take for formulas as
-    they are."""
+    """Rows of labels as CSV; `write_label_table` reads it again.
+
+    raw: do not escape names that spreadsheets read as formulas.
+    """
     shown = str if raw else safe_cell
     text = io.StringIO()
     writer = csv.writer(text)
@@ -174,11 +178,12 @@ class _Line:
 def write_label_table(
     tx: Transaction, content: bytes, project: str | None = None, *, strict: bool = False, replace: bool = False
 ) -> list[StoredDocument]:
-    """Labels of many documents from a CSV table; all or none. Answers the documents that changed; a label that is there
-    already is not added again.
+    """Import labels of many documents from a CSV table; all or none.
 
-    Columns: `document` (an id) or `name`, `label`, `first`, `last`. replace: the labels that the documents of the table
-    had go. DocumentError with the line.
+    Returns the changed documents; existing labels are not added again.
+
+    Columns: `document` (an id) or `name`, `label`, `first`, `last`. replace: delete the existing labels of the
+    documents in the table. Raises DocumentError with the line.
     """
     key, lines = _parse_table(content)
     by_document: dict[str, list[_Line]] = {}

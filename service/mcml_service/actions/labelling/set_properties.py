@@ -36,9 +36,9 @@ class Row:
 def parse_table(content: bytes) -> tuple[str, list[Row]]:
     """Return the first column ("document" or "name"), and the rows of a CSV table.
 
-    The first line names the columns: `document` or `name`, then properties, each with its unit in brackets:
-    `name,age (year),height (cm)`. Commas, semicolons or tabs between cells; an empty cell leaves a property as it is;
-    a cell such as `172 cm` has its own unit. Raises DocumentError with the line.
+    The first line names the columns: `document` or `name`, then properties, each with its unit in parentheses:
+    `name,age (year),height (cm)`. Commas, semicolons or tabs between cells; an empty cell keeps a property; a cell such
+    as `172 cm` has its own unit. Raises DocumentError with the line.
     """
     try:
         text = content.decode("utf-8-sig")
@@ -81,9 +81,10 @@ def _property(name: str, unit: str, cell: str) -> Property:
 
 
 def set_properties(tx: Transaction, content: bytes, project: str | None = None) -> list[StoredDocument]:
-    """Give documents the properties of a table, beside those they have; all or none. Answers those that changed.
+    """Set the properties of documents from a table, in addition to existing ones; all or none.
 
-    project: where documents are looked up by name. DocumentError for a name that no document, or more than one, has.
+    Returns the changed documents. project: in which documents are looked up by name. Raises DocumentError for an
+    unknown or ambiguous name.
     """
     key, rows = parse_table(content)
     changed = []

@@ -19,10 +19,10 @@ from mcml_service.storage.transaction import Transaction
 def suggest_labels(
     tx: Transaction, stored: StoredDocument, confidence: float, facing: str | None = None
 ) -> list[SuggestedLabel]:
-    """Anatomical movements of at least that confidence, in order. Nothing is written.
+    """Return anatomical movements with at least this confidence, in order.
 
-    facing: the axis along which the body faces where it stands upright, for rigs whose names tell no sides. Raises
-    DocumentError for markers and without a frame time, ConversionError where nothing tells left from right.
+    Nothing is written. facing: the axis along which the body faces when it is upright, for rigs without sides in their
+    names. Raises DocumentError for markers and without a frame time, ConversionError if left and right are unknown.
     """
     seconds = seconds_of(stored)
     whole = read_whole(tx, stored)

@@ -17,11 +17,13 @@ from mcml_service.storage.transaction import Transaction
 
 
 def renames(tx: Transaction, stored: StoredDocument) -> tuple[Skeleton, list[Rename]]:
-    """(the skeleton with the names that an import would give it now, those that are others than the document's)."""
+    """Return (the skeleton with the names that an import would give it now, the names that differ from the
+    document's).
+    """
     clip = read_clip(tx, stored, labelled=False).clip
     before = clip.head.skeleton
     if all(joint.mapped is None for joint in before.joints):
-        # Written in MCML by hand: its names are its own, as they are on import.
+        # Written in MCML by hand: it keeps its names, as on import.
         return before, []
     rig = recognise_clip(clip)
     after, _ = joint_names.named(before, tx.aliases.of(stored.project).pairs, moving_root(clip, rig), rig)

@@ -16,7 +16,7 @@ from mcml_service.storage.work.aliases import StoredAliases
 def keep_aliases(
     tx: Transaction, project: str, items: Sequence[Alias], if_match: str | None, author: str
 ) -> StoredAliases:
-    """Save the aliases of a project. DocumentError for names that are not MCML's, or that say the same twice."""
+    """Save the aliases of a project. Raises DocumentError for names that are not MCML's, or for duplicates."""
     known = [row.name for row in table()]
     seen: dict[str, str] = {}
     for item in items:

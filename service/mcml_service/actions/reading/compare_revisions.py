@@ -27,7 +27,7 @@ from mcml_service.storage.transaction import Transaction
 from mcml_service.storage.undo.differences import Run, common_frames, find_changed_chunks, missing, within_chunks
 
 MOST_HEAD = 1000
-"""Differing elements of the head that are told one by one."""
+"""Limit of differing elements of the head that are listed."""
 
 
 def compare_revisions(

@@ -15,7 +15,7 @@ UNIT, UP = "calibration_unit", "global_axis_of_gravity"
 
 
 def cards(tx: Transaction, documents: Sequence[StoredDocument], pictures: Pictures, also: frozenset[str]) -> list[Card]:
-    """also: of "thumbnail", "labels", "passport". pictures: as far as there are any."""
+    """Return the cards of documents. also: details, of "thumbnail", "labels", "passport". pictures: existing ones."""
     keys = [stored.key for stored in documents]
     spans = tx.spans.of_many(keys) if "labels" in also else {}
     stated = tx.heads.read_texts(keys, (UNIT, UP)) if "passport" in also else {}

@@ -26,7 +26,7 @@ POSES = 64
 
 
 def describe_skeleton(tx: Transaction, stored: StoredDocument) -> SkeletonView:
-    """Numbers are the doubles that the head's texts and the first frame say."""
+    """Describe a skeleton. Numbers are the doubles of the head's texts and of the first frame."""
     if stored.frames:
         source, pose = first_pose(tx, stored)
         head = source.clip.head
@@ -100,7 +100,9 @@ def _tips(skeleton: Skeleton, tips: tuple[tuple[int, Array], ...]) -> list[Tip]:
 
 
 def _some_poses(tx: Transaction, stored: StoredDocument, skeleton: Skeleton, pose: Array) -> Array:
-    """Poses spread over the clip, of points, whose travel tells the axis up; of bodies the first pose, (J, 3)."""
+    """Return poses spread over the clip for points, whose travel decides the up axis; for bodies the first pose, (J,
+    3).
+    """
     if not stored.frames or not is_markers(skeleton):
         return pose
     clip = read_clip(tx, stored, step=max(1, stored.frames // POSES), bare=True).clip

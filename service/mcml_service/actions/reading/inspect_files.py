@@ -18,9 +18,9 @@ from mcml_service.settings import Settings
 def inspect_files(
     files: list[SourceFile], options: ImportOptions, settings: Settings, window: Window | None = None
 ) -> tuple[list[dict[str, Any]], list[tuple[str, McmlError]]]:
-    """(what each clip holds, problems): the files are read to the end and checked as an import would.
+    """Return (the content of each clip, problems): the files are read to the end and checked as in an import.
 
-    window: frames of which positions are told.
+    window: frames whose positions are returned.
     """
     clips: list[dict[str, Any]] = []
     with gathered(files, settings.file_limits) as gathering:

@@ -1,4 +1,4 @@
-"""The children of one element, a window at a time: of a motion of any length only the frames that are asked."""
+"""List the children of one element, page by page: only the requested frames are read, for a motion of any length."""
 
 from __future__ import annotations
 
@@ -31,7 +31,10 @@ class Child:
 def list_children(
     tx: Transaction, stored: StoredDocument, address: str, first: int, limit: int
 ) -> tuple[int, list[Child]]:
-    """(how many there are, those from number `first` on, from 1). NotFoundError where the element is not there."""
+    """Return (the number of children, those from number `first` on, from 1).
+
+    Raises NotFoundError if the element does not exist.
+    """
     start, stop = first - 1, first - 1 + limit
     if address == MOTION:
         leaves = _leaves(stored)

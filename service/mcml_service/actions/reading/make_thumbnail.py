@@ -40,7 +40,10 @@ ASSUMED_RATE = 120.0
 
 @dataclass(frozen=True)
 class Thumbnail:
-    """data: as `motion.thumbnails` says. facts: likely unit, its metres, likely up axis, whether of markers."""
+    """data: in the format of `motion.thumbnails`.
+
+    facts: likely unit, its metres, likely up axis, whether of markers.
+    """
 
     data: bytes
     facts: dict[str, Any]
@@ -112,9 +115,9 @@ def poses_of(head: ClipHead) -> Poses:
 
 
 def thumbnail_of(poses: Poses, head: ClipHead) -> Thumbnail | None:
-    """The thumbnail of a clip whose frames were all added. None where it has no joints, or was too long for that.
+    """Return the thumbnail of a clip whose frames were all added.
 
-    head: as it is known at the end of reading.
+    None if it has no joints, or was too long. head: at the end of reading.
     """
     if poses.full or not len(head.skeleton):
         return None

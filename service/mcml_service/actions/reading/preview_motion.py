@@ -30,7 +30,7 @@ class Window:
 
     @property
     def end(self) -> int:
-        """The last frame that is told. SizeError for more than an answer holds."""
+        """The last returned frame. Raises SizeError if an answer would be too large."""
         most = self.first + MOST_FRAMES * self.step - 1
         if self.last is not None and self.last > most:
             raise SizeError(f"A response holds {MOST_FRAMES} frames.", remedy=f"Ask for {self.first} to {most} first.")
@@ -40,10 +40,9 @@ class Window:
 def preview_motion(
     head: ClipHead, blocks: Iterable[FrameBlock], window: Window, seconds: float | None
 ) -> PreviewMotion:
-    """Global positions of the joints, then of the ends of chains, as `format=block` has them, told from their origin.
-    blocks: the whole motion.
-
-    A missing sample is as it was last, from the first frame of the motion on. NotFoundError outside the motion.
+    """Return global positions of the joints, then of the ends of chains, as in `format=block`, relative to their
+    origin. blocks: the whole motion. A missing sample keeps its last value, from the first frame of the motion on.
+    Raises NotFoundError outside the motion.
     """
     skeleton = head.skeleton
     walker = Walker(skeleton, reading_of(head))
@@ -59,7 +58,7 @@ def preview_motion(
         if at == 0 and len(positions) and len(skeleton):
             pose, origin = positions[0], positions[0, 0].copy()
         points = np.concatenate([positions, ends], axis=1) - origin
-        # The first row of this block that stands in the window, on its steps.
+        # The first row of this block in the window, on its steps.
         skipped = window.first - 1 - at
         parts.append(points[skipped if skipped >= 0 else skipped % window.step :: window.step])
         at += len(some)

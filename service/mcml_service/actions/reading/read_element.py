@@ -35,7 +35,7 @@ def read_element(tx: Transaction, stored: StoredDocument, address: str) -> bytes
 
 
 def missing_at(address: str) -> NotFoundError:
-    """The error for an address at which there is nothing."""
+    """Return the error for an address without an element."""
     return NotFoundError("The document has nothing at this address.", at=Place(element=address))
 
 

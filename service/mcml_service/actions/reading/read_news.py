@@ -70,7 +70,7 @@ class News:
         return [tell_event(event) for event in news]
 
     def find_changed_jobs(self, tx: Transaction) -> list[StoredJob]:
-        """Jobs that are in another state than was told, or further."""
+        """Return jobs whose state or progress has changed since the last report."""
         # Another server's clock may be behind, and ended jobs become visible a little later.
         time, known = now(-timedelta(seconds=CLOCKS_APART)), self.jobs
         jobs = tx.jobs.active_or_ended_since(self.time)

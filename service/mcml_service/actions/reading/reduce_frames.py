@@ -33,7 +33,9 @@ class Reduced:
 
 
 def step_of(frames: int, pixels: int) -> int:
-    """Frames a row, so that there are `pixels` rows or fewer: a multiple of 256 where it is larger."""
+    """Return the number of frames in a row, so that there are at most `pixels` rows: a multiple of 256 if it is
+    larger.
+    """
     step = max(1, -(-frames // pixels))
     return step if step < CHUNK else -(-step // CHUNK) * CHUNK
 
@@ -84,7 +86,7 @@ def _from_zones(
     columns: list[tuple[int, int]],
     values: Array,
 ) -> NDArray[np.bool_]:
-    """Fills the rows whose frames are whole tracks, as they lie in the store; says which these are."""
+    """Fill the rows whose frames are whole stored tracks; return these rows."""
     first, last, step = frames
     pieces = tx.tracks.pieces(stored.key, first, last)
     zones = tx.columns.zones([stored.key], sorted({bone for bone, _ in columns}))

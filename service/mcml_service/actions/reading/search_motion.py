@@ -34,7 +34,7 @@ from mcml_service.xpath.library.search import search
 from mcml_service.xpath.limits import Limits
 
 MOST_READ = 100_000
-"""Frames of a file, of which some are asked."""
+"""Limit of frames of a file, of which some are used."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Thumbnails as they are asked for: those that are kept, and those that are made now and kept from then on."""
+"""Thumbnails on request: stored ones, and new ones, which are stored."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mcml_service.storage.documents.thumbnails import StoredThumbnail
 from mcml_service.storage.transaction import Transaction
 
 LIST_SECONDS = 0.3
-"""That a list may take longer to make thumbnails; those that are still missing come with the next one."""
+"""Time limit for making thumbnails in a list; the next list has the missing ones."""
 
 Pictures = dict[int, StoredThumbnail]
 """By the keys of documents."""

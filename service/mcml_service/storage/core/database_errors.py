@@ -24,14 +24,14 @@ from mcml_service.storage.core.seals import REMEDY
 @contextmanager
 def translate(dialect: Dialect) -> Iterator[None]:
     """Translate errors of the database to errors of this program, without SQL statements."""
-    # Bulk inserts go to the driver itself, whose errors nobody has wrapped.
+    # Bulk inserts use the driver directly, so its errors are not wrapped.
     driver = dialect.engine.dialect.loaded_dbapi
     try:
         yield
     except PoolTimeout as error:
         raise UnavailableError("All connections to the store are in use.", remedy="Try again soon.") from error
     except UnicodeDecodeError as error:
-        # The driver meets texts that are none, even in its own messages.
+        # Even messages of the driver may be invalid text.
         raise DamageError("The store is damaged: a text cannot be read.", remedy=REMEDY) from error
     except (DBAPIError, driver.Error) as error:
         cause = error.orig if isinstance(error, DBAPIError) else error

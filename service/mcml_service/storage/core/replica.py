@@ -27,10 +27,10 @@ from mcml_service.storage.core.statements import Statements
 log = logging.getLogger("mcml.replica")
 
 AWAY_SECONDS = 10.0
-"""After these a replica that could not be asked is tried again."""
+"""Seconds after which an unreachable replica is tried again."""
 
 PATIENCE = {"connect_timeout": "2", "tcp_user_timeout": "5000"}
-"""How long to wait for a machine that does not answer at all: seconds until it is there, milliseconds for the rest."""
+"""Timeouts for a machine that does not answer at all: seconds for the connection, milliseconds for the rest."""
 
 _SNAPSHOT = text("SELECT CAST(pg_current_snapshot() AS text)")
 _REPLAYED = text("SELECT pg_is_in_recovery(), CAST(pg_current_snapshot() AS text)")
@@ -104,7 +104,7 @@ class Replica:
             raise ReplicaError from error
 
     def behind(self) -> int | None:
-        """Bytes of the log that the replica has yet to replay, None where it cannot be asked."""
+        """Bytes of the log that the replica has not replayed yet, None if it is unreachable."""
         try:
             with translate(self._primary), self._primary.engine.connect() as primary:
                 written = Statements(primary).fetch_value(_WRITTEN)
@@ -139,7 +139,7 @@ class Replica:
         return connection
 
     def _may_try(self) -> bool:
-        """Whether it is there, or this is the read that looks whether it is there again."""
+        """Tell whether the replica is reachable, or this read should test it again."""
         if not self._away_until:
             return True
         with self._lock:
@@ -167,7 +167,7 @@ class Replica:
 
     @property
     def _refusals(self) -> tuple[type[Exception], ...]:
-        # Some reads go to the driver itself, whose errors nobody has wrapped.
+        # Some reads use the driver directly, so its errors are not wrapped.
         return DBAPIError, PoolTimeout, self._dialect.engine.dialect.loaded_dbapi.Error
 
 

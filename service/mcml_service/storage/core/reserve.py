@@ -1,4 +1,4 @@
-"""Room that is let go when a disk is full, so that deleting, which makes room, has what it needs."""
+"""Reserved disk space that is released when the disk is full, because deleting data also needs some space."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mcml.errors import SpaceError
 
 BYTES = 16 << 20
 ENOUGH = 2
-"""The reserve is made where so many times its size are free."""
+"""The reserve is made if this multiple of its size is free."""
 TO_OPEN = 256 << 10
 """Disk space for opening a store: SQLite makes two files beside it."""
 Result = TypeVar("Result")
@@ -26,13 +26,13 @@ class Reserve:
         self._path = None if path is None else path.with_name(f"{path.name}.reserve")
 
     def _measure(self) -> int:
-        """Its bytes; 0 where there is none."""
+        """Return its size in bytes; 0 without a file."""
         with suppress(OSError):
             return self._path.stat().st_size if self._path is not None else 0
         return 0
 
     def keep(self) -> None:
-        """Make the file where it is not whole and the disk has room."""
+        """Make the file if it is missing or incomplete and the disk has space."""
         path = self._path
         if path is None or self._measure() >= BYTES:
             return

@@ -18,7 +18,7 @@ NAME = String(1024).with_variant(String(1024, collation="C"), "postgresql")
 """Names compare by code point in every database, as XPath's string comparison does."""
 
 KEY = BigInteger().with_variant(Integer, "sqlite")
-"""SQLite numbers rows by itself only in a column typed INTEGER."""
+"""SQLite numbers rows automatically only in a column of type INTEGER."""
 
 CHANNEL_ENDS = tuple(f"{end}_{channel}" for channel in CHANNELS for end in ("min", "max"))
 """Columns of a zone map, in order."""

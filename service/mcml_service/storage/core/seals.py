@@ -72,7 +72,7 @@ class Seal:
         return xxh3_64_intdigest(orjson.dumps(values)) >> SPARE
 
     def holds(self, row: Row) -> bool:
-        """Whether what was read (`read`) has the checksum that stands with it."""
+        """Tell whether the read columns (`read`) match their checksum."""
         # A bit that flips can change the type of a value.
         with suppress(TypeError, ValueError):
             if self.is_revisioned:
@@ -185,9 +185,9 @@ def data_checksum(codec: int, data: bytes) -> int:
 
 
 def unsound(rows: Sequence[Row], codec: int) -> Row | None:
-    """The first of some tracks whose data are not those that were written.
+    """Return the first of some tracks with damaged data.
 
-    codec: where the codec stands in a row; the data and their checksum follow it.
+    codec: index of the codec in a row; the data and their checksum follow it.
     """
     data, checksum = codec + 1, codec + 2
     with suppress(TypeError):
@@ -262,7 +262,7 @@ class Checked:
 
 
 class _Test:
-    """A seal, and where in the rows of a statement its columns stand."""
+    """A seal, and the indices of its columns in the rows of a statement."""
 
     def __init__(self, seal: Seal, places: Sequence[int]) -> None:
         self.seal = seal

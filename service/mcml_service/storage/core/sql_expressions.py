@@ -1,4 +1,4 @@
-"""Parts of statements that each kind of database writes in a way of its own."""
+"""Parts of statements that each kind of database writes differently."""
 
 from __future__ import annotations
 

@@ -30,8 +30,11 @@ MOST_REMEMBERED: Final = 10_000
 
 @dataclass(frozen=True, slots=True)
 class _Text:
-    """A statement in SQL. values: of parameters that it brings itself. places: the names of all parameters in order,
-    where the driver counts them. lists: those that take a list of integers."""
+    """A statement in SQL.
+
+    values: of its own parameters. places: the names of all parameters in order, if the driver uses positions. lists:
+    parameters that take a list of integers.
+    """
 
     text: str
     values: dict[str, Any]
@@ -108,13 +111,13 @@ class Statements:
     def fetch_one(self, statement: Executable | str, values: Values | None = None) -> Record | None: ...
 
     def fetch_one(self, statement: Prepared | Checked | Executable | str, values: Values | None = None) -> Any:
-        """Return the first row, None where there is none."""
+        """Return the first row, None if there is none."""
         if isinstance(statement, Prepared | Checked):
             return next(iter(self.fetch_all(statement, values)), None)
         return self._execute(statement, values).first()
 
     def fetch_value(self, statement: Prepared | Checked | Executable | str, values: Values | None = None) -> Any:
-        """Return the first value of the first row, None where there is no row."""
+        """Return the first value of the first row, None if there is no row."""
         row = self.fetch_one(statement, values)
         return None if row is None else row[0]
 
@@ -129,7 +132,7 @@ class Statements:
     def stream(self, statement: Select[Any], size: int) -> Iterator[Sequence[Record]]: ...
 
     def stream(self, statement: Checked | Select[Any], size: int) -> Iterator[Sequence[Any]]:
-        """Yield blocks of at most so many rows, which are never in memory all at once."""
+        """Yield blocks of a limited number of rows, which are never all in memory at once."""
         read = statement.statement if isinstance(statement, Checked) else statement
         for block in self.connection.execute(read, execution_options={"yield_per": size}).partitions(size):
             yield self._compare(statement, list(map(tuple, block))) if isinstance(statement, Checked) else block

@@ -1,11 +1,11 @@
-"""Every table of the store: the only place that spells columns.
+"""Every table of the store: the only place that defines columns.
 
 Rows that belong to revisions carry `from_commit` and `to_commit`: they are valid at commit n where
 `from_commit <= n < to_commit`. `CURRENT` as `to_commit` means: still valid. Rows written by an import have
 `from_commit` 0, for their document itself appears only with its `created_commit`.
 
-Frames have two numberings. A *position* counts the frames of the document as XPath does, from 1. A *slot* is where
-the frame's values lie: chunk * CHUNK + offset, from 0. `timeline` maps positions to slots, so cutting and inserting
+Frames have two numberings. A *position* counts the frames of the document as XPath does, from 1. A *slot* is the place
+of the frame's values: chunk * CHUNK + offset, from 0. `timeline` maps positions to slots, so cutting and inserting
 never moves values.
 """
 
@@ -92,7 +92,7 @@ document = Table(
     Index("ix_document_there", "name", "state", "deleted_commit", "created_commit"),
     info=cover("uuid", "project", "state", "name", "format", "created_commit", "deleted_commit", "next_slot"),
 )
-"""`ix_document_there`: which documents there are, by name, without their receipts."""
+"""`ix_document_there`: existing documents by name, without their receipts."""
 
 
 revision = Table(
@@ -295,8 +295,11 @@ track = Table(
     checksum("data_checksum"),
     checksum(),
 )
-"""`channels`, `has_missing`: bit i stands for `CHANNELS[i]`. The zone map (min, max) covers the samples present.
-`data_checksum` is that of the data, `checksum` of all else."""
+"""`channels`, `has_missing`: bit i is for `CHANNELS[i]`.
+
+The zone map (min, max) covers the samples present. `data_checksum` is that of the data, `checksum` of all other
+columns.
+"""
 
 CLOSED_TRACK = track.c.to_commit < literal_column(str(CURRENT))
 """The exact condition with which a query finds past tracks by `to_commit` with the partial index: it has only past

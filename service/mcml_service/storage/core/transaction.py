@@ -71,7 +71,7 @@ class BaseTransaction(Statements):
 
     @property
     def commit(self) -> int:
-        """The number of this write transaction, taken when first asked for; later writers wait from then on."""
+        """The number of this write transaction, assigned on first use; later writers wait from then on."""
         # Not a cached_property: before Python 3.12 that holds one lock for all transactions while it computes, and a
         # thread waiting in it for the database's lock would block the transaction that has the lock, forever.
         if self._commit is not None:
@@ -103,7 +103,7 @@ class BaseTransaction(Statements):
 
     @contextmanager
     def savepoint(self) -> Iterator[None]:
-        """Undo what the block did where it raises, and let the transaction go on."""
+        """Undo the writes of the block if it raises, and continue the transaction."""
         with self.connection.begin_nested():
             yield
 

@@ -15,7 +15,7 @@ Commit: TypeAlias = BindParameter[int] | int
 
 AT: BindParameter[int] = bindparam("at", type_=BigInteger)
 DOCUMENT: BindParameter[int] = bindparam("document", type_=BigInteger)
-"""Parameters: the commit, and the key of the one document that is asked."""
+"""Parameters: the commit, and the key of the document."""
 
 
 def valid(table: Table, at: Commit = AT) -> ColumnElement[bool]:
@@ -29,7 +29,7 @@ def of_document(table: Table) -> ColumnElement[bool]:
 
 
 def is_imported(at: Commit = AT) -> ColumnElement[bool]:
-    """Documents whose import was complete, those that had been deleted too."""
+    """Return the condition for completely imported documents, including deleted ones."""
     return and_(document.c.state == "ready", document.c.created_commit <= at)
 
 

@@ -30,7 +30,7 @@ def may(held: str | None, scope: str) -> bool:
 
 
 def greatest(*scopes: str | None) -> str | None:
-    """The largest of scopes, None where there is none."""
+    """The largest of scopes, None without any."""
     places = [SCOPES.index(scope) for scope in scopes if scope in SCOPES]
     return SCOPES[max(places)] if places else None
 
@@ -76,7 +76,7 @@ class View:
         return self.sees(project) and (self.documents is None or document in self.documents)
 
     def within(self, scope: str | None, projects: frozenset[int] | None) -> View:
-        """The same with no more than a scope. projects: in these alone, None for all that there are."""
+        """Return this view limited to a scope. projects: only in these, None for all."""
         if projects is None:
             return View(
                 least(scope, self.everywhere), frozenset((key, _least(scope, own)) for key, own in self.projects)

@@ -33,7 +33,7 @@ class Block:
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """Some frames of one chunk. offsets: which of the block. places: where they stand in the whole."""
+    """Some frames of one chunk. offsets: indices in the block. places: indices in the whole."""
 
     block: Block
     offsets: Some

@@ -86,7 +86,7 @@ class Bodies:
         self._tx.insert_tuples(body, ("document", "revision", "block", "facts", "data"), rows)
 
     def of(self, documents: Sequence[AtRevision]) -> dict[int, StoredBody]:
-        """By the keys of documents: their bodies at these revisions, as far as there are any."""
+        """Return existing bodies at these revisions, by the keys of documents."""
         numbers = _DERIVED.of(self._tx, {stored.key: stored.revision for stored in documents})
         if not numbers:
             return {}
@@ -110,7 +110,7 @@ class Bodies:
         return [orjson.loads(facts) for facts in rows]
 
     def missing(self, documents: Sequence[AtRevision], made: int) -> list[int]:
-        """The keys of those that have none that is sound and was made in this way."""
+        """Return the keys of documents without an undamaged body of the current version."""
         there = self.of(documents)
         return [
             stored.key for stored in documents if stored.key not in there or there[stored.key].facts["made"] != made
@@ -118,7 +118,7 @@ class Bodies:
 
     def without(self, made: int) -> list[int]:
         """The keys of all documents that have none that was made in this way, sound or not."""
-        # Their facts end with it (`Body.facts`): databases read JSON each in a way of its own.
+        # Their facts end with it (`Body.facts`): each database reads JSON differently.
         return self._tx.fetch_column(_WITHOUT, {"at": self._tx.at, "made": f'%"made":{made}}}'})
 
     def forget(self, document_key: int, before: int) -> None:

@@ -184,7 +184,7 @@ class Columns:
         return sorted(listed, key=lambda one: (one.name, one.key))
 
     def changed_since(self, number: int) -> list[int]:
-        """The documents of which there are revisions after a commit."""
+        """Return the documents with revisions after a commit."""
         # Not DISTINCT, for which SQLite would read all revisions in the order of documents.
         return sorted(set(self._tx.fetch_column(_CHANGED, {"number": number})))
 
@@ -249,7 +249,7 @@ class Columns:
         return {key: to_elements(elements)[0] for key, elements in rows.items()}
 
     def skeletons(self, keys: Sequence[int]) -> dict[int, list[Element]]:
-        """The `root` element, where there is one, and the `skeleton` element of each skeleton."""
+        """Return the `root` element, if there is one, and the `skeleton` element of each skeleton."""
         rows: dict[int, list[Any]] = {}
         hashes: dict[int, str] = {}
         for skeleton_key, *row, hashed in self._rows(_SKELETONS, keys):
@@ -308,7 +308,7 @@ class Columns:
 def _zones(rows: Sequence[Any]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Zone maps as an array, and which of them have not their checksum."""
     values = np.array(rows, np.float64).reshape(-1, _ZONE_WIDTH + 4)
-    # Doubles hold all of these, but for the last commit, which is none.
+    # Doubles represent all of these exactly, except the last commit, which means none.
     values[:, -2][values[:, -2] >= CURRENT] = CURRENT % PRIME
     document_key, chunk, number, begin, bits, gaps, count = values[:, :7].T.astype(np.int64)
     codec, data, end, checksum = values[:, _ZONE_WIDTH:].T.astype(np.int64)

@@ -70,7 +70,7 @@ def bone_named(tx: BaseTransaction, document: int, number: int) -> str:
 
 
 def frames_of(tx: BaseTransaction, document: int, chunk: int) -> str:
-    """The positions of the frames whose samples lie in a chunk."""
+    """Return the positions of the frames with samples in a chunk."""
     first, end = chunk * CHUNK, (chunk + 1) * CHUNK
     query = select(tables.timeline.c.first, tables.timeline.c.slot, tables.timeline.c.count)
     pieces = tx.fetch_all(query.where(tables.timeline.c.document == document, tx.valid(tables.timeline)))

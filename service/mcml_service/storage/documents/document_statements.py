@@ -72,7 +72,7 @@ def all_documents(*, past: bool) -> Select[Any]:
 
 
 def select_listed(*, past: bool) -> Select[Any]:
-    """All documents that are there, in the columns of `Listed`. past: as above."""
+    """Select all existing documents, in the columns of `Listed`. past: as above."""
     source, held = _select_names(past=past)
     about = (document.c.id, document.c.uuid, held.c.name, content.c.version, content.c.skeleton)
     return (

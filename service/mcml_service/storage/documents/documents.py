@@ -86,7 +86,7 @@ class StoredDocument:
 
     @property
     def seconds_per_frame(self) -> float | None:
-        """From the frame time, else from the header's rate; None where neither says anything usable."""
+        """From the frame time, else from the header's rate; None if neither has a usable value."""
         if self.frame_time is not None:
             return float(self.frame_time) if float(self.frame_time) > 0 else None
         if self.data_rate is not None and float(self.data_rate) > 0:
@@ -101,7 +101,7 @@ class Documents:
         self._quotas = quotas
 
     def at(self, commit: int) -> Documents:
-        """The same as they were at an earlier commit."""
+        """Return the documents at an earlier commit."""
         return Documents(self._tx.at_commit(commit), self._activity, self._quotas)
 
     def with_property(self, name: str, beginning: str) -> list[tuple[str, str]]:
@@ -131,7 +131,7 @@ class Documents:
         return self._tx.insert_row(document, **row), uuid
 
     def renew_lease(self, key: int) -> None:
-        """Say that the import goes on; NotFoundError where it was swept away."""
+        """Renew the lease of an import; raises NotFoundError if its rows were deleted."""
         if self._tx.run(_RENEW, {"key": key, "until": time.time() + LEASE_SECONDS}) != 1:
             raise _make_swept_error()
 
@@ -184,7 +184,7 @@ class Documents:
         return number
 
     def require(self, key: int) -> None:
-        """AccessError unless one may change a document."""
+        """Check the right to change a document. Raises AccessError."""
         self._quotas.require(self._project(key))
 
     def require_room(self, key: int) -> None:
@@ -206,7 +206,7 @@ class Documents:
         self._tx.fetch_value(select(document.c.id).where(document.c.id == key).with_for_update())
 
     def find(self, uuid: str, *, deleted: bool = False) -> StoredDocument | None:
-        """The document as it is at the transaction's commit; `deleted` lets a deleted one be found."""
+        """Return the document at the transaction's commit; `deleted` includes deleted ones."""
         statement = one_document(past=self._past, deleted=deleted)
         row = self._tx.fetch_one(statement, {"uuid": uuid, "at": self._tx.at})
         stored = None if row is None else _to_document(row)
@@ -216,7 +216,7 @@ class Documents:
         return stored if self._tx.view.shows(uuid, self._project(stored.key)) else None
 
     def get(self, uuid: str, *, deleted: bool = False) -> StoredDocument:
-        """As `find`; NotFoundError where there is none."""
+        """As `find`, but raises NotFoundError if there is none."""
         stored = self.find(uuid, deleted=deleted)
         if stored is None:
             raise NotFoundError(f"There is no document {uuid}.", remedy="List the documents to see their ids.")
@@ -240,7 +240,7 @@ class Documents:
         return self.get_many([place.key for place in self.places(wanted, order, after, limit, offset)])
 
     def places(self, wanted: DocumentFilter, order: Order, after: Place | None, limit: int, offset: int) -> list[Place]:
-        """Where the same stand."""
+        """Return the positions of the same documents."""
         # Select the documents first: reading facts of all documents before sorting takes most of the time.
         value = value_in(order.column, self._tx)
         query = order_rows(select_wanted(value, wanted, self._tx), value, order, after)
@@ -374,5 +374,5 @@ def _pack(receipt: str) -> bytes:
 
 def _to_document(row: Sequence[Any]) -> StoredDocument:
     values = dict(zip(_COLUMNS, row, strict=True))
-    # SQLite has no type of its own for it.
+    # SQLite has no separate type for it.
     return StoredDocument(**(values | {"intact": bool(values["intact"])}))

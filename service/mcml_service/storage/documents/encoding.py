@@ -54,7 +54,7 @@ def decompress(data: bytes, columns: int, codec: int) -> Array:
 
 
 def decompress_into(data: bytes, into: Array, codec: int) -> None:
-    """As `decompress`, into an array of the shape (columns, n) that lies in memory as one."""
+    """As `decompress`, into a contiguous array of the shape (columns, n)."""
     if codec != PCODEC:
         raise StoreError(f"This program does not know track codec {codec}.", remedy="Update the program.")
     try:
@@ -98,7 +98,7 @@ def is_plain_integer(text: str) -> bool:
 
 
 class FrameIdRuns:
-    """Frame ids as runs of equal steps; texts that are no plain integers are kept as they are."""
+    """Frame ids as runs of equal steps; texts that are not plain integers are kept unchanged."""
 
     def __init__(self) -> None:
         self.rows: list[dict[str, Any]] = []
@@ -188,9 +188,9 @@ class Spans:
 class ClipEncoder:
     """Frame blocks of any length in, rows of whole chunks out; feed it in order, then `close` it and take the `rest`.
 
-    decimals: that most numbers of the source have, where it is known: smaller tracks, sooner.
-    executor: where tracks are compressed. Chunks of short clips wait there for `compress`: pcodec lets other threads
-    run for 25 µs at a time, and takes longer beside one that reads than behind it.
+    decimals: number of decimals of most numbers in the source, if known: gives smaller tracks, faster. executor:
+    compresses tracks. Chunks of short clips wait for `compress`: pcodec releases the lock for 25 µs at a time, and is
+    slower while another thread reads than after it.
     """
 
     executor: Executor
@@ -293,7 +293,7 @@ def join_blocks(blocks: Sequence[FrameBlock]) -> tuple[Array, tuple[tuple[int, i
 def encode_chunk(
     chunk: int, values: Array, columns: Sequence[tuple[int, int]], decimals: int | None = None
 ) -> list[TrackRow]:
-    """The rows of all bones over one chunk.
+    """Return the rows of all bones over one chunk.
 
     values: (n, D), NaN where a frame has no such attribute. columns: (bone, channel) of each. Channels without any
     sample are left out of their row, and bones without any have none. decimals: as for `compress`.
@@ -327,8 +327,7 @@ def encode_chunk(
 class _Bone:
     """A bone in a layout of columns, channels ascending.
 
-    indices: where its columns stand; place: the same, as a slice where they are neighbours (a view, not a copy).
-    bits: its channels.
+    indices: of its columns; place: the same, as a slice if they are adjacent (a view, not a copy). bits: its channels.
     """
 
     number: int

@@ -89,7 +89,9 @@ class Heads:
         return {int(key): int(count) for key, count in self._tx.fetch_all(query)}
 
     def clips_of_skeleton(self, skeleton_key: int, most: int) -> list[tuple[int, Listed]]:
-        """The first clips of a skeleton, deleted or not, each as it was when it came to have it: (commit, clip)."""
+        """Return the first clips of a skeleton, deleted or not, each at the commit when it got the skeleton:
+        (commit, clip).
+        """
         from mcml_service.storage.documents.columns import Listed
 
         rows = self._tx.fetch_all(_CLIPS_OF_SKELETON, {"skeleton": skeleton_key, "most": most})

@@ -13,7 +13,7 @@ def names_of_frames(spans: Sequence[StoredSpan], positions: range) -> list[tuple
     if not spans:
         return None
     changes = sorted({span.first for span in spans} | {span.last + 1 for span in spans})
-    # Between two changes all frames have the same names: how many of the positions lie there is arithmetic.
+    # Between two changes all frames have the same names, so the number of positions there is arithmetic.
     inner = [change for change in changes if positions.start < change < positions.stop]
     result: list[tuple[str, ...]] = []
     for start, stop in pairwise([positions.start, *inner, positions.stop]):

@@ -19,7 +19,7 @@ Steps = NDArray[np.int32]
 BLOCK = 16_384
 """Frames that are packed together."""
 TOGETHER = 4096
-"""Numbers of joints that are compressed together: a stream of its own for each costs a tenth more."""
+"""Numbers of joints that are compressed together: a separate stream for each costs a tenth more."""
 _HEAD = struct.Struct("<III")
 
 
@@ -30,12 +30,12 @@ def _config() -> ChunkConfig:
 
 
 def pack(steps: Steps) -> list[bytes]:
-    """(n, J, 3) as blocks of up to BLOCK frames; one where there are none."""
+    """Pack (n, J, 3) into blocks of up to BLOCK frames; one block for no frames."""
     return [_block(steps[first : first + BLOCK]) for first in range(0, max(len(steps), 1), BLOCK)]
 
 
 def pack_parts(parts: Iterable[Steps]) -> Iterator[bytes]:
-    """The blocks of (n, J, 3) that comes in parts, of any numbers of frames."""
+    """Yield the blocks of (n, J, 3), given in parts with any numbers of frames."""
     waiting: list[Steps] = []
     for part in parts:
         waiting.append(part)

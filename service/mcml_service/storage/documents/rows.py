@@ -71,7 +71,7 @@ class SkeletonRows:
 
 
 def skeleton_rows(forest: Sequence[Element]) -> SkeletonRows:
-    """The rows of the `root` element, where there is one, and the `skeleton` element."""
+    """Return the rows of the `root` element, if there is one, and the `skeleton` element."""
     rows = to_rows(forest, level=1)
     return SkeletonRows(_hash([row[2:] for row in rows]), tuple(rows))
 

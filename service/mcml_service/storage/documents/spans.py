@@ -48,7 +48,7 @@ _TOUCHING = Prepared(
     .order_by(span.c.first, span.c.rank, span.c.id),
     span,
 )
-"""Made once: the shortest questions take as long as their statements."""
+"""Prepared once: in the shortest queries, building statements takes as long as running them."""
 
 
 class Spans:
@@ -77,7 +77,7 @@ class Spans:
     def named(self, names: list[str], documents: list[int] | None = None) -> dict[int, list[tuple[int, int]]]:
         """Ranges (first, last) of frames that carry one of the names, by document key.
 
-        Ranges are ascending and neither overlap nor touch. documents: keys of those that are asked, None for all.
+        Ranges are ascending and neither overlap nor touch. documents: their keys, None for all.
         """
         ranges: dict[int, list[tuple[int, int]]] = {}
         for key, first, last in self._find_named(names, documents):

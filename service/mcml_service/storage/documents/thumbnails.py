@@ -42,9 +42,8 @@ class Thumbnails:
         return self._tx.fetch_one(query) is not None
 
     def of(self, documents: Sequence[StoredDocument]) -> dict[int, StoredThumbnail]:
-        """By the keys of documents: the pictures that show these revisions of them, as far as there are any.
-
-        The newest that is not younger, where no revision since then has changed what is drawn.
+        """Return existing pictures that are valid for these revisions, by the keys of documents: the newest earlier
+        picture, if no revision since then has changed the drawing.
         """
         numbers = _DERIVED.of(self._tx, {stored.key: stored.revision for stored in documents})
         # Not pairs of both, for which SQLite would read all pictures of the store.

@@ -43,7 +43,7 @@ BLOCK_FRAMES = 8 * CHUNK
 
 @dataclass(frozen=True)
 class Piece:
-    """`count` frames at positions from `first` lie in slots from `slot`."""
+    """`count` frames at positions from `first` are in slots from `slot`."""
 
     first: int
     slot: int
@@ -90,7 +90,7 @@ class Tracks:
     # -- writing ---------------------------------------------------------------------------------------------------
 
     def write_chunks(self, document_key: int, rows: list[TrackRow], from_commit: int, behind: int = 0) -> None:
-        """Add track rows as `ClipEncoder` makes them, so many chunks behind those that they name."""
+        """Add track rows of `ClipEncoder`, shifted by a number of chunks."""
         if behind:
             rows = [(chunk + behind, *rest) for chunk, *rest in rows]
         self._tx.insert_tuples(track, _TRACK_ROW, [(document_key, from_commit, CURRENT, *row) for row in rows])
@@ -119,7 +119,7 @@ class Tracks:
         self._end(table, and_(table.c.document == document_key, table.c.to_commit == CURRENT))
 
     def _end(self, table: Any, rows: Any) -> None:
-        """Close current rows; those that this commit itself wrote were never seen, and go."""
+        """Close current rows; rows written by this commit itself were never visible, and are deleted."""
         commit = self._tx.commit
         self._tx.run(delete(table).where(rows, table.c.from_commit == commit))
         self._tx.run(update(table).where(rows).values(closing(table, commit)))
@@ -222,7 +222,7 @@ class Tracks:
         return result
 
     def slot_of(self, document_key: int, position: int) -> int:
-        """Where the values of a frame lie; NotFoundError."""
+        """Return the slot of a frame. Raises NotFoundError."""
         pieces = self.pieces(document_key, position, position)
         if not pieces:
             raise NotFoundError(f"The document has no frame {position}.")

@@ -60,7 +60,7 @@ class StoredUpload:
 
 
 def compress_block(data: bytes) -> bytes:
-    """One block as it is stored; thread-safe."""
+    """Return the stored form of one block; thread-safe."""
     return _COMPRESSORS.one.compress(data)
 
 
@@ -90,7 +90,7 @@ class Uploads:
         return key
 
     def begin(self, sha256: str, size: int) -> int:
-        """Room for a file that is written in several transactions; `complete` it in the last one."""
+        """Begin a file that is written in several transactions; `complete` it in the last one."""
         lease = time.time() + LEASE_SECONDS
         return self._tx.insert_row(upload, sha256=sha256, size=size, complete=False, lease=lease)
 

@@ -79,7 +79,7 @@ class Pruning:
         return int(self._tx.fetch_value(query))
 
     def older(self, cut: int) -> list[Old]:
-        """Documents of which a revision stands that later ones had replaced at commit `cut`."""
+        """Return documents with revisions that later ones had replaced at commit `cut`."""
         last = (
             select(revision.c.document, func.max(revision.c.number).label("keep"))
             .where(revision.c.commit <= cut)
@@ -113,7 +113,7 @@ class Pruning:
         return total + int(self._tx.fetch_value(files))
 
     def _needs_files(self, key: int, at: int) -> bool:
-        """Whether a revision that stays is as it was uploaded."""
+        """Tell whether a remaining revision still equals the upload."""
         query = select(content.c.document).where(content.c.document == key, content.c.to_commit > at, content.c.intact)
         return self._tx.fetch_one(query.limit(1)) is not None
 

@@ -116,7 +116,7 @@ class Purging:
         return [(row.uuid, row.name) for row in self._tx.fetch_all(clips.distinct())], shared, own
 
     def begin(self, stored: StoredDocument) -> None:
-        """Let nobody see the document any more, servers that run among them: they list documents after each commit."""
+        """Make the document invisible, also for running servers: they list documents after each commit."""
         self._documents.set_state(stored.key, "purging")
         self._activity.note("document", "purge", project_key=stored.project_key, document=stored.uuid)
         self._pruning.let_go(self._tx.commit)
@@ -127,7 +127,7 @@ class Purging:
         return [(key, uuid) for key, uuid in self._tx.fetch_all(query)]
 
     def remove_tracks(self, key: int) -> bool:
-        """Remove some tracks; whether there are more."""
+        """Remove some tracks; return whether there are more."""
         first = self._tx.fetch_value(select(func.min(track.c.chunk)).where(track.c.document == key))
         if first is None:
             return False
@@ -152,7 +152,7 @@ class Purging:
         self._tx.run(delete(skeleton).where(skeleton.c.id.in_(numbers)))
 
     def _forget_clip(self, key: int) -> None:
-        """Parts of results whose clip the document is say so no more."""
+        """Remove references from parts of results whose clip is the document."""
         columns = SEALS[result_part].columns
         query = select(*(result_part.c[name] for name in columns)).where(result_part.c.document == key)
         rows = [dict(zip(columns, row, strict=True)) | {"document": None} for row in self._tx.fetch_all(query)]

@@ -101,7 +101,7 @@ def _most(found: Iterable[Any], most: int) -> Counts:
 
 
 def _properties(tx: BaseTransaction, wanted: DocumentFilter, most: int, bins: int) -> list[PropertyFacet]:
-    """Properties by how many documents have them; records of programs, which are long, are none to choose by."""
+    """Return properties by their number of documents, except records of programs, which are too long for filters."""
     query = select(property_.c.name, property_.c.number, property_.c.text).where(
         property_.c.document.in_(select_wanted(document.c.id, wanted, tx)), func.length(property_.c.text) <= SHORT
     )
@@ -125,9 +125,10 @@ def _properties(tx: BaseTransaction, wanted: DocumentFilter, most: int, bins: in
 
 
 def make_bins(given: Sequence[float] | Numbers, bins: int, times: NDArray[np.int64] | None = None) -> Bins | None:
-    """Bins of equal width from the least to the greatest; of equal ratio where numbers, none below 0, are of far
-    different sizes, so that few large ones do not put all others into one bin (zeros are in the first). One bin where
-    all are equal, None where there are none. times: how often each value occurs, default once."""
+    """Bins of equal width from the least to the greatest; of equal ratio if numbers, none below 0, have very
+    different sizes, so that few large ones do not put all others into one bin (zeros are in the first). One bin if
+    all are equal, None without numbers. times: number of occurrences of each value, default one.
+    """
     values = np.asarray(given, np.float64)
     if not len(values):
         return None

@@ -23,9 +23,12 @@ KEYS_AT_A_TIME = 10_000
 
 @dataclass(frozen=True)
 class ListRows:
-    """documents: (key, uuid, name, project, format, commit that made it, whether it is there, skeleton, frames, seconds
-    a frame or None, revision, commit of the revision). said: (key, text). named: (key, motion name), each once.
-    having: (key, name, number or None, text, None for one that is long), of properties."""
+    """The rows for lists.
+
+    documents: (key, uuid, name, project, format, commit of creation, whether it exists, skeleton, frames, seconds a
+    frame or None, revision, commit of the revision). said: (key, text). named: (key, motion name), each once. having:
+    (key, name, number or None, text, None for a long text), of properties.
+    """
 
     documents: list[Row]
     said: Iterable[Row]

@@ -1,4 +1,4 @@
-"""In which order a list has documents, and where in it one stands."""
+"""Sort orders of lists, and positions in them."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ NEWEST = Order("key", descending=True)
 
 
 class Place(NamedTuple):
-    """Where a document stands in an order. value: of the column, None where it has none."""
+    """The position of a document in an order. value: of the column, None without one."""
 
     value: Value
     name: str
@@ -98,7 +98,7 @@ def _behind(value: ColumnElement[Any], order: Order, after: Place) -> ColumnElem
         return document.c.id < after.key if order.descending else document.c.id > after.key
     later = or_(document.c.name > after.name, and_(document.c.name == after.name, document.c.id > after.key))
     if order.column == "name":
-        # Said twice: a bound alone, an index finds.
+        # Repeated, because an index can use a bound alone.
         bound = document.c.name <= after.name if order.descending else document.c.name >= after.name
         return and_(bound, or_(document.c.name != after.name, document.c.id > after.key))
     if after.value is None:

@@ -138,7 +138,7 @@ class Activity:
         return self._read(query)
 
     def newest(self) -> int:
-        """The number of the last event, 0 where there is none."""
+        """Return the number of the last event, 0 without events."""
         return int(self._tx.fetch_value(_NEWEST))
 
     def after(self, number: int, limit: int, *, kind: str | None = None, project_key: int | None = None) -> list[Event]:
@@ -173,8 +173,9 @@ _NEWEST = Prepared(select(func.coalesce(func.max(event.c.id), 0)))
 
 
 def _is_shown(view: View) -> ColumnElement[bool]:
-    """Events of projects that are seen, of some kinds only where one may do more there; and of accounts and tokens for
-    who keeps the repository."""
+    """Return the condition for visible events: of visible projects, some kinds only with more rights there; and of
+    accounts and tokens for administrators of the repository.
+    """
     if may(view.everywhere, SCOPES[-1]):
         return true()
     condition: ColumnElement[bool] = _PLACE.is_not(None) & is_seen(view, _PLACE)

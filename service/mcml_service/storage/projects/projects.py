@@ -23,7 +23,7 @@ class Projects:
         self._added: dict[str, int] = {}
 
     def names(self) -> list[str]:
-        """Of those that are seen."""
+        """The names of visible projects."""
         return self._tx.fetch_column(_ALL.where(is_seen(self._tx.view, project.c.id)))
 
     def name(self, key: int) -> str:
@@ -49,8 +49,11 @@ class Projects:
         return key
 
     def get_or_add(self, name: str) -> int:
-        """The key of a project to write into, of a new one where there is none. Asked again in one transaction, it
-        looks no more. AccessError where one may not write there, or make projects."""
+        """Return the key of a project for writing; create it if needed.
+
+        Further calls in a transaction use the cached key. Raises AccessError without the right to write there, or to
+        create projects.
+        """
         if name not in self._added:
             self._added[name] = self._find_or_add(name)
         return self._added[name]
@@ -66,13 +69,16 @@ class Projects:
         return self._tx.insert_row(project, name=normalise_name(name), created=now())
 
     def _writable(self, name: str) -> int | None:
-        """The key of one that one may write into, None where there is none and one may make it. AccessError."""
+        """Return the key of a writable project, None if there is none and the user may create it.
+
+        Raises AccessError.
+        """
         key = self._key(name)
         view = self._tx.view
         if key is not None and view.sees(key):
             self._quotas.require(key)
         elif key is not None or not may(view.everywhere, "edit"):
-            # Whether there is one is not told.
+            # The error does not reveal whether the project exists.
             raise AccessError(
                 f"There is no project {name!r} that you may write into.",
                 remedy="Name one that you are an editor of, or ask an owner for more.",

@@ -62,7 +62,7 @@ class Quotas:
         self._known[project] = chosen
 
     def measure(self, project: int) -> tuple[int, int]:
-        """(documents that are there, bytes of the files and media of all, deleted ones too)."""
+        """Return (number of existing documents, bytes of uploaded files and media, including deleted documents)."""
         mine = select(document.c.id).where(document.c.project == project)
         shown = select(func.count()).select_from(document).where(there(self._tx.at), document.c.project == project)
         kept = [select(table.c.upload).where(table.c.document.in_(mine)) for table in (document_upload, document_media)]

@@ -81,7 +81,7 @@ class Accounts:
         self._tx.run(insert(identity).values(**row))
 
     def exist(self) -> bool:
-        """Whether there is any, a closed one too."""
+        """Tell whether there is any account, including closed ones."""
         return self._tx.fetch_one(select(account.c.id).limit(1)) is not None
 
     def have_owner(self) -> bool:
@@ -123,8 +123,10 @@ class Accounts:
         return self.get(name)
 
     def invite(self, role: str, author: str, lasts: timedelta, project_key: int | None = None) -> str:
-        """The secret of an invitation to an account of a role. project_key: of the project in which alone it is given.
-        AccessError. ConflictError where nobody owns the repository."""
+        """Add an invitation to an account with a role; return its secret.
+
+        project_key: of the only project of the role. Raises AccessError; ConflictError if the repository has no owner.
+        """
         self._require(project_key)
         self.require_owner()
         self._tx.run(delete(invitation).where(invitation.c.expires < now()))
@@ -135,7 +137,7 @@ class Accounts:
         return secret
 
     def invitations(self) -> list[Invitation]:
-        """Those that can be accepted still and that one may take back, the newest first."""
+        """Return valid invitations that the user may revoke, the newest first."""
         told = (invitation.c.id, invitation.c.role, project.c.name, invitation.c.author, invitation.c.created)
         wanted = select(*told, invitation.c.expires, invitation.c.project).outerjoin(project)
         rows = self._tx.fetch_all(wanted.where(invitation.c.expires >= now()).order_by(invitation.c.id.desc()))
@@ -151,8 +153,10 @@ class Accounts:
         self._tx.run(delete(invitation).where(invitation.c.id == number))
 
     def accept(self, secret: str) -> tuple[str, int | None] | None:
-        """Role of an invitation and key of the project where it is given, None for all; it is used up by this. None
-        where there is none, or it is too old."""
+        """Use up an invitation; return its role and the key of its project, None for all.
+
+        Returns None if it does not exist or has expired.
+        """
         its = invitation.c.sha256 == digest_of(secret)
         wanted = select(invitation.c.role, invitation.c.project).where(its, invitation.c.expires >= now())
         row = self._tx.fetch_one(wanted)
@@ -162,7 +166,7 @@ class Accounts:
         return str(row.role), row.project
 
     def _decides(self, project_key: int | None) -> bool:
-        """Whether one may invite into a project, or the whole repository."""
+        """Tell whether the user may invite to a project, or to the whole repository."""
         view = self._tx.view
         return may(view.everywhere, "operate") if project_key is None else may(view.scope(project_key), "own")
 

@@ -1,6 +1,6 @@
-"""Attempts to get in that may have failed, counted for all servers of a store: a bound for each address and each name.
+"""Sign-in attempts, counted for all servers of a store, with limits for each address and each name.
 
-Rows end by themselves: they carry no checksum.
+Rows are temporary, so they have no checksum.
 """
 
 from __future__ import annotations
@@ -21,8 +21,11 @@ if TYPE_CHECKING:
     pass
 
 LIMITS: Final = {"address": (10, 60.0), "name": (30, 3600.0), "password": (30, 3600.0)}
-"""How many in how many seconds. name: that somebody logs in as. password: whose current one is asked for in a session;
-counted apart, so that nobody outside keeps people from changing theirs."""
+"""Limits of attempts, each with its period in seconds.
+
+name: of the account in a sign-in. password: name of the account whose current password is checked in a session; counted
+separately, so that attackers cannot keep people from changing their password.
+"""
 
 
 class Attempts:
@@ -52,7 +55,7 @@ class Attempts:
         ]
 
     def take_back(self, keys: Collection[int]) -> None:
-        """Those that were refused do not count."""
+        """Remove refused attempts from the count."""
         self._tx.run(delete(attempt).where(attempt.c.id.in_(keys)))
 
     def forget(self, of: dict[str, str]) -> None:

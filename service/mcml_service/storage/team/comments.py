@@ -70,7 +70,7 @@ class Comments:
         return self._to_comment(stored, self._tx.insert_row(comment, **place, **about), "add")
 
     def change(self, stored: StoredDocument, number: int, text: str) -> Comment:
-        """AccessError for all but its author."""
+        """Change a comment. Raises AccessError unless called by its author."""
         current = self.get(stored, number)
         if current.author != self._tx.author:
             raise AccessError(f"Comment {number} is {current.author}'s.", remedy="Reply with a comment of your own.")
@@ -84,7 +84,7 @@ class Comments:
         return self._to_comment(stored, number, "resolve" if resolved else "reopen")
 
     def delete(self, stored: StoredDocument, number: int) -> None:
-        """Its text goes. AccessError for all but its author and owners of the project."""
+        """Delete the text of a comment. Raises AccessError unless called by its author or an owner of the project."""
         self._require(stored, number, "own")
         self._set(number, text="", deleted=now())
         self._note(stored, number, "delete")

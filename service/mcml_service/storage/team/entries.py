@@ -44,7 +44,7 @@ def entry_of(tx: BaseTransaction, author: str, rows: Sequence[Any]) -> Entry | N
 
     Damaged rows give no access. rows: one, or one for each project of a limited token, all from one statement: token
     (key) and its scope, person (key of the account), account (its name), role and closed, project (key); None where
-    there is none.
+    missing.
     """
     row = rows[0]
     if row.closed is not None:

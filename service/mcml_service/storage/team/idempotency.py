@@ -1,7 +1,4 @@
-"""Requests with a key of their client's, each of which is done once.
-
-Their rows end by themselves, so they carry no checksum.
-"""
+"""Requests with an idempotency key, each done only once. Their rows are temporary, so they have no checksum."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mcml_service.storage.documents.documents import StoredDocument
 
 LASTS: Final = 90.0
-"""Seconds after which somebody of whom nothing is heard is gone; browsers let hidden pages ask once a minute."""
+"""Seconds without a report after which a person counts as gone; browsers let hidden pages send once a minute."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Presence:
         return sorted((person for person in present.values() if person.name != but), key=lambda person: person.name)
 
     def keep(self, stored: StoredDocument, name: str, tab: str, doing: str, at: float | None = None) -> None:
-        """Say that a window of a person is there, for LASTS seconds from now."""
+        """Record the presence of a person's window, for LASTS seconds from now."""
         key = self._accounts.get(name).key
         its_own = _own(stored, key, tab)
         same = and_(its_own, presence.c.doing == doing, presence.c.expires > _time(at))
@@ -59,7 +59,7 @@ class Presence:
         self._tx.run(insert(presence).values(**row, expires=_time(at) + LASTS))
 
     def end(self, stored: StoredDocument, name: str, tab: str) -> None:
-        """Say that a window of a person is there no more."""
+        """End the presence of a person's window."""
         self._tx.run(delete(presence).where(_own(stored, self._accounts.get(name).key, tab)))
 
 

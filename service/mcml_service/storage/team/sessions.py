@@ -1,4 +1,4 @@
-"""Sessions of browsers, and one-time links. Their rows end by themselves, so they carry no checksum."""
+"""Sessions of browsers, and one-time links. Their rows are temporary, so they have no checksum."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class Sessions:
         return self._add("session", author, timedelta(hours=SESSION_HOURS), token=key)
 
     def open_for(self, person: Account) -> str:
-        """A new session of somebody who has an account; its secret."""
+        """Open a session for an account; return its secret."""
         return self._add("session", person.name, timedelta(hours=SESSION_HOURS), account=person.key)
 
     def link(self, author: str) -> str:
@@ -93,7 +93,7 @@ class Sessions:
         return self._add("link", author, timedelta(minutes=LINK_MINUTES))
 
     def follow(self, secret: str) -> str | None:
-        """The author of a link, which is used up by this; None where there is none."""
+        """Use up a sign-in link; return its author, None if it does not exist."""
         entry = self._find("link", secret)
         used = delete(session).where(session.c.sha256 == digest_of(secret))
         # Of two that come at once one finds nothing to delete.
@@ -102,11 +102,11 @@ class Sessions:
         return entry.author
 
     def entry(self, secret: str) -> Entry | None:
-        """Whose session this is, None where there is none, or it has ended."""
+        """Return the user of a session, None if it does not exist or has ended."""
         return self._find("session", secret)
 
     def open_share(self, shown: Share) -> str:
-        """A new session of somebody who has a link to some documents; its secret."""
+        """Open a session for a visitor with a share link; return its secret."""
         return self._add("share", f"link {shown.name}", timedelta(hours=SESSION_HOURS), share=shown.number)
 
     def share_entry(self, secret: str) -> Entry | None:
@@ -123,7 +123,7 @@ class Sessions:
         self._tx.run(delete(session).where(session.c.sha256 == digest_of(secret)))
 
     def end_all(self, account_key: int) -> None:
-        """End all sessions of an account, those that its tokens were exchanged for too."""
+        """End all sessions of an account, including those of its tokens."""
         its_tokens = select(grant.c.token).where(grant.c.account == account_key)
         its_own = or_(session.c.account == account_key, session.c.token.in_(its_tokens))
         self._tx.run(delete(session).where(its_own))
@@ -141,7 +141,7 @@ class Sessions:
         if not rows or (rows[0].until is not None and rows[0].until < values["at"]):
             return None
         row = rows[0]
-        # A token without its rights, or a person who is not there, opens nothing.
+        # A token without its rights, or without an existing account, gives no access.
         if (row.token is not None and row.scope is None) or (row.person is not None and row.account is None):
             return None
         return entry_of(self._tx, row.author, rows)

@@ -1,4 +1,4 @@
-"""Links by which somebody without an account sees some documents."""
+"""Share links, which show some documents to people without an account."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ class Shares:
         return secret, made
 
     def all(self, project_key: int | None = None) -> list[Share]:
-        """Links that open something still into projects that one may change, the newest first."""
+        """Return valid links to projects that the user can edit, the newest first."""
         wanted = share.c.expires >= now()
         shares = self._find(wanted if project_key is None else wanted & (share.c.project == project_key))
         return [link for link in shares if may(self._tx.view.scope(self._projects.get(link.project)), "edit")]
@@ -134,7 +134,7 @@ class Shares:
         self._tx.run(delete(share).where(share.c.id == number))
 
     def find(self, secret: str) -> Share | None:
-        """By its secret, None where it has ended or there is none."""
+        """Find a link by its secret, None if it has ended or does not exist."""
         shares = self._find((share.c.sha256 == digest_of(secret)) & (share.c.expires >= now()))
         return shares[0] if shares else None
 

@@ -121,7 +121,10 @@ shared_document = Table(
     Column("revision", Integer, nullable=False),
     Column("latest", Boolean, nullable=False),
 )
-"""`revision`: that was current. `latest`: later ones are shown too, and the last one unless another is asked for."""
+"""`revision`: the current one when the link was made.
+
+`latest`: whether later ones are shown too, the last one by default.
+"""
 
 session = Table(
     "session",
@@ -137,8 +140,10 @@ session = Table(
     Column("expires", String(32), nullable=False),
     UniqueConstraint("sha256"),
 )
-"""`kind`: session; link, which becomes a session, once; or share. `token`, `share`: that it was exchanged for; it ends
-with it. `account`: whose it is."""
+"""`kind`: session; link, which becomes a session, once; or share.
+
+`token`, `share`: the credential that was exchanged for it; it ends with that. `account`: its owner.
+"""
 
 request = Table(
     "request",

@@ -57,13 +57,16 @@ class _Coming(NamedTuple):
 
 
 USED_HOURS = 1
-"""How precisely it is told when a token was used: reading is no writing."""
+"""Precision of the time of a token's last use: reads should not write."""
 
 
 @dataclass(frozen=True)
 class TokenSummary:
-    """A token as it is listed. hint: its first characters; the token itself is not kept. account: whose it is. used:
-    about when it last was. projects: where alone it opens something, () for all."""
+    """A token in a list.
+
+    hint: its first characters; the token itself is not stored. account: its owner. used: approximate time of the last
+    use. projects: the only projects that it gives access to, () for all.
+    """
 
     name: str
     hint: str
@@ -117,7 +120,7 @@ class Tokens:
         return [TokenSummary(**row._mapping, projects=where.get(row.name, ())) for row in rows]
 
     def exist(self) -> bool:
-        """Whether there is any token, an expired one too."""
+        """Tell whether there is any token, including expired ones."""
         return bool(self._tx.fetch_all(_ANY))
 
     def remove(self, name: str) -> None:

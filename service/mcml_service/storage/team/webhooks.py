@@ -170,7 +170,7 @@ class Webhooks:
             self._tx.run(update(webhook).where(webhook.c.id == row.id).values(after=heard))
 
     def claim(self, most: int) -> list[Claimed]:
-        """Take up to so many messages that are to be sent now, the first ones first."""
+        """Claim up to `most` due messages, the oldest first."""
         query = (
             select(delivery.c.id, webhook.c.url, webhook.c.secret, delivery.c.message, delivery.c.payload)
             .add_columns(delivery.c.attempts + 1)

@@ -1,4 +1,4 @@
-"""Which frames a revision touched: those with other samples or names than before, and those that it brought."""
+"""Find the frames that a revision changed: frames with changed samples or names, and new frames."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ class Run:
 
 
 def common_frames(before: list[Piece], after: list[Piece]) -> list[Run]:
-    """The frames that lie in the same slots in two timelines, in the order of the later one."""
+    """Return the frames with the same slots in two timelines, in the order of the later one."""
     runs: list[Run] = []
     old = sorted(before, key=lambda piece: piece.slot)
     for piece in after:
@@ -70,7 +70,7 @@ def find_changed_chunks(before: Transaction, after: Transaction, document_key: i
 
 
 def within_chunks(runs: list[Run], slots: list[Piece], chunks: set[int]) -> list[Run]:
-    """The parts of runs whose slots lie in the chunks. slots: the timeline of the later state."""
+    """Return the parts of runs with slots in the chunks. slots: the timeline of the later state."""
     result: list[Run] = []
     for run in runs:
         piece = next(p for p in slots if p.first <= run.after < p.first + p.count)

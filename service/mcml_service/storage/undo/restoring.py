@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def copy_rows(tx: Transaction, table: Table, *which: ColumnElement[bool]) -> None:
-    """Copy closed rows, valid from this transaction's commit on; nobody sees the copies before `show_copies`."""
+    """Copy closed rows, valid from this transaction's commit on; the copies are invisible before `show_copies`."""
     made = {"from_commit": literal(tx.commit), "to_commit": literal(-1), "checksum": carry_checksum(table, tx.commit)}
     names = [column.name for column in table.columns if column.name not in (*made, "id")]
     copies = select(*(table.c[name] for name in names), *made.values()).where(*which)
@@ -35,7 +35,7 @@ def show_copies(tx: Transaction, table: Table, stored: StoredDocument) -> None:
 def reopen_rows(tx: Transaction, stored: StoredDocument, at: int) -> None:
     """Make the rows of a document that were valid at commit `at` current, from this transaction's commit on.
 
-    Rows that are still current stay as they are, so a restore writes only later changes.
+    Rows that are still current do not change, so a restore writes only later changes.
     """
     now = tx.commit
     for table in REVISIONED:

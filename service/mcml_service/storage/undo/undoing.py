@@ -163,7 +163,7 @@ def _order(tx: Transaction, stored: StoredDocument, commit: int) -> list[tuple[A
 
 
 def _merge_header(tx: Transaction, stored: StoredDocument, at: int) -> None:
-    """The elements of the header that the commit changed, as they were; others as they are."""
+    """Return the header with the elements that the commit changed in their earlier form, others unchanged."""
     if not _find_written(tx, header, stored, at) and not _find_closed(tx, header, stored, at):
         return
     values = ("size", "level", "tag", "attributes", "text")
@@ -185,7 +185,7 @@ def _merge_header(tx: Transaction, stored: StoredDocument, at: int) -> None:
 
 
 def _merge_content(tx: Transaction, stored: StoredDocument, at: int) -> None:
-    """Skeleton, frames, frame time … that the commit changed, as they were."""
+    """Return the earlier values of skeleton, frames, frame time … that the commit changed."""
     ((before,), (after,), (now,)) = (_at(tx, content, stored, commit) for commit in (at - 1, at, CURRENT - 1))
     merged = {}
     for name in CONTENT:
@@ -195,6 +195,6 @@ def _merge_content(tx: Transaction, stored: StoredDocument, at: int) -> None:
             if now[name] != after[name]:
                 raise _make_conflict(f"its {name.replace('_', ' ')} was changed")
             merged[name] = before[name]
-    # With nothing in between, all is as it was before.
+    # Without later changes, everything is as before the commit.
     intact = bool(before["intact"]) and tx.documents.commit_of(stored.key, stored.revision) == at
     tx.documents.write_content(stored.key, tx.commit, **merged, intact=intact)

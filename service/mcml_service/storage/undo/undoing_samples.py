@@ -30,9 +30,9 @@ Run = tuple[int, int, int]
 
 
 def merge_track(before: Track | None, after: Track | None, now: Track | None) -> Track | None:
-    """The samples of now with those that changed from before to after as they were before.
+    """Return the current samples, with those that changed from before to after reverted.
 
-    None for a bone that has none. LookupError where one of these was changed since.
+    None for a bone without samples. Raises LookupError if one of these was changed since.
     """
     length = max(track[1].shape[1] for track in (before, after, now) if track is not None)
     (first, two, three) = (_whole(track, length) for track in (before, after, now))
@@ -59,7 +59,10 @@ def _same(one: Array, other: Array) -> NDArray[np.bool_]:
 
 
 def take_back_tracks(tx: Transaction, stored: StoredDocument, at: int, places: set[tuple[int, int]]) -> None:
-    """Samples that commit `at` wrote at these (chunk, bone), as they were. LookupError where they changed since."""
+    """Revert the samples that commit `at` wrote at these (chunk, bone).
+
+    Raises LookupError if they were changed since.
+    """
     before, after = tx.at_commit(at - 1).tracks, tx.at_commit(at).tracks
     for chunk, bone in sorted(places):
         was, became, now = (tracks.chunk(stored.key, chunk, bone) for tracks in (before, after, tx.tracks))
@@ -85,9 +88,9 @@ def merge_runs(before: list[Run], after: list[Run], now: list[Run], merge: Calla
 
 
 def merge_shape(before: Shape, after: Shape, now: Shape) -> Shape:
-    """The attributes of now with those that came or went from before to after as they were before.
+    """Return the current attributes, with those added or removed from before to after reverted.
 
-    LookupError where one of these, or which bones there are, was changed since.
+    Raises LookupError if one of these, or the set of bones, was changed since.
     """
     if not [bone for bone, _ in before] == [bone for bone, _ in after] == [bone for bone, _ in now]:
         raise LookupError

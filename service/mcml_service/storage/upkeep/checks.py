@@ -90,7 +90,7 @@ def _collect(where: str, look: Callable[[], Iterator[str]], whose: str = "") -> 
         messages.append(error.what)
     except McmlError as error:
         messages.append(f"{prefix}{error.what}")
-    # Rows that are no longer what was written lead to anything; the check goes on.
+    # Damaged rows can cause any error; the check continues.
     except Exception as error:
         messages.append(f"{where} cannot be read: {_describe_error(error)}")
     return messages

@@ -53,7 +53,7 @@ _KINDS: Mapping[str, Kind] = {
 }
 _OWN_KEY = {"commit": "number", **dict.fromkeys(("document", "skeleton", "upload", "result"), "id")}
 _FIXED = (0, CURRENT, None)
-"""Of commits: those that are none."""
+"""Values in commit columns that are not commits."""
 _REFERRING = {"result": ("inputs", "parameters"), "saved": ("content",)}
 """Columns whose texts name documents by their ids."""
 
@@ -68,7 +68,7 @@ def _kind(table: Table, column: str) -> Kind | None:
 
 
 def _columns(table: Table) -> list[str]:
-    """Those that are moved."""
+    """Return the columns that are moved."""
     left = {"project", "checksum", "data_checksum", "lease"}
     if table.name not in _OWN_KEY:
         left.add("id")
@@ -102,7 +102,7 @@ class ProjectRows:
                 if "from_commit" in table.c:
                     for column in (table.c.from_commit, table.c.to_commit):
                         commits |= set(self._keys(_of(column, table, part)))
-        # Of a document that moved here the skeleton stays where it was; an equal one may be here.
+        # The skeleton of a moved document stays in the old project; an equal one may exist here.
         same = self._equal(sorted(skeletons))
         alike = {hashed: min(keys) for hashed, keys in same.items()}
         self._among = {
@@ -172,7 +172,7 @@ class ProjectRows:
             if kind == "commit":
                 value = value if value in _FIXED else self._numbers["commit"][value]
             elif kind is not None:
-                # Of a result's clip that is in another project nothing is told.
+                # A result's clip in another project is not included.
                 value = None if value is None else self._numbers[kind].get(value)
             elif isinstance(table.c[name].type, LargeBinary):
                 value = b64encode(value).decode()
@@ -226,7 +226,7 @@ class ProjectWriter:
     uploads: dict[str, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        # Nobody else may take a commit until these are written.
+        # No other transaction may take a commit until these are written.
         self._first = max(self.tx.commit, self.tx.newest_commit())
         self._there: set[int] = set()
 
@@ -257,7 +257,7 @@ class ProjectWriter:
         if not isinstance(number, int) or number != len(keys) + 1:
             raise FormatError(f"Rows of {table.name} are numbered from 1.", remedy="Export the project again.")
         if table is tables.commit:
-            # This transaction's own is the first of them, and told as it was.
+            # This transaction's own commit is the first of them, with the original data.
             keys[number] = self._first + number
             self.tx.insert_rows(table, [{**row, "number": keys[number]}])
             return

@@ -1,4 +1,4 @@
-"""Names of joints that a project adds to those that are known: one table a project."""
+"""Aliases of joints in a project: one table for each project."""
 
 from __future__ import annotations
 

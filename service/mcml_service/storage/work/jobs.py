@@ -118,7 +118,7 @@ class Jobs:
         return [_to_job(row) for row in self._tx.fetch_all(query)]
 
     def active_or_ended_since(self, time: str) -> list[StoredJob]:
-        """Jobs that wait or run, and those that ended at a time or later; the oldest first."""
+        """Return waiting and running jobs, and those that ended at a time or later; the oldest first."""
         going = job.c.state.not_in(ENDED)
         query = self._select_seen().where(going | (job.c.ended >= time)).order_by(job.c.id)
         return [_to_job(row) for row in self._tx.fetch_all(query)]
@@ -131,9 +131,9 @@ class Jobs:
         return self._tx.fetch_one(_claimable(of_project).limit(1)) is not None
 
     def claim(self, runner: str, most: int, of_project: int = 0) -> list[StoredJob]:
-        """Take up to so many jobs that wait, or whose runner has been silent for too long; the oldest first.
+        """Claim up to `most` jobs that wait, or whose lease has expired; the oldest first.
 
-        of_project: how many of one project may run, 0 for any number; then take one at a time.
+        of_project: limit of running jobs in one project, 0 for none; with a limit, claim one at a time.
         """
         if of_project:
             # The second of two runners sees the job that the first has taken.
@@ -161,7 +161,7 @@ class Jobs:
         self._change(uuid, runner, lease=time.time() + LEASE_SECONDS)
 
     def tell(self, uuid: str, runner: str, stage: str, share: float) -> None:
-        """Say how far the job is. ConflictError where another runner has it by now."""
+        """Record the progress of a job. Raises ConflictError if another runner has taken it."""
         self._change(uuid, runner, stage=stage, share=share)
 
     def is_wanted(self, uuid: str, runner: str) -> bool:
@@ -200,7 +200,7 @@ class Jobs:
         self._activity.note("job", state, project_key=project_key, subject=name, author=owner)
 
     def cancel(self, uuid: str) -> StoredJob:
-        """Ask that a job end: one that waits ends at once, one that runs when its runner hears of it. AccessError."""
+        """Cancel a job: a waiting one ends at once, a running one when its runner notices. Raises AccessError."""
         current = self.get(uuid)
         self._quotas.require(current.project_key)
         waiting = update(job).where(job.c.uuid == uuid, job.c.state == "waiting")

@@ -108,7 +108,7 @@ class Saved:
         self._tx.run(delete(saved).where(*chosen, saved.c.name == thing.name))
 
     def expand(self, documents: Sequence[str]) -> list[str]:
-        """Ids of documents, in the place of collections those that are in them. NotFoundError."""
+        """Replace collections by the ids of their documents. Raises NotFoundError."""
         uuids: list[str] = []
         for text in documents:
             if text.startswith(PREFIX):
@@ -131,7 +131,7 @@ class Saved:
 
 
 def filter_of(wanted: dict[str, Any]) -> DocumentFilter:
-    """Conditions of a list as JSON has them. QueryError for one that is none."""
+    """Return the conditions of a list from JSON. Raises QueryError for an invalid one."""
     return DocumentFilter(
         project=wanted.get("project"),
         motion_name=wanted.get("motion_name"),

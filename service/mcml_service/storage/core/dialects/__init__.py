@@ -11,7 +11,7 @@ DIALECTS = {"sqlite": "sqlite:SQLite", "postgresql": "postgresql:PostgreSQL"}
 
 
 def find_dialect(name: str) -> type[Dialect]:
-    """The dialect of that name. KeyError where there is none."""
+    """Return the dialect with a name. Raises KeyError for an unknown name."""
     module, _, kind = DIALECTS[name].partition(":")
     dialect: type[Dialect] = getattr(import_module(f"mcml_service.storage.core.dialects.{module}"), kind)
     return dialect

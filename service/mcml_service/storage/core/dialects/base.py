@@ -39,8 +39,9 @@ class Dialect(ABC):
     """Whether a store is a file of one person, as opposed to a server's for several."""
 
     tracks_by_key: ClassVar[Prepared]
-    """Reads the tracks whose keys are in a JSON array `keys` of [document, chunk, bone, from_commit]: one by one from
-    the index, however many documents they lie in."""
+    """Reads the tracks whose keys are in a JSON array `keys` of [document, chunk, bone, from_commit]: one by one
+    from the index, for any number of documents.
+    """
 
     tracks_over_chunks: ClassVar[Prepared]
     """Reads all tracks valid `at` a commit over the chunks that are in a JSON array `keys` of [document, chunk]."""
@@ -94,7 +95,7 @@ class Dialect(ABC):
 
     @property
     def file(self) -> Path | None:
-        """The file that is the store, None where it is none."""
+        """The file of the store, None if it is not a file."""
         return None
 
     @abstractmethod
@@ -103,20 +104,22 @@ class Dialect(ABC):
 
     @abstractmethod
     def compact(self, progress: Callable[[int], None]) -> None:
-        """Give back room that nothing uses, in steps between which others write, where that can be. progress: gets the
-        bytes that are left to do."""
+        """Return unused space to the disk, if possible in steps between which others can write.
+
+        progress: called with the remaining bytes.
+        """
 
     @abstractmethod
     def is_full(self, error: BaseException | None) -> bool:
-        """Whether the driver's error says that the disk is full."""
+        """Tell whether the driver's error means that the disk is full."""
 
     @abstractmethod
     def is_clash(self, error: BaseException | None) -> bool:
-        """Whether the driver's error says that this transaction was ended since it was in the way of another one."""
+        """Tell whether the driver's error means that this transaction was aborted because it blocked another one."""
 
     @abstractmethod
     def is_away(self, error: BaseException | None) -> bool:
-        """Whether the driver's error says that the database cannot be asked now, and may be later."""
+        """Tell whether the driver's error means that the database is temporarily unreachable."""
 
     @abstractmethod
     def is_damaged(self, error: BaseException | None) -> bool:

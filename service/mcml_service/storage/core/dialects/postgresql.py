@@ -31,7 +31,7 @@ CORRUPTED = ("XX001", "XX002")
 """A page, or an index."""
 
 REST_SECONDS = 1.0
-"""After so long without use, a connection is asked whether it is still one."""
+"""Idle time after which a connection is tested before use."""
 
 _ORDER = text("SELECT pg_advisory_xact_lock(:key)")
 
@@ -61,7 +61,7 @@ class PostgreSQL(Dialect):
 
     @classmethod
     def create_engine(cls, url: str) -> Engine:
-        # Those that were used last are used first: the others rest, and are looked at before they are used again.
+        # Connections used last are used first; the others stay idle, and are tested before they are used again.
         engine = create_engine(url, pool_size=16, max_overflow=32, pool_use_lifo=True)
         event.listen(engine, "checkin", _note_rest)
         event.listen(engine, "checkout", partial(_look_after_rest, engine))
@@ -74,7 +74,7 @@ class PostgreSQL(Dialect):
         return self._connect(isolation_level="REPEATABLE READ", postgresql_readonly=True)
 
     def looking(self) -> AbstractContextManager[Connection]:
-        # Begin and commit would be two more questions to the server.
+        # Begin and commit would be two more round trips to the server.
         return self._connect(isolation_level="AUTOCOMMIT")
 
     @contextmanager
@@ -149,7 +149,7 @@ class PostgreSQL(Dialect):
         return getattr(error, "sqlstate", None) in CORRUPTED
 
     def faults(self, connection: Connection) -> Iterator[str]:
-        # The server checks its pages by their checksums, where they were turned on when it was set up.
+        # The server checks its pages by their checksums, if these were enabled when it was set up.
         store = Statements(connection)
         if store.fetch_value("SHOW data_checksums") == "on":
             query = "SELECT checksum_failures FROM pg_stat_database WHERE datname = current_database()"
@@ -170,7 +170,7 @@ class PostgreSQL(Dialect):
         for table, key, sequence in _find_sequences(store):
             greatest = store.fetch_value(select(func.max(key))) or 0
             newest = max(greatest, last.get(table.name, 0))
-            # The third value says whether the number was given: the first key is 1.
+            # The third value tells whether the number was used: the first key is 1.
             store.fetch_value(
                 text("SELECT setval(CAST(CAST(:sequence AS text) AS regclass), :value, :given)"),
                 {"sequence": sequence, "value": max(newest, 1), "given": newest > 0},
@@ -182,7 +182,7 @@ def _note_rest(_: Any, record: Any) -> None:
 
 
 def _look_after_rest(engine: Engine, connection: Any, record: Any, _: Any) -> None:
-    """That the server did not end a connection meanwhile costs a question: not where it was used just now."""
+    """Test a connection only after an idle time, because each test costs a round trip."""
     since = record.info.get("rests since")
     if since is None or time.monotonic() - since < REST_SECONDS:
         return

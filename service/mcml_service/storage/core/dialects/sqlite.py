@@ -64,7 +64,7 @@ class SQLite(Dialect):
             poolclass=QueuePool,
             pool_size=16,
             max_overflow=48,
-            # The one used last has its pages and statements at hand.
+            # The connection used last has its pages and statements cached.
             pool_use_lifo=True,
             connect_args={"timeout": BUSY_SECONDS, "check_same_thread": False},
         )
@@ -78,7 +78,8 @@ class SQLite(Dialect):
             # The driver's own transaction handling would begin deferred transactions, which cannot be upgraded safely.
             connection.isolation_level = None
             if execute_on_driver(connection, "PRAGMA page_count").fetchone() == (0,):
-                # Pages that are freed can be given back. It is said before anything is written; later it is a write.
+                # Freed pages can be returned to the disk. This must be set before anything is written; later it is a
+                # write.
                 execute_on_driver(connection, f"PRAGMA page_size={PAGE_BYTES}")
                 execute_on_driver(connection, "PRAGMA auto_vacuum=INCREMENTAL")
             for pragma in (
@@ -127,7 +128,7 @@ class SQLite(Dialect):
 
     def retire_keys(self, connection: Connection) -> None:
         for table in RETIRING:
-            # SQLite gives the number behind the highest that there is.
+            # SQLite uses the number after the highest existing one.
             last = f"SELECT '{LAST}{table}', ({_next_key(table)}) - 1"
             Statements(connection).run(f"INSERT OR REPLACE INTO store (name, value) {last}")
 
@@ -146,7 +147,7 @@ class SQLite(Dialect):
         Statements(connection).run("PRAGMA secure_delete=ON")
 
     def settle(self) -> None:
-        # The log holds pages as they were: it is emptied, unless somebody reads an old state just now.
+        # The log holds pages as they were: it is emptied, unless a reader uses an old state.
         with self.engine.connect() as connection:
             driver: Any = connection.connection.driver_connection
             execute_on_driver(driver, "PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
@@ -188,7 +189,7 @@ class SQLite(Dialect):
         return isinstance(error, sqlite3.Error) and code in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR_SHMSIZE)
 
     def is_clash(self, error: BaseException | None) -> bool:
-        # There is one writer at a time.
+        # SQLite allows one writer at a time.
         return False
 
     def is_away(self, error: BaseException | None) -> bool:
@@ -212,21 +213,21 @@ class SQLite(Dialect):
         return {table: Statements(connection).fetch_value(f"{_next_key(table)} - 1") for table in RETIRING}
 
     def after_copy(self, connection: Connection, last: dict[str, int]) -> None:
-        # SQLite numbers on from the greatest key by itself.
+        # SQLite continues from the greatest key automatically.
         for table in RETIRING:
             key = (f"{LAST}{table}", str(last.get(table, 0)))
             Statements(connection).run("INSERT OR REPLACE INTO store (name, value) VALUES (?, ?)", key)
 
 
 def copy_file(source: Path, target: Path) -> None:
-    """Copy a store as it is, while others use it, into an empty file. sqlite3.Error."""
+    """Copy a store into an empty file while others use it. Raises sqlite3.Error."""
     with closing(sqlite3.connect(source)) as old, closing(sqlite3.connect(target)) as new:
         old.backup(new)
     fold_log(target)
 
 
 def fold_log(path: Path) -> None:
-    """Make one file of a store that nobody uses, which can be moved: without a log beside it."""
+    """Merge the log into the file of an unused store, so that the single file can be moved."""
     with closing(sqlite3.connect(path)) as connection:
         execute_on_driver(connection, "PRAGMA journal_mode=DELETE")
 
