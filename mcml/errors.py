@@ -31,7 +31,7 @@ class Place:
 class McmlError(Exception):
     """The root of the tree.
 
-    what: one sentence, without the place. at: where. remedy: how to mend it, an imperative sentence.
+    what: the problem, one sentence without the place. at: the place. remedy: how to fix it, an imperative sentence.
     details: further facts for programs (plain JSON values).
     """
 
@@ -49,7 +49,7 @@ class McmlError(Exception):
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Kinds are made of different arguments; between processes an error goes as it is.
+        # Kinds of errors have different constructors; between processes an error is restored without them.
         return _as_it_was, (type(self), self.args, self.__dict__)
 
     def __str__(self) -> str:
@@ -70,7 +70,7 @@ def kind_name(kind: type[McmlError]) -> str:
 
 
 def kind_of(name: str) -> type[McmlError] | None:
-    """The kind of error of such a name, None where there is none here."""
+    """Return the kind of error with a name, None for an unknown name."""
     kinds = [McmlError]
     for kind in kinds:
         kinds += kind.__subclasses__()
@@ -134,7 +134,7 @@ class UnavailableError(StoreError):
 
 
 class ReplicaError(UnavailableError):
-    """The replica went away while it was read. The primary can be asked the same."""
+    """The replica became unreachable while it was read. The read can be repeated on the primary."""
 
     def __init__(self) -> None:
         super().__init__("The store's replica went away.", remedy="Retry: the store itself then answers.")
@@ -148,21 +148,21 @@ class ClashError(UnavailableError):
 
 
 class BusyError(McmlError):
-    """More is asked for than can be worked on now. Nothing of the request was done."""
+    """The server is too busy. Nothing of the request was done."""
 
     def __init__(self, what: str) -> None:
         super().__init__(what, remedy="Ask again in some seconds.")
 
 
 class ShareError(BusyError):
-    """One client has as many requests waiting as one may have. waiting: how many."""
+    """One client has too many waiting requests. waiting: their number."""
 
     def __init__(self, waiting: int) -> None:
         super().__init__(f"{waiting} requests of yours wait already.")
 
 
 class AttemptsError(McmlError):
-    """Somebody tried too often to log in, or to give the password that they have. seconds: until the next attempt."""
+    """Too many attempts to sign in, or too many wrong current passwords. seconds: until the next attempt."""
 
     def __init__(self, seconds: int) -> None:
         super().__init__(

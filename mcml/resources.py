@@ -1,4 +1,4 @@
-"""Where files that are not Python lie: beside the package in a checkout, inside it in a wheel."""
+"""Places of files that are not Python: beside the package in a checkout, inside it in a wheel."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def rig_words_path() -> Path:
 
 @cache
 def landmark_sets_path() -> Path:
-    """Sets of markers and the landmarks that each marker stands on."""
+    """Sets of markers and the landmark of each marker."""
     return _PACKAGE / "motion" / "landmarks" / "sets.csv"
 
 
@@ -46,7 +46,7 @@ def motion_names_path() -> Path:
 
 
 def find_resource(package: Path, name: str) -> Path:
-    """A file that a wheel carries in `_data` of a package, and a checkout has beside the package or above it.
+    """Return a file that is in `_data` of a package in a wheel, and beside the package or above it in a checkout.
 
     Raises FileNotFoundError.
     """

@@ -1,1 +1,1 @@
-"""Repositories as Python calls them: documents, questions, operations, on a server or through what opens stores."""
+"""Repositories in Python: documents, queries, operations, on a server or in a local store."""

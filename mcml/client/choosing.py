@@ -15,9 +15,9 @@ MOST_NAMED = 5
 
 
 def find_document(client: Client, text: str, *, deleted: bool = False) -> DocumentSummary:
-    """The one document whose id begins so, or whose name this is.
+    """Return the document with this beginning of an id, or this name.
 
-    Raises NotFoundError where there is none, ConflictError where there are several.
+    Raises NotFoundError if there is none, ConflictError if there are several.
     """
     asked: dict[str, Any] = {"limit": MOST_NAMED + 1}
     if deleted:
@@ -39,7 +39,9 @@ def find_document(client: Client, text: str, *, deleted: bool = False) -> Docume
 
 
 def id_of(client: Client, text: str, *, deleted: bool = False) -> str:
-    """The id of the document that a text means; whole ids, and collections of documents, are taken as they are."""
+    """Return the id of the document that a text names; whole ids, and collections of documents, are returned
+    unchanged.
+    """
     return (
         text
         if _ID.fullmatch(text) or text.startswith("collection:")

@@ -30,7 +30,7 @@ class Client(ABC):
         """
 
     def every(self, name: str, /, *, limit: int | None = None, **given: Any) -> Any:
-        """The same for a list, all of its pages as one, or so many items."""
+        """Call a list operation; return all pages as one, or up to `limit` items."""
         first: Any = None
         items: list[Any] = []
         cursor: str | None = None
@@ -48,7 +48,7 @@ class Client(ABC):
 
     @abstractmethod
     def finish(self, job: Job, progress: JobProgress) -> Job:
-        """A job as it ended. progress: told until then. On a store of this machine the job is done in this process."""
+        """Wait for a job and return it. progress: called until then. On a local store the job runs in this process."""
 
     @abstractmethod
     def close(self) -> None:

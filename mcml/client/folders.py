@@ -76,7 +76,7 @@ def _upload(client: Client, paths: list[Path], options: dict[str, Any], progress
 
 
 def groups_of(paths: list[Path], most: int) -> Iterator[list[Path]]:
-    """Files for one call each: ASF with the AMC files of its folder, a zip alone, at most so many others together."""
+    """Group files by calls: ASF with the AMC files of its folder, a zip alone, at most `most` others together."""
     others: list[Path] = []
     for path in paths:
         if not path.exists():

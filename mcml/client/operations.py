@@ -1,4 +1,4 @@
-"""All that a repository can be asked, as methods; operations.pyi has their types."""
+"""All operations of a repository, as methods; operations.pyi has their types."""
 
 from __future__ import annotations
 

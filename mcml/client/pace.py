@@ -10,7 +10,7 @@ LOOKED_BACK = 15.0
 """Seconds over which the rate is taken: files that are stored already go by much faster than others."""
 
 FEWEST_SECONDS = 0.5
-"""Before which no rate is told: workers are started, and the first files wait for them."""
+"""Time before a rate is shown: workers start first, and the first files wait for them."""
 
 
 class Pace:
@@ -23,11 +23,11 @@ class Pace:
         self._of = 0
 
     def tell(self, done: int, of: int) -> None:
-        """So many files of so many are done now."""
+        """Report the number of finished files, and the total."""
         now = self._clock()
         self._of = of
         self._told.append((now, done))
-        # One that lies further back stays, so that there is a rate while a long file is read.
+        # An older one is kept, so that there is a rate while a long file is read.
         while len(self._told) > 2 and self._told[1][0] <= now - LOOKED_BACK:
             self._told.popleft()
 

@@ -27,7 +27,7 @@ TIMEOUT = 600.0
 """Seconds that a server may be silent."""
 
 BUSY = 300.0
-"""Seconds for which a server that is too busy is asked again."""
+"""Seconds for which requests to a busy server are repeated."""
 
 
 class Remote(Client):
@@ -169,7 +169,7 @@ def error_of(answer: httpx.Response) -> McmlError:
     kinds = {401: AccessError, 403: AccessError, 404: NotFoundError, 422: RequestError}
     kind = kind_of(body.get("type", "").rpartition("#")[2]) or kinds.get(answer.status_code, McmlError)
     where = body.get("where")
-    # Kinds are made of different arguments; from a server an error comes as it is.
+    # Kinds of errors have different constructors; an error from a server is restored without them.
     error = kind.__new__(kind)
     McmlError.__init__(
         error, body.get("detail", "refused"), at=Place(**where) if where else None, remedy=body.get("remedy")

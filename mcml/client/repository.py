@@ -81,9 +81,10 @@ class Imported:
 
 
 class Repository:
-    """Documents, and questions about them. As a context manager it is closed at the end.
+    """Documents, and queries about them.
 
-    operations: all that can be asked, by the names that the API's description has; answers are its models.
+    As a context manager it is closed at the end. operations: all operations, by their names in the API description;
+    answers are its models.
     """
 
     def __init__(self, client: Client) -> None:
@@ -108,7 +109,7 @@ class Repository:
         return [Document(self, item) for item in choose_documents(self._client, q=text, **conditions)]
 
     def document(self, text: str) -> Document:
-        """The one document of this id, beginning of an id, or name. Error where there is none, or several."""
+        """Return the document with this id, beginning of an id, or name. Raises Error if there is none, or several."""
         return Document(self, find_document(self._client, text))
 
     def projects(self) -> list[str]:
@@ -126,21 +127,22 @@ class Repository:
         guesses: Literal["yes", "no"] = "yes",
         **variables: str,
     ) -> Query:
-        """A question; it is asked when its answer is wanted: `runs()`, `nodes()`, `value()`, `count()`, `to_pandas()`.
+        """A query; it runs when you read its result: `runs()`, `nodes()`, `value()`, `count()`, `to_pandas()`.
 
-        documents: ids; default all. revision: of the one document, as it left it. per: "document" asks each by itself.
-        guesses: "no" leaves out documents whose unit, up axis or floor is guessed, where bodies are asked for.
-        variables: for $name in it.
+        documents: ids; default all. revision: of the single document. per: "document" queries each separately. guesses:
+        "no" excludes documents whose unit, up axis or floor is guessed, in queries about bodies. variables: for $name
+        in it.
         """
         asked: dict[str, Any] = {"project": project, "document": documents or [], "revision": revision, "per": per}
         asked |= {"guesses": guesses, "variables": variables}
         return Query(self._client, expression, asked)
 
     def import_(self, *paths: str | PathLike[str], progress: Told | None = None, **options: Any) -> Imported:
-        """Store files, folders with all that is in them, or zips. Files that are stored already are skipped.
+        """Store files, folders with all their files, or zips.
 
-        progress: told (files done, of how many, name of the file). options: project, name, description, label
-        (["walk:1-20"]), property (["age=23 year"]), unit, up, frame_time, encoding, movements, on_duplicate ("new").
+        Existing clips are skipped. progress: called with (finished files, total, name of the file). options: project,
+        name, description, label (["walk:1-20"]), property (["age=23 year"]), unit, up, frame_time, encoding, movements,
+        on_duplicate ("new").
         """
         documents: list[Document] = []
         problems: list[FileProblem] = []
@@ -173,7 +175,7 @@ class Query:
             yield from (item for item in page.items or () if isinstance(item, NodeItem))
 
     def value(self) -> Any:
-        """The number, text or truth that it is; for one that is asked of each document, those by the documents' ids.
+        """Return its number, text or boolean; for a query of each document, the values by the documents' ids.
 
         Several values, such as those of distinct-values(), are a list.
         """
@@ -220,7 +222,7 @@ class Query:
         return table
 
     def _place(self, item: NodeItem | ScalarItem) -> dict[str, Any]:
-        """The frame that a node is or lies in, and its time."""
+        """Return the frame of a node, and its time."""
         match = _IN_FRAME.match(item.address) if isinstance(item, NodeItem) else None
         if match is None:
             return {}
@@ -243,7 +245,10 @@ class Query:
 
 
 class Document:
-    """A document as it was when it was found; `refresh` looks again. Changes are revisions, which `undo` takes back."""
+    """A document at the time when it was read; `refresh` reads it again.
+
+    Changes are revisions, which `undo` reverts.
+    """
 
     def __init__(self, repository: Repository, summary: DocumentSummary) -> None:
         self._repository = repository
@@ -274,7 +279,7 @@ class Document:
 
     @property
     def frame_time(self) -> float | None:
-        """Seconds a frame, None where nobody said."""
+        """Seconds of a frame, None if unknown."""
         return self._summary.seconds_per_frame
 
     @property
@@ -282,7 +287,7 @@ class Document:
         return self._summary.revision
 
     def refresh(self) -> Document:
-        """The document as it is now."""
+        """Return the current document."""
         self._summary = find_document(self._repository._client, self.id)
         return self
 
@@ -331,7 +336,9 @@ class Document:
     def export(
         self, path: str | PathLike[str], *, format: str | None = None, force: bool = False, **options: Any
     ) -> Path:
-        """Write it as a file; the path. format: where the name does not say. force: replace a file that is there.
+        """Export it to a file; return the path.
+
+        format: if the name does not decide it. force: replace an existing file.
 
         options: first, last, names (of joints: mcml, bvh1, bvh2, asf, htr), unit, up, frame_time, revision, original.
         A name that ends with .asf or .amc makes both files.
@@ -351,7 +358,8 @@ class Document:
         return self._change(project=project, message=message)
 
     def set(self, message: str = "", **facts: Any) -> Document:
-        """State what its file does not say: unit, up, description, frame_time (a number, or a text such as "1/120").
+        """Set values that its file does not state: unit, up, description, frame_time (a number, or a text such as
+        "1/120").
 
         Nothing is converted.
         """

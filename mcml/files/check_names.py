@@ -14,7 +14,7 @@ from mcml.language.vocabulary import PROPERTY
 from mcml.motion.clip import ClipHead
 
 LONGEST_VALUE = 1 << 18
-"""Characters of a property: room for the provenance of a motion made from thousands of documents."""
+"""Limit of a property in characters: enough for the provenance of a motion made from thousands of documents."""
 
 NAME_BYTES = 1024
 """Of a name in UTF-8: PostgreSQL indexes no longer rows than 2,700 bytes."""
@@ -50,8 +50,8 @@ def name_of_file(text: str) -> str:
 def check_frame_time(given: str | float | Fraction) -> str:
     """Return the seconds of a frame as MCML writes them. Raises DocumentError for an invalid time.
 
-    given: a number, or a text such as 0.0083333 or 1/120. A decimal text stays as it is; all else becomes the
-    shortest one that is the same number.
+    given: a number, or a text such as 0.0083333 or 1/120. A decimal text does not change; other values become the
+    shortest text of the same number.
     """
     text = _seconds(given)
     if text is None or len(text) > 64 or not 1e-9 <= float(text) < 1e6:

@@ -76,7 +76,7 @@ def convert_files(
 
 
 def format_of(file_name: str) -> str:
-    """The format that a file of this name has. UnsupportedError where the name does not say."""
+    """Return the format of a file by its name. Raises UnsupportedError if the name does not decide it."""
     extension = PurePath(file_name).suffix.lower()
     if extension in (".mcml", ".xml"):
         return "mcml"

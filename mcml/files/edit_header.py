@@ -34,7 +34,7 @@ def with_facts(
     unit: str | None = None,
     up: str | None = None,
 ) -> Element:
-    """The document with these facts; None leaves one as it is, "" and () remove it. DocumentError for nonsense."""
+    """Set facts of a document; None keeps a fact, "" and () remove it. Raises DocumentError for invalid values."""
     changes: dict[str, list[Element]] = {}
     if description is not None:
         changes["description"] = [leaf("description", escape(description.strip()))] if description.strip() else []

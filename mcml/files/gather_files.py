@@ -121,7 +121,7 @@ def _pair(
 def _without_skeleton(
     format_name: str, motion: SourceFile, skeletons: list[SourceFile], result: Gathered
 ) -> FormatError:
-    """The error for a motion whose skeleton is not there, cannot be read, or cannot be told among several."""
+    """Return the error for a motion whose skeleton is missing, unreadable, or ambiguous."""
     skeleton_part, motion_part = FORMATS[format_name].parts
     refused = [name for name, _ in result.problems if name.lower().endswith(skeleton_part.extensions)]
     names = ", ".join(sorted(file.name for file in skeletons)) or "none"
@@ -143,9 +143,8 @@ _NAMED_SKELETON = re.compile(rb"^\s*#!\s*OML\s*:\s*ASF\s+([^\r\n]+)", re.IGNOREC
 
 
 def _skeleton_for(motion: SourceFile, skeletons: list[SourceFile]) -> SourceFile | None:
-    """The skeleton that is meant by its name; of several of that name, or where names say nothing, that of its folder.
-
-    FormatError where several of one name are left to choose from.
+    """Return the skeleton of a motion by its name; for several with that name, or without matching names, the one in
+    its folder. Raises FormatError if several with one name remain.
     """
     by_name: dict[str, list[SourceFile]] = {}
     for file in skeletons:

@@ -52,7 +52,7 @@ class ImportOptions:
 
 
 def checked_repairs(names: Sequence[str]) -> tuple[str, ...]:
-    """Names of repairs. RequestError for one that is none."""
+    """Check names of repairs. Raises RequestError for an unknown one."""
     for name in names:
         if name not in REPAIRS:
             raise RequestError(f"There is no repair {name!r}.", remedy=f"There are: {', '.join(REPAIRS)}.")

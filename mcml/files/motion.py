@@ -59,9 +59,9 @@ class Motion:
         return self._clip.frames or 0
 
     def frames(self, *bones: str, space: Space = "channels") -> Frames:
-        """Frames of all frames: the file's channels in its units, or global positions or rotations of bones.
+        """Return all frames: the file's channels in its units, or global positions or rotations of bones.
 
-        bones: MCML's names; default all. Raises Error for a bone that is none.
+        bones: MCML's names; default all. Raises Error for an unknown bone.
         """
         found = read_numbers(self._clip, self.bones, list(bones) or None, space)
         blocks = list(found.blocks())
@@ -114,7 +114,7 @@ class Motion:
         return self._quantity("heading")
 
     def contact(self, joint: str) -> Array:
-        """(frames,) 1 where a joint stands on the ground, 0 where it does not."""
+        """Return (frames,): 1 where a joint is planted on the ground, else 0."""
         return self._quantity("contact", joint)
 
     @cached_property
@@ -122,7 +122,7 @@ class Motion:
         return body_of(self._clip.head, self._clip.blocks())
 
     def _quantity(self, name: str, *arguments: str | None) -> Array:
-        """A quantity in every frame. NotFoundError for a joint that there is not."""
+        """Return a quantity in every frame. Raises NotFoundError for an unknown joint."""
         stated = [argument for argument in arguments if argument is not None]
         asked = asked_quantity(f"{name}:{','.join(stated)}" if stated else name)
         return quantity_values(self._clip, self._body, asked)

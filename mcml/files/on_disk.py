@@ -50,7 +50,9 @@ def opened_files(files: Files) -> Iterator[list[SourceFile]]:
 
 
 def check_free(path: Path, *, force: bool = False, sources: Iterable[Path] = ()) -> None:
-    """ConflictError where a file is there that may not be replaced: any without force, one that is read in any case."""
+    """Raise ConflictError for an existing file that must not be replaced: any without force, an input file in any
+    case.
+    """
     if not path.exists():
         return
     if any(source.exists() and source.samefile(path) for source in sources):

@@ -47,7 +47,7 @@ class OpenClip:
             validate_often(bare, others, self.shared.skeleton.names)
 
     def receipt(self, head: ClipHead, frames: int) -> dict[str, Any]:
-        """The receipt, once all frames were read. head: as it is stored."""
+        """The receipt, once all frames were read. head: the stored head."""
         facts = skeleton_facts(head.skeleton) if self.shared is None else self.shared.facts
         report = None if self.shared is None else self.shared.report
         return receipt(head, facts, frames, report, self.stream.notices)
@@ -60,7 +60,7 @@ def open_made(document: Element, stream: ClipStream, limits: FileLimits) -> Open
 
 
 def open_clip(clip: Clip, options: ImportOptions, limits: FileLimits) -> OpenClip:
-    """The clip that the files hold. Raises what readers raise; a FormatError says which repairs there are."""
+    """Open the clip in the files. Raises the errors of readers; a FormatError lists possible repairs."""
     repairs: list[str] = []
     if options.repair:
         files, repairs = repaired(clip.files, options.repair)

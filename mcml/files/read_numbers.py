@@ -101,7 +101,7 @@ def read_numbers(
 
 
 def chosen_bones(names: Sequence[str], wanted: list[str] | None) -> dict[int, str]:
-    """Numbers of bones with their names. NotFoundError for a name that is none."""
+    """Return numbers of bones with their names. Raises NotFoundError for an unknown name."""
     if not wanted:
         return dict(enumerate(names))
     known = {name: number for number, name in enumerate(names)}

@@ -26,10 +26,10 @@ from mcml.motion.units import reading_of
 
 @dataclass(frozen=True, eq=False)
 class SharedSkeleton:
-    """A source's skeleton as a document has it; to be read only.
+    """The skeleton of a source in the form of a document; read-only.
 
-    skeleton, report: with MCML's names, and how they were found. elements: `root`, where there is one, and `skeleton`.
-    shape: of a frame that has every channel. facts: for receipts.
+    skeleton, report: with MCML's names, and their evidence. elements: `root`, if there is one, and `skeleton`. shape:
+    of a frame that has every channel. facts: for receipts.
     """
 
     skeleton: Skeleton
@@ -40,10 +40,10 @@ class SharedSkeleton:
 
 
 def shared_skeleton(clip: ClipStream, aliases: tuple[tuple[str, str], ...] = ()) -> SharedSkeleton:
-    """Name the joints of a source and write them as elements. DocumentError where these would not be valid.
+    """Name the joints of a source and write them as elements.
 
-    aliases: a project's own (name in the source, name to give). Frames are read only where the motion must tell which
-    of several joints is the root, or where the rest pose is none.
+    Raises DocumentError if these would be invalid. aliases: of a project (name in the source, name to give). Frames are
+    read only if the motion must decide which of several joints is the root, or if the rest pose is not a standing body.
     """
     source = clip.head.skeleton
     rig = recognise_clip(clip)
@@ -53,7 +53,7 @@ def shared_skeleton(clip: ClipStream, aliases: tuple[tuple[str, str], ...] = ())
 
 
 def _told_of_places(clip: ClipStream) -> list[str]:
-    """Sentences about landmarks of markers that stand where their names contradict, in the first block of frames."""
+    """Return sentences about landmarks whose positions in the first block of frames contradict their names."""
     bodies, block = bodies_of(clip.head.skeleton), None
     if bodies:
         block = next(iter(clip.blocks()), None)
@@ -66,7 +66,7 @@ def _told_of_places(clip: ClipStream) -> list[str]:
 
 
 def moving_root(clip: ClipStream, rig: Recognition) -> int | None:
-    """Which of several joints that could be the root moves the figure, None where the skeleton alone tells."""
+    """Return which of several possible root joints moves the figure, None if the skeleton alone decides."""
     source = clip.head.skeleton
     candidates = (_kept_candidates if len(source) <= MOST_JOINTS else joint_names.root_candidates)(source, rig)
     return first_moving(clip, candidates) if len(candidates) > 1 else None

@@ -30,7 +30,10 @@ def find_target(name: str) -> tuple[str, str | None]:
 
 
 def part_without_frames(name: str) -> str | None:
-    """The part of a format that holds a skeleton alone: a motion file without frames is none. None for one part."""
+    """Return the part of a format for a skeleton alone, because a motion file without frames is invalid.
+
+    None for formats with one part.
+    """
     parts = WRITERS[name].parts if name in WRITERS else ()
     return parts[0].name if len(parts) > 1 else None
 

@@ -53,7 +53,7 @@ class _Budget:
     def spool(
         self, member: IO[bytes] | gzip.GzipFile, compressed: int, name: str, file: SourceFile, stack: ExitStack
     ) -> BinaryIO:
-        """The bytes of a member. Sizes that archives state may lie, so the bytes themselves are counted."""
+        """Unpack a member. Sizes stated by archives may be false, so the bytes themselves are counted."""
         spool = cast(BinaryIO, stack.enter_context(tempfile.SpooledTemporaryFile(max_size=8 * COPY_BYTES)))  # noqa: SIM115
         size = 0
         while block := member.read(COPY_BYTES):

@@ -1,4 +1,4 @@
-"""The names of files in a zip. A flag says that a name is UTF-8; without it programs write what their system uses."""
+"""The names of files in a zip. A flag marks a name as UTF-8; without it programs use the encoding of their system."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ WRITERS: dict[str, Writer] = {
     "mot": OpenSim("mot", "OpenSim motion"),
     "sto": OpenSim("sto", "OpenSim storage"),
 }
-"""Every format that is written, by its name: those that are read, and ways out."""
+"""Every format that can be written, by its name: those that are read, and export formats."""
 
 NEEDED = {"glb": "pygltflib", "usd": "pxr", "usda": "pxr"}
 """Modules that writers need and that are not always installed, by format."""

@@ -86,11 +86,11 @@ class Limits:
 
 
 MOST_NOTICES = 200
-"""A receipt with more lines than this tells nobody anything."""
+"""Limit of notices: longer receipts are useless."""
 
 
 def note(notices: list[Notice], kind: str, what: str, at: Place | None = None) -> None:
-    """Append a notice, unless there are a great many or the same one is there already."""
+    """Append a notice, unless there are too many or the same one exists."""
     notice = Notice(kind, what, at)
     if len(notices) < MOST_NOTICES and notice not in notices:
         notices.append(notice)
@@ -122,7 +122,7 @@ class SourceFile:
 
     @contextmanager
     def blamed(self) -> Iterator[None]:
-        """Errors of ours that come out of the block name this file."""
+        """Add the name of this file to errors raised in the block."""
         try:
             yield
         except McmlError as error:
@@ -160,9 +160,9 @@ class Writer(Protocol):
     def assumes(self) -> str: ...
 
     def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:
-        """One part of the clip as bytes. Raises ConversionError where the clip is in another convention.
+        """One part of the clip as bytes.
 
-        What could not be written as it was is appended to `clip.notices`.
+        Raises ConversionError if the clip has another convention. Losses are appended to `clip.notices`.
         """
         ...
 
@@ -179,7 +179,9 @@ class Format(Writer, Protocol):
     def states(self) -> frozenset[str]: ...
 
     def sniff(self, name: str, first_bytes: bytes) -> str | None:
-        """The part that a file is, by its first bytes (at least 4 kB or all) and its name; None if it is none."""
+        """Recognise the part of a file by its first bytes (at least 4 kB or all) and its name; None for another
+        format.
+        """
         ...
 
     def read(self, files: Mapping[str, SourceFile], options: ReadOptions) -> ClipStream:
@@ -191,7 +193,7 @@ class Format(Writer, Protocol):
 
 
 def need_seconds(head: ClipHead, title: str) -> float:
-    """Seconds a frame. Raises ConversionError where nothing says how fast the frames follow: no writer guesses it."""
+    """Return the frame time in seconds. Raises ConversionError if it is unknown: writers never guess it."""
     seconds = head.seconds_per_frame()
     if seconds is None:
         raise ConversionError(

@@ -1,10 +1,9 @@
-"""Repairs of text files that somebody asked for: bytes to bytes, before they are read. Nothing is repaired unasked.
+"""Repairs of text files on request: bytes to bytes, before they are read. Nothing is repaired automatically.
 
-`split-numbers`: a number whose minus touches the one before it (`0.0-7.5094748`) begins a number of its own.
-`decimal-commas`: `0,5` becomes `0.5`. `missing-samples`: `nan` and its like in a BVH are samples that are missing.
-`stated-dof`, `three-dof`: see `asf_amc.repairs`.
-`whole-frames`: of a motion that ends early the frames are kept that are whole. A last number without anything behind it
-may lack digits, so its frame is none.
+`split-numbers`: a number whose minus touches the one before it (`0.0-7.5094748`) begins a new number. `decimal-commas`:
+`0,5` becomes `0.5`. `missing-samples`: `nan` and similar words in a BVH are missing samples. `stated-dof`, `three-dof`:
+see `asf_amc.repairs`. `whole-frames`: of a motion that ends early only complete frames are kept. A last number at the
+end of the file may lack digits, so its frame is not complete.
 """
 
 from __future__ import annotations

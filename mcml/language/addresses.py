@@ -26,10 +26,10 @@ _OF_FRAME = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class FrameAddress:
-    """Where a node in a frame stands.
+    """The place of a node in a frame.
 
-    frame: its position, from 1. tag: "motion_name", "frame_bone", or "" for the frame itself; number: which of them.
-    attribute: its name, None for an element.
+    frame: its position, from 1. tag: "motion_name", "frame_bone", or "" for the frame itself; number: its index among
+    them. attribute: its name, None for an element.
     """
 
     frame: int
@@ -64,7 +64,7 @@ def address_namespace(element: str) -> str:
 
 
 def number_steps(tags: Sequence[str], always: Collection[str] = ()) -> list[str]:
-    """The steps to siblings of these tags, in their order. always: tags that have a number where they stand alone.
+    """The steps to siblings of these tags, in their order. always: tags that have a number even for a single sibling.
 
     >>> number_steps(["name", "bone", "bone"])
     ['name', 'bone[1]', 'bone[2]']
@@ -92,7 +92,7 @@ def read_frame_address(address: str) -> FrameAddress | None:
 
 
 def find_frame(address: str) -> int | None:
-    """The position of the frame that a node is or lies in, None outside the motion's frames."""
+    """Return the position of a node's frame, None outside the motion's frames."""
     match = _FRAME.match(address)
     return None if match is None else int(match[1])
 

@@ -78,7 +78,7 @@ def read_skeleton(document: Element, file_format: str) -> Skeleton:
     """The skeleton that the `root` and `skeleton` elements of a valid document describe.
 
     file_format: the source format, which decides the convention of joints that state none.
-    Raises DocumentError with the element's address: names used twice, numbers that are none, unknown channels.
+    Raises DocumentError with the element's address: names used twice, invalid numbers, unknown channels.
     """
     fallback = _CONVENTION_OF_FORMAT.get(file_format) or _guess_convention(document)
     joints: list[Joint] = []
@@ -146,7 +146,7 @@ def _write_bone(joint: Joint) -> Element:
         (LENGTH, joint.length),
         (POSITION, None if joint.offset is None else " ".join(joint.offset)),
         (AXIS, axis or None),
-        # A joint of HTR without this element has all six channels, so none at all must be said.
+        # A joint of HTR without this element has all six channels, so the absence of channels must be stated.
         (channels_tag, channels if channels or joint.convention is Convention.BASE else None),
     )
     bone.children = [leaf(NAME, escape(joint.name))]

@@ -1,8 +1,8 @@
 """The content models of `mcml.dtd`, compiled, so that a document can be checked element by element as it streams.
 
-Each model becomes an automaton with one state for each place in the declaration where a tag stands (Glushkov 1961).
-XML wants models to be deterministic, so a state and a tag give one next state, and an error is known at the element
-that is wrong, with its line, before the document was read to the end.
+Each model becomes an automaton with one state for each occurrence of a tag in the declaration (Glushkov 1961). XML
+wants models to be deterministic, so a state and a tag give one next state, and an error is known at the element that is
+wrong, with its line, before the document was read to the end.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ class _Ends:
 
 
 class _Model:
-    """The places of one content model: `tags[p]` stands at place p, `follow[p]` are the places that may come next."""
+    """The places of one content model: `tags[p]` is at place p, `follow[p]` are the places that may come next."""
 
     def __init__(self) -> None:
         self.tags = [""]

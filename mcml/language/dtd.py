@@ -36,9 +36,9 @@ MAX_BYTES = 256 << 20
 
 
 def violations(document: bytes | BinaryIO, max_bytes: int = MAX_BYTES) -> list[DocumentError]:
-    """Everything in which a document is not valid, each with its line; [] for a valid one.
+    """Return all violations in a document, each with its line; [] for a valid one.
 
-    Raises DocumentError where it is not well-formed or has a DOCTYPE of its own, LimitError beyond max_bytes.
+    Raises DocumentError if it is not well-formed or has its own DOCTYPE, LimitError beyond max_bytes.
     """
     stream = BytesIO(document) if isinstance(document, bytes) else document
     data = b"".join(utf8_chunks(stream, max_bytes))
@@ -67,7 +67,7 @@ def validate(document: bytes | BinaryIO, max_bytes: int = MAX_BYTES) -> None:
 
 
 def told(faults: Sequence[tuple[str, str]]) -> str:
-    """Faults, each an (address, what), in one message: one as it is, several as a list."""
+    """Join faults, each an (address, what), in one message: several as a list."""
     if len(faults) == 1:
         return faults[0][1]
     more = f", of which the first {MOST_FAULTS} are" if len(faults) > MOST_FAULTS else ""
@@ -101,7 +101,9 @@ _KNOWN_VALID: set[bytes] = set()
 
 
 def _likeness(element: Element) -> tuple[object, ...]:
-    """All of an element that validity can depend on: of words without choice only whether they are there and blank."""
+    """Return all parts of an element that can affect its validity: of free texts only whether they exist and are
+    blank.
+    """
     choices = _choices()
     attributes = [
         (name, value if (element.tag, name) in choices else _kind(value)) for name, value in element.attributes.items()
@@ -110,7 +112,9 @@ def _likeness(element: Element) -> tuple[object, ...]:
 
 
 def _kind(text: str) -> str | bool:
-    """Whether there is more than blanks; the text itself where it is none, or holds what XML might not."""
+    """Tell whether a text is more than blanks; return the text itself if it is None, or has characters that XML may
+    not allow.
+    """
     return True if text.isprintable() and text.strip(WHITE_SPACE) else text
 
 
@@ -134,7 +138,7 @@ def validate_frames(document: Element, frames: Iterable[Element]) -> None:
 
 
 def frame_of(shape: Shape, motion_names: int, names: Sequence[str]) -> Element:
-    """A frame of that shape with so many motion names."""
+    """Return a frame of a shape with a number of motion names."""
     frame = Element(FRAME, {"id": "1"}, children=[Element(MOTION_NAME, text="name") for _ in range(motion_names)])
     for joint, bits in shape:
         channels = {channel: "0" for place, channel in enumerate(CHANNELS) if bits >> place & 1}
@@ -143,9 +147,8 @@ def frame_of(shape: Shape, motion_names: int, names: Sequence[str]) -> Element:
 
 
 def _shape_key(frame: Element) -> tuple[object, ...]:
-    """All of a frame that validity can depend on: tags, attribute names, and whether there is no, blank, or other text.
-
-    Blank text may stand between elements, but not in an element that holds nothing.
+    """Return all parts of a frame that can affect its validity: tags, attribute names, and whether there is no, blank,
+    or other text. Blank text is allowed between elements, but not in empty elements.
     """
     return (
         frame.tag,

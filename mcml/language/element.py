@@ -1,4 +1,4 @@
-"""One element of a document, and where it stands."""
+"""One element of a document, and its place."""
 
 from __future__ import annotations
 

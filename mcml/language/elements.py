@@ -42,8 +42,8 @@ DEFAULT_STYLE = "shortest"
 def from_head(head: ClipHead) -> Element:
     """The `mcml` element of a clip with header, root and skeleton, without motion.
 
-    `to_head(from_head(head), head.frame_time) == head`; frame_time stands in the motion (Table 4, 3).
-    Parts of `head.sources` need different `part` names, or the comments of equal ones cannot be told apart.
+    `to_head(from_head(head), head.frame_time) == head`; frame_time is in the motion (Table 4, 3). Parts of
+    `head.sources` need different `part` names, otherwise their comments cannot be distinguished.
     """
     return mcml_element(write_header(head), write_skeleton(head.skeleton))
 
@@ -54,7 +54,7 @@ def mcml_attributes(version: str) -> dict[str, str]:
 
 
 def mcml_element(header: Element, skeleton: Iterable[Element]) -> Element:
-    """An `mcml` element without motion. skeleton: `root`, where there is one, and `skeleton`."""
+    """An `mcml` element without motion. skeleton: `root`, if there is one, and `skeleton`."""
     return Element(MCML, {"version": LANGUAGE_VERSION}, "", [header, *skeleton])
 
 

@@ -130,7 +130,7 @@ class FrameReader:
             raise DocumentError(f"{tag} cannot hold text, found {text.strip()[:40]!r}", at=self._place())
 
     def inside_empty(self) -> bool:
-        """Whether the parser is within a frame_bone, where not even a comment may stand."""
+        """Whether the parser is within a frame_bone, where not even a comment is allowed."""
         return self._open == FRAME_BONE
 
     def finish(self) -> None:
@@ -156,7 +156,7 @@ class FrameReader:
         return pattern_of(raw, tuple(self._shape), tuple(self._names))
 
     def repeat(self, pattern: Pattern, identity: str, numbers: tuple[str, ...]) -> None:
-        """A frame that repeats a pattern but for its id and numbers."""
+        """Add a frame that repeats a pattern except for its id and numbers."""
         line = self._line()
         self._id = identity
         self._names = list(pattern.motion_names)
@@ -207,7 +207,9 @@ class FrameReader:
         self._motion_names: list[tuple[str, ...]] = []
 
     def _check_attributes(self, names: tuple[str, ...]) -> tuple[int, list[int] | None]:
-        """Bits of the channels, and where to find name and channels in order, None if they stand so already."""
+        """Return the bits of the channels, and the indices of name and channels in order, None if they are already
+        in order.
+        """
         error = declarations()[FRAME_BONE].attribute_error(dict.fromkeys(names, ""))
         if error:
             raise DocumentError(error, at=self._place())

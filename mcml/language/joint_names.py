@@ -139,19 +139,18 @@ def _is_literal(skeleton: Skeleton) -> bool:
 
 
 def _is_mcml(names: Sequence[str], keys: Set[str]) -> bool:
-    """Whether names are MCML's own: nearly all are in Table 1, one of them is nobody else's, and none is a word that
-    MCML does not use for a part of a limb. `left_hip`, `left_foot` and others are SMPL's and MediaPipe's too, where
-    they mean other joints."""
+    """Whether names are MCML's own: nearly all are in Table 1, one of them is unique to MCML, and none is a word
+    that MCML does not use for a part of a limb. SMPL and MediaPipe also use `left_hip`, `left_foot` and others, for
+    other joints.
+    """
     ours = {row.name for row in table()}
     own = sum(name in ours for name in names)
     return own >= _NEARLY_ALL * len(names) and not _mcml_only().isdisjoint(names) and keys.isdisjoint(_FOREIGN)
 
 
 def root_candidates(skeleton: Skeleton, recognition: Recognition) -> tuple[int, ...]:
-    """Joints that can be Root and can move the figure, parents first: the one that is recognised, and each above it
-    that has no other child and is called root, hips or the like.
-
-    Where there are several, which of them does is to be seen in the motion: see `named`.
+    """Return possible Root joints that may move the figure, parents first: the recognised one, and each above it
+    without another child and with a name such as root or hips. If there are several, the motion decides: see `named`.
     """
     if _is_literal(skeleton) or _is_markers(skeleton):
         return ()
@@ -198,7 +197,7 @@ def named(
 ) -> tuple[Skeleton, NamingReport]:
     """Set `name`, `mapped` and `confidence` of every joint; return the skeleton and the reasons for unmapped joints.
 
-    Source names stay as they are. extra: a team's own rows, (name in the source, name to give), which come first. Never
+    Source names do not change. extra: aliases, (name in the source, name to give), which come first. Never
     fails: a joint without a name of MCML's keeps its source name, with `#2` if that is taken.
 
     root: which of several `root_candidates` moves the figure; None: the first. recognition: the recognised rig, if
@@ -319,7 +318,7 @@ def alias_key(name: str) -> str:
 
 @cache
 def _mcml_only() -> frozenset[str]:
-    """Names of Table 1 that no other rig writes: of sides, without those that others use."""
+    """Return the names of Table 1 that no other rig uses; for names with sides, without those that others use."""
     shared = {f"{side}_{part}" for side in ("left", "right") for part in _SHARED}
     sided = {row.name for row in table() if row.name.startswith(("left_", "right_"))}
     return frozenset((sided | set(TRUNK[1:])) - shared)

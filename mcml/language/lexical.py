@@ -1,9 +1,9 @@
-r"""Text that XML cannot hold as it is, and lists in attributes.
+r"""Text that XML cannot represent directly, and lists in attributes.
 
-XML 1.0 has no control characters but tab, line feed and carriage return, and no surrogates. MCML trims the text of
+XML 1.0 has no control characters except tab, line feed and carriage return, and no surrogates. MCML trims the text of
 leaves and separates list items by white space. Lost characters are written as `\u{HEX}`: those characters, white space
 at either end of a text, white space within a list item, and the backslash of a literal `\u{`. An empty list item is
-`\u{}`. A backslash elsewhere stays as it is, so that `F:\VICON\data` remains readable.
+`\u{}`. A backslash elsewhere does not change, so that `F:\VICON\data` remains readable.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Names of motions: which movements a part of the body can perform (the paper, 4.4).
+"""Names of motions: the movements that a part of the body can perform (the paper, 4.4).
 
 A name that reads as `[side-]part-movement` must be possible: nobody abducts a shoulder. Every other name (walk,
 bar-3, hand-shake) is free. `motion_names.csv` holds the parts, their movements, and the synonyms of both; movements
-without a part that performs them are there to be recognised, and refused.
+without a part are included so that they are recognised and refused.
 """
 
 from __future__ import annotations
@@ -66,15 +66,15 @@ class MotionName:
 
 
 def canonical(name: str, *, strict: bool = False) -> str:
-    """The form in which the name is stored: synonyms resolved, words joined by hyphens; a free name as it is.
+    """The form in which the name is stored: synonyms resolved, words joined by hyphens; a free name is unchanged.
 
-    Raises VocabularyError with the nearest possible name where no body can perform it, and, if strict, for every
-    name that is not anatomical.
+    Raises VocabularyError with the nearest possible name if no body can perform it, and, if strict, for every name that
+    is not anatomical.
 
     >>> canonical("left-arm_abduction"), canonical("left-arm-front"), canonical("Bar 3")
     ('left-arm-abduction', 'left-arm-flexion', 'Bar 3')
     """
-    # In NFC, as all names are: 걸음 and é are found however they were typed.
+    # In NFC, as all names are: 걸음 and é are found in any Unicode form.
     name = unicodedata.normalize("NFC", name).strip(WHITE_SPACE)
     if not name:
         raise VocabularyError("a motion name is empty", remedy="Give it a name, or remove the element.")

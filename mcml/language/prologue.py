@@ -1,6 +1,6 @@
-"""The bytes of an uploaded document, made ready for the parser: UTF-8, and the one DOCTYPE allowed taken out.
+"""The bytes of an uploaded document, made ready for the parser: UTF-8, and without the one allowed DOCTYPE.
 
-A document may say `<!DOCTYPE mcml SYSTEM "mcml.dtd">` or nothing. That line is blanked here; every DOCTYPE that the
+A document may have `<!DOCTYPE mcml SYSTEM "mcml.dtd">` or no DOCTYPE. That line is blanked here; every DOCTYPE that the
 parser still sees is refused, so that no entity can ever be declared and no file fetched.
 """
 

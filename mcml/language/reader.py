@@ -2,8 +2,8 @@
 
 Memory does not grow with the length of the motion. Every element is checked when it begins and ends, by the content
 models that `mcml.language.content` compiles from `mcml.dtd`, so an error has its line; tests prove that the verdict is
-libxml2's. Beyond the DTD: bones named in frames exist and stand there once, channel values are finite decimals, the
-counts agree. Entities, DOCTYPEs but the one allowed, and anything beyond the limits are refused.
+libxml2's. Beyond the DTD: bones named in frames exist and appear once in a frame, channel values are finite decimals,
+the counts agree. Entities, other DOCTYPEs, and anything beyond the limits are refused.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 Nearly all frames of a motion differ from the one before in their id and their numbers only. A frame whose bytes
 outside of those are the same as those of an accepted frame is well-formed and valid because that one was, so only its
-id and numbers are looked at. Anything else, however little it differs, goes to the parser: this skips work whose
-result is known, and decides nothing itself.
+id and numbers are looked at. Any other frame, even with a small difference, is parsed: this skips work with a known
+result, and decides nothing itself.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ _NUMBER_LETTERS = str.maketrans("", "", "0123456789+-.eE")
 class Pattern:
     """An accepted frame.
 
-    text: its text without what stands in double quotes. quoted: how many quoted values there are. names: the bones'
-    names, at the places `name_places` of the quoted values; numbers stand at `number_places`. shape,
+    text: its text without the values in double quotes. quoted: number of quoted values. names: the bones' names, at the
+    indices `name_places` of the quoted values; numbers are at `number_places`. shape,
     motion_names: of the frame. lines: line feeds before each frame_bone, and in the whole frame.
     """
 

@@ -33,7 +33,7 @@ VALUES_TOGETHER = 1 << 13
 
 
 class Layout(Enum):
-    """Where white space stands between elements."""
+    """The white space between elements."""
 
     COMPACT = "compact"
     LINES = "lines"
@@ -69,10 +69,10 @@ def write_document(
 ) -> Iterator[bytes]:
     """A whole document.
 
-    document: the `mcml` element without its motion (a motion it has is left out). frames: how many frames the blocks
-    hold, for motion/frames. frame_time: text of motion/frametime, None to leave it out. names: of each joint, as
+    document: the `mcml` element without its motion (a motion it has is left out). frames: number of frames in the
+    blocks, for motion/frames. frame_time: text of motion/frametime, None to leave it out. names: of each joint, as
     `Joint.name` gives it. layout: LINES if not given; `pretty` is short for PRETTY.
-    Raises DocumentError where a frame has a value that is not finite.
+    Raises DocumentError for a value that is not finite.
     """
     layout = layout or (Layout.PRETTY if pretty else Layout.LINES)
     line = b"" if layout is Layout.COMPACT else b"\n"
@@ -170,7 +170,7 @@ def frame_texts(
     before: Sequence[bytes] = (),
     after: bytes = b"",
 ) -> list[bytes]:
-    """Frames of any documents, each by itself, COMPACT. Raises DocumentError for NaN and infinity.
+    """Write frames of any documents, each separately, COMPACT. Raises DocumentError for NaN and infinity.
 
     values: of all frames one after the other, those of each in the order of its shape. kinds: the shapes that occur,
     each with the names of bones. kind_of: which of them each frame has. ids, motion_names: as in a FrameBlock. before,

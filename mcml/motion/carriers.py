@@ -1,4 +1,4 @@
-"""Which joints carry a body through the world: the root, or the hips below a root that only stands there."""
+"""Joints that move a body through the world: the root, or the hips below a fixed root."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ def carriers(skeleton: Skeleton, *translations: Array) -> tuple[int, ...]:
 
 
 def first_moving(clip: ClipStream, joints: Sequence[int]) -> int | None:
-    """The first of some joints whose position channels change over a clip, None where none of them does.
+    """Return the first of some joints whose position channels change over a clip, None if none does.
 
-    Frames are read only as far as that takes: to the end where the first one stands still.
+    Frames are read only as far as needed: to the end if the first one does not move.
     """
     low = np.full((len(joints), len(TRANSLATIONS)), np.inf)
     high = -low

@@ -1,6 +1,6 @@
 """Clips: a head, and blocks of frames that stream.
 
-The source's own numbers and units are kept; nothing is scaled or turned here.
+The source's own numbers and units are kept; nothing is scaled or rotated here.
 """
 
 from __future__ import annotations
@@ -18,8 +18,10 @@ from mcml.errors import Notice
 from mcml.motion.skeleton import Array, Skeleton
 
 Shape: TypeAlias = tuple[tuple[int, int], ...]
-"""Which frame_bones a frame has, in order: (joint index, bits of the channels it has). Bit i stands for
-`CHANNELS[i]`; no bits: the source listed the joint but has no sample (a missing marker)."""
+"""The sequence of frame_bones in a frame: (joint index, bits of its channels).
+
+Bit i is for `CHANNELS[i]`; no bits: the source listed the joint but has no sample (a missing marker).
+"""
 
 
 @dataclass(frozen=True)

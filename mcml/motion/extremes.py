@@ -25,7 +25,7 @@ def within_doubles(clip: ClipStream) -> ClipStream:
 
 def check_numbers(block: FrameBlock, names: Sequence[str] | Mapping[int, str], position: int) -> None:
     """ConversionError for a number that is beyond the largest double. position: of the block's first frame, from 1."""
-    # Where every sample is there, NaN is the difference of two such numbers.
+    # Without missing samples, NaN is the difference of two such numbers.
     whole = block.shape_of is None and block.shapes[:1] == (full_shape(block.columns),)
     beyond = ~np.isfinite(block.values) if whole else np.isinf(block.values)
     if beyond.any():

@@ -1,9 +1,8 @@
-"""Feet that stand: when they do, how far they slide, and legs bent so that they do not.
+"""Planted feet: detect contacts, measure sliding, and bend legs so that feet do not slide.
 
-A foot stands from when it is low and slow until it is no longer low or no longer slow; the limits for the end are wider
-than those for the start (hysteresis), so that a foot at rest does not flicker. Standing feet are held in place by
-bending the knee and turning the hip (two-bone inverse kinematics); by how much they are moved fades out before and
-after.
+A contact begins when the foot is low and slow, and ends when it is no longer low or no longer slow; the limits for the
+end are wider than those for the start (hysteresis), so that contacts do not flicker. Planted feet are locked by bending
+the knee and rotating the hip (two-bone inverse kinematics); the correction fades out before and after.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ _LOW, _NOT_LOW = 0.06, 0.12
 _SLOW, _NOT_SLOW = 0.35, 0.7
 """Speeds in lengths of a leg a second."""
 _SHORTEST = 0.05
-"""Seconds that a foot stands at least."""
+"""Shortest contact in seconds."""
 _FADE = 0.15
 """Seconds over which a correction fades out."""
 _ROUNDS = 4
@@ -37,8 +36,10 @@ _STRETCHED = 0.9995
 
 @dataclass(frozen=True)
 class Feet:
-    """A leg of the target. hip, knee, ankle, toe: joints (toe is the ankle where there is none). source: the joint of
-    the source whose contacts count."""
+    """A leg of the target.
+
+    hip, knee, ankle, toe: joints (toe is the ankle without toes). source: the joint of the source whose contacts count.
+    """
 
     hip: int
     knee: int
@@ -49,8 +50,11 @@ class Feet:
 
 @dataclass(frozen=True)
 class FootReport:
-    """joint: of the target, that stands. contacts: (first frame, last frame) from 0. before, after: how far it slides
-    over the ground while it stands, in the target's unit, all frames together."""
+    """joint: the planted joint of the target.
+
+    contacts: (first frame, last frame) from 0. before, after: distance that it slides over the ground during contacts,
+    in the target's unit, over all frames.
+    """
 
     joint: int
     contacts: tuple[tuple[int, int], ...]
@@ -75,7 +79,7 @@ def feet_of(source: Skeleton, target: Skeleton, pairs: Mapping[int, int]) -> tup
 
 
 def contacts(places: Array, frame_time: float, leg: float, up: Array) -> tuple[tuple[int, int], ...]:
-    """(first, last) of the frames, from 0, in which a foot stands.
+    """Return (first, last) of the frames, from 0, in which a foot is planted.
 
     places: (n, 3) in the world. frame_time: seconds. leg: its length, in the same unit. up: (3,) unit vector. The floor
     is the height under which the foot is in a twentieth of the frames.
@@ -89,10 +93,10 @@ def contacts(places: Array, frame_time: float, leg: float, up: Array) -> tuple[t
 
 
 def standing(heights: Array, speeds: Array, frame_time: float) -> list[tuple[int, int]]:
-    """(first, end) of the frames, from 0, in which something stands; the end is the place behind the last.
+    """Return (first, end) of the frames, from 0, in which something is planted; the end is the index after the last.
 
-    heights: (n,) above the ground in leg lengths. speeds: (n,) in leg lengths a second. NaN where unknown: nothing
-    stands there. frame_time: seconds.
+    heights: (n,) above the ground in leg lengths. speeds: (n,) in leg lengths a second. NaN where unknown: no contact
+    there. frame_time: seconds.
     """
     stands = hysteresis((heights < _LOW) & (speeds < _SLOW), (heights < _NOT_LOW) & (speeds < _NOT_SLOW))
     shortest = max(2, int(np.ceil(_SHORTEST / frame_time)))
@@ -112,7 +116,7 @@ def hysteresis(begins: Flags, stays: Flags) -> Flags:
 
 
 def sliding(places: Array, stands: Sequence[tuple[int, int]], up: Array) -> float:
-    """How far a foot at places (n, 3) moves over the ground while it stands."""
+    """Return the distance that a foot at positions (n, 3) moves over the ground during contacts."""
     total = 0.0
     for first, last in stands:
         steps = np.diff(places[first : last + 1], axis=0)
@@ -151,7 +155,7 @@ def clean_feet(
 
 
 def _held(places: Array, stands: Sequence[tuple[int, int]], fade: int, up: Array) -> Array:
-    """Where a foot should be (n, 3): while it stands on the spot where it is on the mean."""
+    """Return the target positions of a foot (n, 3): during a contact its mean position."""
     moves = np.zeros_like(places)
     for first, last in stands:
         spot = places[first : last + 1].mean(axis=0)
@@ -203,7 +207,8 @@ def _reach(
 
 
 def two_bones(hip: Array, knee: Array, ankle: Array, goal: Array) -> tuple[Array, Array]:
-    """Turns in the world (n, 4) of the upper bone, and before it of the lower one, that bring the ankle to the goal.
+    """Return rotations in the world (n, 4) of the upper bone, and before it of the lower one, that move the ankle to
+    the goal.
 
     hip, knee, ankle, goal: (n, 3). The knee bends in the plane in which it is bent; a goal out of reach is approached
     along the line to it. With a, b the lengths and d the distance of the goal, the cosine of the angle at the knee is
@@ -214,7 +219,7 @@ def two_bones(hip: Array, knee: Array, ankle: Array, goal: Array) -> tuple[Array
     distance = np.clip(np.linalg.norm(line, axis=1), np.abs(a - b) + 1e-9, _STRETCHED * (a + b))
     old = np.arctan2(np.linalg.norm(np.cross(upper, lower), axis=1), (upper * lower).sum(axis=1))
     reached = np.linalg.norm(ankle - hip, axis=1)
-    # Where the leg already reaches that far nothing is bent, however straight it is.
+    # If the leg already reaches that far, nothing is bent, even if it is straight.
     stays = np.abs(np.linalg.norm(line, axis=1) - reached) < 1e-12 * (a + b)
     cosine = np.clip((distance**2 - a**2 - b**2) / np.where(a * b > 0, 2 * a * b, 1.0), -1.0, 1.0)
     bend = np.where(stays, 0.0, np.arccos(cosine) - old)

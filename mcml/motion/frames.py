@@ -1,6 +1,6 @@
 """Frames of a clip in one array: joined, reversed, their channels moved and scaled; missing samples stay missing.
 
-A clip's own numbers stay bit by bit wherever an operation leaves them as they are.
+Unchanged numbers of a clip stay equal bit by bit.
 """
 
 from __future__ import annotations
@@ -28,9 +28,10 @@ class Edited:
 
 
 def joined(blocks: Iterable[FrameBlock]) -> FrameBlock:
-    """One block of all frames. Blocks may differ in their columns: a frame has NaN where its own block had none.
+    """One block of all frames.
 
-    Raises ConversionError where there is no block.
+    Blocks may differ in their columns: a frame has NaN for columns that its own block lacks. Raises ConversionError
+    without blocks.
     """
     parts = list(blocks)
     if not parts:
@@ -110,8 +111,8 @@ def rows_of(block: FrameBlock, start: int, end: int) -> FrameBlock:
 def eased(frames: int, first: int, last: int, ease: int = 0) -> Array:
     """Strength (n,) of an edit of the frames first to last, both included: 0 outside, 1 inside.
 
-    ease: over so many frames at either end, inside the range, the strength grows as half a period of a cosine; never
-    at the ends of the clip, where nothing has to be joined. Raises ConversionError for a range that is not in the clip.
+    ease: number of frames at each end, inside the range, over which the strength grows as half a period of a cosine;
+    not at the ends of the clip, which need no transition. Raises ConversionError for a range that is not in the clip.
 
     >>> eased(6, 1, 4, 2).round(3).tolist()
     [0.0, 0.25, 0.75, 0.75, 0.25, 0.0]
@@ -170,8 +171,8 @@ def remade(
 ) -> FrameBlock:
     """A block of new values (n, D), NaN where samples are missing, made of frames `rows` (n,) of another block.
 
-    What a frame listed without a sample it still lists, motion names go along. partners: (J,) the joint whose place in
-    the list a joint takes. ids: 1, 2, … where left out.
+    Joints listed without a sample stay listed; motion names are kept. partners: (J,) the joint whose place in the list
+    a joint takes. ids: default 1, 2, …
     """
     ids = np.arange(1, len(rows) + 1, dtype=np.int64) if ids is None else ids
     names = None if block.motion_names is None else [block.motion_names[int(row)] for row in rows]

@@ -32,7 +32,7 @@ def likely_unit(head: ClipHead, pose: Array) -> tuple[str | None, float | None]:
     """
     if stated := head.fields.get("calibration_unit"):
         return stated, metres_of(head)
-    # A root that only stands in the world, away from the body, is no part of its height.
+    # A fixed root away from the body is not part of its height.
     aside = [joint for root in head.skeleton.roots for joint in chain(head.skeleton, root)[:-1]]
     pose = np.delete(pose, aside, axis=0)
     seen = pose[np.isfinite(pose).all(axis=1)]
@@ -54,7 +54,7 @@ _HEIGHTS = (
     (1.0, re.compile(r"knee|\b[lr]?kne\b|low ?leg|shin|tibia")),
     (0.0, re.compile(r"heel|\b[lr]?hee\b|cal(?:c|can)|toe|ankle|\b[lr]?ank\b|mall?eol|foot|\b[lr]?mt\d|metatars")),
 )
-"""How high parts stand in a body that stands, in no unit, and words that their names have."""
+"""Relative heights of parts in a standing body, and words in their names."""
 _NO_HEAD = re.compile(r"(?:met|mt|fib|rad|hum|uln|fem)\w* ?\d*\w* ?head|head ?(?:of|met|mt|fib|rad|hum|uln|fem)")
 _LOW, _HIGH = 1.0, 2.0
 """Joints whose names decide the up axis: knees or feet, and hips or joints above."""
@@ -79,12 +79,12 @@ class LikelyUp:
 
 
 def likely_up(skeleton: Skeleton, positions: Array) -> LikelyUp:
-    """The axis that points up.
+    """Guess the axis that points up.
 
-    positions: (n, J, 3) of some frames, or (J, 3) of one, NaN where a point was not seen. Names tell it where there are
-    high parts and low ones (heads above feet). Else no axis along which points travel far is up: a walkway is longer
-    than a person. Of the others it is the one along which points are longest in a frame, or travel least; it is said
-    where nothing but an extent tells it. "Y" where nothing extends.
+    positions: (n, J, 3) of some frames, or (J, 3) of one, NaN where a point was not visible. Names decide if there are
+    high parts and low ones (heads above feet). Otherwise axes along which points travel far are excluded, because a
+    walkway is longer than a person. Of the others it is the one along which the points of a frame extend furthest, or
+    travel least; the reason states if only an extent decided. "Y" without any extent.
     """
     frames = positions if positions.ndim == 3 else positions[None]
     towards = _from_low_to_high(skeleton, frames)
@@ -112,7 +112,7 @@ def stated_up(head: ClipHead) -> str | None:
 
 
 def changed_up(head: ClipHead, positions: Array) -> tuple[str, str] | None:
-    """The axis up as it was guessed before and as it is guessed now, where these differ and nothing states it.
+    """Return the up axes of the earlier and the current guess, if they differ and no axis is stated.
 
     positions: (n, J, 3) of the clip, or of a sample of it, NaN where unknown; without frames of the rest pose.
     """
@@ -123,9 +123,9 @@ def changed_up(head: ClipHead, positions: Array) -> tuple[str, str] | None:
 
 
 def longest_up(skeleton: Skeleton, positions: Array) -> str:
-    """The axis up as it was guessed before names and travel counted: of files whose answers rested on that.
+    """Return the up axis by the earlier rule, without names and travel, for files imported with it.
 
-    positions: as `likely_up` takes them. From the root, or the feet, to the head, else the longest extent.
+    positions: as for `likely_up`. From the root, or the feet, to the head, else the longest extent.
     """
     places = _mean_pose(positions if positions.ndim == 3 else positions[None])
     joints = {joint.name: index for index, joint in enumerate(skeleton.joints)}
@@ -142,7 +142,7 @@ def longest_up(skeleton: Skeleton, positions: Array) -> str:
 
 @once_a_skeleton
 def _heights(skeleton: Skeleton) -> tuple[float | None, ...]:
-    """How high each joint stands in a body, as far as its name tells."""
+    """Return the relative height of each joint in a body, if its name decides it."""
     return tuple(_height_of(joint.name) for joint in skeleton.joints)
 
 
@@ -152,14 +152,15 @@ def _height_of(name: str) -> float | None:
     words = re.sub(r"[\W_]+", " ", words).lower().strip()
     if _NO_HEAD.search(words):
         return None
-    # Of "left_foot_head" or "ankle-knee" nobody knows.
+    # "left_foot_head" or "ankle-knee" are ambiguous.
     found = [height for height, pattern in _HEIGHTS if pattern.search(words)]
     return found[0] if len(found) == 1 else None
 
 
 def _from_low_to_high(skeleton: Skeleton, frames: Array) -> Array | None:
-    """(3,) from the lowest parts to the highest in frames (n, J, 3) that show both, None where there are none, or names
-    tell nothing. Frame by frame: on a walkway points may be seen one after the other."""
+    """Return (3,) from the lowest parts to the highest in frames (n, J, 3) with both, None without such frames or
+    names. Frame by frame, because on a walkway points may be visible at different times.
+    """
     heights = np.array([np.nan if height is None else height for height in _heights(skeleton)])
     known = heights[np.isfinite(heights) & np.isfinite(frames).all(axis=2).any(axis=0)]
     if not len(known) or known.max() < _HIGH or known.min() > _LOW:
@@ -211,8 +212,9 @@ def _extents(frames: Array) -> Array:
 
 
 def _mean_pose(positions: Array) -> Array:
-    """(J, 3) where joints are on the mean over frames (n, J, 3), NaN where one is never seen: however a body bends and
-    turns, its head is above its feet on the whole."""
+    """Return (J, 3) the mean positions of joints over frames (n, J, 3), NaN for one that is never visible: on
+    average the head is above the feet.
+    """
     if np.isfinite(positions.sum()) and len(positions):
         mean: Array = positions.sum(axis=0) / len(positions)
         return mean

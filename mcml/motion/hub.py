@@ -21,7 +21,7 @@ from mcml.motion.units import DEGREES, Reading
 
 @dataclass(frozen=True, eq=False)
 class Rest:
-    """The rest pose, in world axes. To be read only.
+    """The rest pose, in world axes. Read-only.
 
     offsets: (J, 3) from the parent's joint. orientations: (J, 4) of the source's local axes: the identity for LISTED,
     C for FIXED, the product of base rotations for BASE. bones: (J, 3) from a joint to the tip of its own bone (FIXED
@@ -185,8 +185,9 @@ _Groups: TypeAlias = dict[tuple[Convention, str], tuple[list[int], list[int]]]
 def _places(
     skeleton: Skeleton,
 ) -> tuple[_Groups, tuple[list[int], list[int]], list[tuple[int, list[tuple[int, int]]]], list[tuple[int, int]]]:
-    """Where in the skeleton's columns values stand: angles, see `_rotation_groups`; translations that replace the
-    offset, places in (J, 3) and columns; those of other joints that may move, by axis; scales."""
+    """Return the indices of values in the skeleton's columns: angles, see `_rotation_groups`; translations that replace
+    the offset, places in (J, 3) and columns; those of other joints that may move, by axis; scales.
+    """
     place = {column: index for index, column in enumerate(skeleton.columns())}
     joints = range(len(skeleton))
     moved = [(index, [(axis, place[index, axis]) for axis in range(3) if (index, axis) in place]) for index in joints]

@@ -78,7 +78,9 @@ def _size(skeleton: Skeleton, lengths: Array) -> float:
 
 
 class HubWriter:
-    """Hub arrays of consecutive frames to channel values; carries angles from block to block, so that they go on."""
+    """Hub arrays of consecutive frames to channel values; carries angles from block to block, so that they are
+    continuous.
+    """
 
     def __init__(self, skeleton: Skeleton, reading: Reading = DEGREES) -> None:
         self.skeleton = skeleton
@@ -143,7 +145,7 @@ class HubWriter:
         return len(self._letters[index]) == 3
 
     def nearest(self, index: int, rotations: Array) -> Array:
-        """The rotations (n, 4) nearest to given ones that the channels of a joint can say."""
+        """Return the rotations (n, 4) nearest to given ones that the channels of a joint can represent."""
         if self.is_free(index):
             return rotations
         axes, letters = self.rest.orientations[index], self._letters[index]

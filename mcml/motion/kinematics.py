@@ -64,7 +64,9 @@ def rest_positions(skeleton: Skeleton, reading: Reading = DEGREES) -> Array:
 
 
 def unseen(skeleton: Skeleton, block: FrameBlock) -> NDArray[np.bool_]:
-    """(n, J) where a sample that a joint's place hangs on is missing: one of its own channels, or of a joint above."""
+    """Return (n, J) where a sample that a joint's position depends on is missing: one of its own channels, or of a
+    joint above.
+    """
     place = {column: index for index, column in enumerate(block.columns)}
     missing = np.isnan(block.values)
     result = np.zeros((len(block), len(skeleton)), dtype=bool)

@@ -40,7 +40,7 @@ def inverse(rotation: Array) -> Array:
 
 
 def rotate(rotation: Array, vector: Array) -> Array:
-    """Vectors (..., 3) turned by unit quaternions (..., 4), broadcast."""
+    """Rotate vectors (..., 3) by unit quaternions (..., 4), broadcast."""
     x, y, z, w = rotation[..., 0], rotation[..., 1], rotation[..., 2], rotation[..., 3]
     a, b, c = vector[..., 0], vector[..., 1], vector[..., 2]
     # v + 2 w (u x v) + 2 u x (u x v)
@@ -151,8 +151,8 @@ def to_euler(rotation: Array, order: str, previous: Array | None = None) -> Arra
 
     order: three different letters. previous: angles (3,) of the frame before the first, which they continue.
     Of the two triples that mean the same rotation, and whole turns, the nearest to the frame before is taken; the
-    first frame without `previous` has its middle angle within a quarter turn. Where the middle angle is a quarter turn
-    the last angle stays as it was (0 at first), so only the first one moves. Formulas: docs/conventions.md.
+    first frame without `previous` has its middle angle within a quarter turn. If the middle angle is a quarter turn the
+    last angle does not change (0 at first), so only the first one moves. Formulas: docs/conventions.md.
     """
     if not len(rotation):
         return np.empty((0, 3))
@@ -194,7 +194,7 @@ def _continued(
     flipped: bool,
     previous: Array | None,
 ) -> Array:
-    """Triples chosen and turned so that each is nearest to the one before.
+    """Choose triples and add whole turns so that each is nearest to the previous one.
 
     Whether to change between a triple and its flipped twin depends only on the two rotations, not on which of the two
     came before (flipping both leaves every difference as it is, up to sign): so the choices are a running parity.

@@ -104,9 +104,9 @@ def _pairs(skeleton: Skeleton) -> list[tuple[int, int]]:
 def sagittal(skeleton: Skeleton, positions: Array, up: Array, facing: Array | None = None) -> Sagittal:
     """The plane between the sides of a pose.
 
-    positions: (J, 3) in the world. up: (3,) unit vector. facing: (3,) where the body faces, if someone says so; else
-    the joints of the left stand to its left: the hips first, any pairs where there are none. It goes through the
-    middle of the pairs, or else of all joints. Raises ConversionError where nothing tells left from right.
+    positions: (J, 3) in the world. up: (3,) unit vector. facing: (3,) direction that the body faces, if given; else the
+    joints of the left are to its left: the hips first, otherwise any pairs. It goes through the middle of the pairs, or
+    else of all joints. Raises ConversionError if left and right are unknown.
     """
     pairs = _pairs(skeleton)
     hips = [pair for pair in pairs if skeleton.joints[pair[0]].name in ("left_hip", "left_up_leg")]

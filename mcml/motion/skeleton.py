@@ -52,7 +52,7 @@ class EndSite:
     """The tip of a leaf bone (BVH `End Site`).
 
     offset: lexemes, in the joint's axes. name: the text after `End Site`, or "".
-    before: how many child joints of the same joint stand before it in the file.
+    before: number of child joints of the same joint before it in the file.
     """
 
     offset: Triple
@@ -67,7 +67,7 @@ class Joint:
     name: unique in the skeleton. Readers give the source's name, with `#2`, `#3` … appended to repeated ones;
         `mcml.language.joint_names` renames to MCML's.
     source_name: the name exactly as the file writes it.
-    parent: index of the parent in `Skeleton.joints`, -1 for a root. Parents stand before their children
+    parent: index of the parent in `Skeleton.joints`, -1 for a root. Parents come before their children
         (`Skeleton` sorts depth-first; `declared` keeps the file's own order).
     channels: channel names in the file's order, e.g. ("Tx", "Ty", "Tz", "Rz", "Rx", "Ry"); () if it never moves.
     rotation_order: three letters such as "ZXY": for LISTED the channel order (missing axes left out, so it may be
@@ -77,9 +77,9 @@ class Joint:
     axis, axis_order: FIXED: `axis 0 0 20 XYZ`; for its root the `orientation` with the letters of `axis`.
         BASE: the base rotation (always Rx Ry Rz) with the file's order.
     translation: "absolute" (position channels replace the offset) or "relative" (they add to it); "" if none.
-    limits: one text a degree of freedom, such as "-160.0 20.0", without brackets.
+    limits: one text for each degree of freedom, such as "-160.0 20.0", without brackets.
     mapped: None before naming; then whether `name` is one of MCML's own.
-    confidence: how sure that name is, such as "0.6", where it is a guess; else None.
+    confidence: of that name, such as "0.6", if it is a guess; else None.
     """
 
     name: str

@@ -35,23 +35,23 @@ def metres_per_unit(name: str) -> float:
 
 
 def metres_of(head: ClipHead) -> float | None:
-    """Metres of the clip's unit of length, None where the file does not say.
+    """Metres of the clip's unit of length, None if the file does not state it.
 
     ASF: local units are value / `length`; those of Vicon's files (CMU, HDM05: length 0.45) are inches, which the file
-    itself does not say, so it counts only where the header states a calibration unit (docs/formats/asf-amc.md).
+    itself does not state, so it is used only if the header states a calibration unit (docs/formats/asf-amc.md).
     """
     unit = head.fields.get("calibration_unit")
     return UNITS.get(unit.strip().lower()) if unit else None
 
 
 def up_of(head: ClipHead) -> str:
-    """The axis that points up, "X", "Y" or "Z": Y where the header does not say."""
+    """The axis that points up, "X", "Y" or "Z": Y if the header does not state it."""
     return head.fields.get("global_axis_of_gravity", "Y").strip().upper()[-1:]
 
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """How the numbers of a clip are to be read, beside its skeleton.
+    """The units of the numbers of a clip.
 
     rest_angle, motion_angle: radians of a unit of angle, in the skeleton and in the frames. bone_axis: 0, 1, 2, the
     local axis along which a bone of BASE extends.

@@ -20,7 +20,7 @@ def length(vectors: Array) -> Array:
 
 
 def cross(one: Array, other: Array) -> Array:
-    """(n, 3) what is across vectors (n, 3); of short stretches `np.cross` takes three times as long."""
+    """Return the cross product (n, 3) of vectors (n, 3); for short arrays `np.cross` takes three times as long."""
     (a, b, c), (x, y, z) = one.T, other.T
     return np.stack([b * z - c * y, c * x - a * z, a * y - b * x], axis=1)
 

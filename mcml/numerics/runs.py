@@ -1,4 +1,4 @@
-"""Runs: maximal stretches of an array whose entries are equal, true, or count up by one."""
+"""Runs: maximal ranges of an array with equal, true, or consecutive entries."""
 
 from __future__ import annotations
 

@@ -170,7 +170,7 @@ def _layout(skeleton: Skeleton, encoding: Encoding) -> RowLayout:
 
 
 class _Watch:
-    """Looks at the frames as they pass: gaps in the numbers, bones left out."""
+    """Observes the frames while they are read: gaps in the numbers, missing bones."""
 
     def __init__(self, skeleton: Skeleton, full: bool, notices: list[Notice]) -> None:
         self.frames = 0

@@ -299,7 +299,7 @@ class _Reader:
                 continue
             lines.append(words)
             count += len(words)
-            # Every bone stands once as a child, and at most once as a parent of each.
+            # Every bone appears once as a child, and at most once as the parent of each.
             if count > 2 * self.limits.joints + 2:
                 raise LimitError(f"the hierarchy has more than {self.limits.joints} bones", at=words[0].at)
         return lines

@@ -23,7 +23,7 @@ def names_of(skeleton: Skeleton, notices: list[Notice]) -> list[str]:
 
 
 def write_asf(clip: ClipStream) -> Iterator[bytes]:
-    """The skeleton file. Raises ConversionError where there is not exactly one root."""
+    """The skeleton file. Raises ConversionError unless there is exactly one root."""
     head = clip.head
     skeleton = head.skeleton
     if len(skeleton.roots) != 1:
@@ -114,7 +114,7 @@ def _hierarchy(skeleton: Skeleton, names: list[str]) -> Iterator[str]:
 
 
 def write_amc(clip: ClipStream) -> Iterator[bytes]:
-    """The motion file: frames with the bones, order and ids they came with. ConversionError where there are none."""
+    """The motion file: frames with their original bones, order and ids. Raises ConversionError without frames."""
     head = clip.head
     if clip.frames == 0:
         raise ConversionError("AMC cannot hold a motion without frames", remedy="Export the ASF alone.")

@@ -144,9 +144,9 @@ def _read_frame_time(tokens: Tokens, notices: list[Notice]) -> str | None:
 
 
 def _value_behind(tokens: Tokens, words: tuple[str, ...]) -> Token | None:
-    """The value of `Frames:` or `Frame Time:`, whose colon may touch the value or stand alone.
+    """The value of `Frames:` or `Frame Time:`, whose colon may touch the value or be separate.
 
-    None where the line holds none and the next line is not a single word.
+    None if the line has none and the next line is not a single word.
     """
     title = " ".join(words).title() + ":"
     token: Token | None = None

@@ -293,7 +293,7 @@ def write_hierarchy(skeleton: Skeleton, notices: list[Notice]) -> Iterator[str]:
 
 
 def _end_sites(joint: Joint, indent: str, places: range) -> list[str]:
-    """Lines of the end sites that stand before so many children."""
+    """Return the lines of the end sites before a number of children."""
     lines = []
     for site in joint.end_sites:
         if site.before in places:

@@ -70,7 +70,7 @@ class Motion:
         return Sample(text, bounds, values[: frames * width].reshape(frames, width))
 
     def spread(self, sample: Sample) -> Array:
-        """(n, D) frames from the beginning, and from all over the motion where its frames have lines of their own."""
+        """Return (n, D) frames from the beginning, and spread over the motion if each frame has its own line."""
         width = len(self._columns)
         if not len(sample.values) or len(sample.values) >= self._frames:
             return sample.values
@@ -87,7 +87,7 @@ class Motion:
         return np.concatenate([first, *rows[1:]])
 
     def _begins(self, text: bytes, count: int) -> Array | None:
-        """The numbers of the text with which the motion begins, None where one of its words, so many, is none."""
+        """Return the first `count` numbers of the motion's text, None if one of these words is not a number."""
         piece = NumberStream(self._stream, self._start).next()
         # Of a short clip that is all: `blocks` need not parse it again.
         self._first = None if piece is None else self._numbers(piece[0])

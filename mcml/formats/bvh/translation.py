@@ -1,4 +1,4 @@
-"""Whether the position channels of a BVH replace the OFFSET or add to it, which the file does not say.
+"""Decide whether the position channels of a BVH replace the OFFSET or add to it, which the file does not state.
 
 For the joints that carry a body the heights of its lowest joint decide: in the rest pose, and in the motion by either
 reading. Position channels below them decide by their own values.
@@ -25,8 +25,10 @@ MOST_FRAMES: Final = 64
 """Frames of a sample that are looked at."""
 
 _APART: Final = 0.25
-"""Of the body's size: two readings that are this far apart in height are easily told apart. An OFFSET that is shorter
-than this says nothing: bodies made of SMPL have the pelvis a fifth of their size away from the origin."""
+"""Relative to the body's size: two readings that differ this much in height are clearly different.
+
+A shorter OFFSET is no evidence: SMPL bodies have the pelvis a fifth of their size away from the origin.
+"""
 
 _AGREES: Final = 0.15
 _AGREES_CLOSELY: Final = 0.03
@@ -37,8 +39,9 @@ _AGREES_OF_GAP: Final = 0.1
 """Likewise, of the distance between the two readings, where that is much longer than the body."""
 
 _HANGS: Final = 0.3
-"""Of the length of the legs: in a rest pose that hangs down less, as in rigs whose bones all lie along one axis, nobody
-stands, and the legs are taken as stretched."""
+"""Relative to the length of the legs: a rest pose that extends down less, as in rigs with all bones along one axis,
+is not a standing body, and the legs are treated as stretched.
+"""
 
 _SHOWN: Final = 5
 
@@ -48,13 +51,13 @@ _MOST_CARRIERS: Final = 4
 
 @dataclass(frozen=True, slots=True)
 class TranslationReading:
-    """How the positions of a joint with an OFFSET are read, and why.
+    """The interpretation of the positions of a joint with an OFFSET, and its evidence.
 
     mode: "absolute" or "relative". clear: whether one reading agrees with the rest pose, and the other does not.
     up: along which heights are measured, "Y" or "Z", with a minus where the rest pose hangs down; "" for a joint that
         does not carry the body.
-    rest: height of the lowest joint in the rest pose, in the file's unit of length; with its legs stretched where
-        `stretched` says so. absolute, relative: that of the motion by either reading, the median over the frames.
+    rest: height of the lowest joint in the rest pose, in the file's unit of length; with stretched legs if `stretched`.
+    absolute, relative: that of the motion by either reading, the median over the frames.
     """
 
     joint: int
@@ -91,18 +94,18 @@ def read_translations(skeleton: Skeleton, sample: Array) -> tuple[TranslationRea
 
 
 def differing_translations(skeleton: Skeleton, sample: Array) -> tuple[TranslationReading, ...]:
-    """The readings that differ from the modes that the joints of a skeleton have; () where none does.
+    """Return the readings that differ from the modes of a skeleton's joints; () if none does.
 
-    Arguments as of `read_translations`. A mode that somebody has chosen cannot be told from one that was guessed.
+    Arguments as for `read_translations`. A chosen mode cannot be distinguished from a guessed one.
     """
     readings = read_translations(skeleton, sample)
     return tuple(reading for reading in readings if reading.mode != skeleton.joints[reading.joint].translation)
 
 
 def guess_translation(skeleton: Skeleton, sample: Callable[[], Array], wanted: str, notices: list[Notice]) -> Skeleton:
-    """The skeleton with each joint's translation mode: as wanted, or as its motion suggests, which a notice tells.
+    """Set each joint's translation mode: as requested, or guessed from the motion, with a notice.
 
-    sample: gives the frames that `read_translations` takes; asked only where there is something to choose.
+    sample: returns the frames for `read_translations`; called only if a mode is ambiguous.
     """
     if wanted in (ABSOLUTE, RELATIVE):
         moved = [index for index, joint in enumerate(skeleton.joints) if joint.translation]
@@ -213,7 +216,7 @@ def _heights(skeleton: Skeleton, body: _Body, values: Array) -> Array:
 class _Body:
     """A joint and all below it. axis: up as a word. up: (3,). size: the largest extent of the rest pose.
 
-    rest: height of its lowest joint in the rest pose, with its legs stretched where `stretched` says so.
+    rest: height of its lowest joint in the rest pose, with stretched legs if `stretched`.
     """
 
     joints: list[int]

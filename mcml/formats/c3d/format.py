@@ -124,7 +124,7 @@ def _with_samples(
 
 
 def _first_id(said: Statements, frames: int) -> int:
-    """The number of the first frame: that of TRIAL, of more bits, where it counts as many frames as there are."""
+    """Return the number of the first frame: the one of TRIAL, which has more bits, if its count of frames is right."""
     start, end = said.long("TRIAL:ACTUAL_START_FIELD"), said.long("TRIAL:ACTUAL_END_FIELD")
     agrees = start is not None and end is not None and end - start + 1 == frames
     return int(start) if agrees and start is not None else int(said.words[3])
@@ -136,7 +136,7 @@ def _is_zero(stream: BinaryIO, first: int, behind: int) -> bool:
 
 
 def _survey(points: Points, places: NDArray[np.intp]) -> tuple[bool, bool]:
-    """(some residual of the markers is stated, every one says "missing" although there are coordinates).
+    """Return (whether the markers have residuals, whether all mark missing samples although there are coordinates).
 
     places: of the markers among the points.
     """

@@ -18,7 +18,7 @@ from mcml.formats.c3d.parameters import BLOCK, Statements
 from mcml.formats.format import note
 
 _CAPPED: Final = 0xFFFF
-"""The most frames that a word counts: longer files say more elsewhere."""
+"""The greatest count of frames in a word: longer files have it in parameters."""
 
 
 _SHOWN: Final[dict[str, Callable[[int], str]]] = {
@@ -66,10 +66,10 @@ class _Fact:
 
 
 def find_layout(said: Statements, size: int, is_zero: Callable[[int, int], bool], notices: list[Notice]) -> Layout:
-    """The layout of a file of `size` bytes, with as many frames as it holds.
+    """Find the layout of a file of `size` bytes, with its actual number of frames.
 
-    is_zero(first, behind): whether these bytes of the file are all zero. Raises FormatError where there are no points,
-    or frames are announced and none is there.
+    is_zero(first, behind): whether these bytes of the file are all zero. Raises FormatError without points, or if
+    frames are announced but missing.
     """
     facts = _facts(said)
     names = [fact.name for fact in facts]
@@ -87,7 +87,7 @@ def find_layout(said: Statements, size: int, is_zero: Callable[[int, int], bool]
 
 
 def _facts(said: Statements) -> list[_Fact]:
-    """All that is said of the layout. Words 2 to 10 of the header, and the parameters that repeat them."""
+    """Return all statements about the layout. Words 2 to 10 of the header, and the parameters that repeat them."""
     words, number = said.words, said.number
     points = [(float(words[1]), "the header"), (number("POINT:USED"), "POINT:USED")]
     starts = [(float(words[8]) or None, "the header"), (number("POINT:DATA_START") or None, "POINT:DATA_START")]
@@ -111,9 +111,9 @@ def _facts(said: Statements) -> list[_Fact]:
 
 
 def scales_said(said: Statements) -> list[tuple[float, str]]:
-    """The scale by the parameter and by the header, as far as they are numbers; 1 where neither is.
+    """Return the scale from the parameter and from the header, if they are numbers; 1 if neither is.
 
-    Its sign says whether points are floats (negative) or integers, which it multiplies.
+    Its sign tells whether points are floats (negative) or integers, which it multiplies.
     """
     scales = [(said.number("POINT:SCALE"), "POINT:SCALE"), (said.scale, "the header")]
     return [(scale, who) for scale, who in scales if scale and math.isfinite(scale)] or [(-1.0, "nobody")]

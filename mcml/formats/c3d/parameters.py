@@ -20,7 +20,7 @@ from mcml.motion.skeleton import Array
 BLOCK: Final = 512
 INTEL, DEC, MIPS = 84, 85, 86
 _MOST_BYTES: Final = 256 * BLOCK
-"""Of a parameter section: a byte says how many blocks it has."""
+"""Limit of a parameter section: a byte has its number of blocks."""
 
 _SIZES: Final = {-1: 1, 1: 1, 2: 2, 4: 4}
 
@@ -85,10 +85,10 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Statements:
-    """All that a file says of itself.
+    """The header and parameters of a file.
 
     words: the 256 words of the header without sign, the first of which is word 1 of the specification at index 0.
-    section: (first byte, byte behind the last) of the parameter section as it announces itself.
+    section: (first byte, byte behind the last) of the parameter section, as stated.
     """
 
     machine: Machine
@@ -99,7 +99,7 @@ class Statements:
     section: tuple[int, int]
 
     def number(self, name: str) -> float | None:
-        """The first number of a parameter, such as "POINT:USED"; None where there is none, or none that is finite."""
+        """The first number of a parameter, such as "POINT:USED"; None if it is missing or not finite."""
         found = self.parameters.get(name)
         values = found.numbers() if found is not None else []
         return values[0] if values and math.isfinite(values[0]) else None
@@ -147,10 +147,10 @@ def read_statements(stream: BinaryIO, notices: list[Notice]) -> Statements:
 
 
 def _walk(section: bytes, machine: Machine, notices: list[Notice]) -> dict[str, Parameter]:
-    """Parameters by "GROUP:NAME" in capitals; of several of one name the first.
+    """Read parameters by "GROUP:NAME" in capitals; the first of several with one name.
 
     A record: length of the name (negative: locked), number of the group (negative: this is one), name, distance to the
-    next record; a parameter goes on with its kind, dimensions and data. Groups may come behind their parameters.
+    next record; a parameter then has its kind, dimensions and data. Groups may come after their parameters.
     """
     groups: dict[int, str] = {}
     found: list[tuple[int, str, Parameter]] = []

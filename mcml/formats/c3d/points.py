@@ -64,7 +64,7 @@ def _whole(words: Array) -> NDArray[np.int64]:
 def to_floats(coordinates: Array, residuals: Array, scale: float) -> bytes:
     """Frames as Intel floats.
 
-    coordinates: (n, points, 3), finite where the sample is there. residuals: (n, points), -1 for a missing sample.
+    coordinates: (n, points, 3), finite where the sample exists. residuals: (n, points), -1 for a missing sample.
     """
     values = np.zeros((*residuals.shape, 4), dtype="<f4")
     there = residuals >= 0

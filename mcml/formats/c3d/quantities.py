@@ -95,7 +95,7 @@ def _groups(said: Statements) -> list[tuple[str, str]]:
 
 
 def texts_of(said: Statements, name: str) -> list[bytes]:
-    """The texts of a parameter and of those that go on with it: LABELS, LABELS2 …"""
+    """Return the texts of a parameter and of its continuations: LABELS, LABELS2 …"""
     texts, number = said.texts(name), 2
     while more := said.texts(f"{name}{number}"):
         texts, number = texts + more, number + 1
@@ -110,7 +110,7 @@ def _decoded(text: bytes) -> str:
 
 
 def sections_of(quantities: Iterable[Quantity], notices: list[Notice]) -> list[tuple[str, str]]:
-    """The sections that keep them, and a notice that says so. None of them where they are longer than MOST_TEXT."""
+    """Return the sections for quantities, with a notice. No sections if they are longer than MOST_TEXT."""
     quantities = list(quantities)
     if not quantities:
         return []

@@ -125,7 +125,7 @@ def _parameters(
         records.append(_group(4, "TRIAL"))
         for name, number_of in (("ACTUAL_START_FIELD", first), ("ACTUAL_END_FIELD", last)):
             records.append(_record(4, name, 2, (2,), struct.pack("<I", number_of)))
-    # The last record is of a known size: how many blocks there are is known before it says so.
+    # The last record has a known size, so the number of blocks is known before it is written.
     size = 4 + sum(map(len, records)) + len(_data_start(0)) + 2
     blocks = math.ceil(size / BLOCK)
     if blocks > _MOST_BLOCKS:
@@ -138,7 +138,7 @@ def _parameters(
 
 
 def _typed(quantities: list[Quantity]) -> list[bytes]:
-    """The parameters that say which points are quantities, and of which unit."""
+    """Return the parameters that list the quantities among the points, with their units."""
     units = units_of(quantities)
     if not units:
         return []

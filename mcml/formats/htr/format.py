@@ -26,7 +26,7 @@ from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, Shape, SourcePart
 from mcml.motion.skeleton import CHANNEL_INDEX, Convention, Skeleton
 
 MISSING = 999999.0
-"""A value at least this large, of either sign, says that there is no sample."""
+"""A value at least this large, of either sign, marks a missing sample."""
 
 _DEFAULT_LEXEME = "9999999"
 _OPENING = re.compile(rb"[ \t]*Frame[ \t]+([0-9]+)[ \t]*:?[ \t]*", re.IGNORECASE)
@@ -193,7 +193,7 @@ def _layout(skeleton: Skeleton, encoding: Encoding) -> RowLayout:
 
 
 def _without_missing(block: FrameBlock) -> FrameBlock:
-    """The block with NaN and shapes for samples that the file marks as missing; the same block where there are none."""
+    """The block with NaN and shapes for samples that the file marks as missing; the same block if there are none."""
     missing = np.abs(block.values) >= MISSING
     if not missing.any():
         return block

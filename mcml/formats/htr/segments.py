@@ -36,7 +36,7 @@ _HUGE = re.compile(rb"[+-]?9{6,}[0-9]*(?:\.[0-9]*)?(?=\s)")
 
 @dataclass
 class Index:
-    """Where the segments lie. spans: (start, end) byte offsets by segment name. missing: lexeme of missing values."""
+    """The index of segments. spans: (start, end) byte offsets by segment name. missing: lexeme of missing values."""
 
     spans: dict[str, tuple[int, int]] = field(default_factory=dict)
     repeated: int = 0
@@ -79,7 +79,7 @@ def index_segments(stream: BinaryIO, start: int, encoding: Encoding, limits: Lim
 
 
 def missing_lexeme(text: bytes) -> str:
-    """The first word of nines that says a sample is missing, "" where there is none; `0.999999` is none."""
+    """Return the first word of nines that marks a missing sample, "" without one; `0.999999` does not count."""
     place = text.find(_NINES)
     while place >= 0:
         before = text[max(0, place - 32) : place]
@@ -122,7 +122,7 @@ class _Cursor:
         self._keep_ids = keep_ids
         self.ids: list[bytes] = []
         self.told = False
-        """Whether it was said that its frames are numbered otherwise."""
+        """Whether other frame numbers were already reported."""
 
     def rows(self, count: int) -> Array:
         """Return the next rows, (count or fewer at the end, 8). Raises FormatError for text that is not a number."""

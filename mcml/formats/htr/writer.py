@@ -86,7 +86,7 @@ def _rotation_order(head: ClipHead) -> str:
 
 
 def _fields(clip: ClipStream, order: str, frames: int) -> dict[str, str]:
-    """Header values as they are to be written; unknown ones are left out with a notice."""
+    """Return header values for writing; unknown ones are left out with a notice."""
     head = clip.head
     own = head.format == "htr"
     known = {name: value for name, value in head.fields.items() if own or name in _UNKNOWN_FIELDS | {"scale_factor"}}
@@ -101,7 +101,7 @@ def _fields(clip: ClipStream, order: str, frames: int) -> dict[str, str]:
         seconds = head.seconds_per_frame()
         if seconds is not None:
             rate = 1.0 / seconds
-            # 1 / 0.0083333 is 120.0005: the rate that was meant, where the text is too short to say it.
+            # 1 / 0.0083333 is 120.0005: the intended rate, if the text is too short for it.
             near = round(rate)
             fields["dataframe_rate"] = lexeme(near if abs(rate - near) < 1e-4 * rate else rate)
     lacking = sorted(_UNKNOWN_FIELDS - set(fields))

@@ -51,8 +51,11 @@ _SUFFIXES: Final = {"left": "_l", "right": "_r", "": ""}
 
 @dataclass(frozen=True)
 class Column:
-    """name: as questions say it, `left-knee-flexion`. title: as the file does, `knee_flexion_l`. turned: whether it
-    needs rotations; upright: whether it takes the up axis."""
+    """A column of angles.
+
+    name: as in queries, `left-knee-flexion`. title: as in the file, `knee_flexion_l`. turned: whether it needs
+    rotations; upright: whether it needs the up axis.
+    """
 
     name: str
     title: str
@@ -162,7 +165,7 @@ class BodyAngles:
         return replace(calibrate(self._clip.head, sample, frames=rows, pose_at=self._pose_at), skipped=0)
 
     def _reference(self) -> Stance | None:
-        """The pose that turns start from; None where none is known, or nothing tells left from right in it."""
+        """The pose from which rotations start; None if it is unknown, or if left and right are unknown in it."""
         try:
             return stance_of(self._calibration.start, self._clip.head.skeleton, self._reading)
         except ConversionError:

@@ -1,6 +1,6 @@
 """OpenSim's tables of angles over time: MOT and STO. A head of lines `key=value`, then rows with tabs between.
 
-Columns are angles of the body as questions tell them (docs/formats/opensim.md), not coordinates of one model.
+Columns are angles of the body as in queries (docs/formats/opensim.md), not coordinates of one model.
 """
 
 from __future__ import annotations

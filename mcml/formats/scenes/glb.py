@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 _AT_ONCE = 64 << 20
 _LONGEST = (1 << 32) - 1
-"""Bytes of a file: its header says so in 32 bits."""
+"""Limit of a file in bytes: its header has 32 bits for it."""
 _FLOAT, _SHORT, _INT = 5126, 5123, 5125
 _VERTICES, _INDICES = 34962, 34963
 _COLOUR = [0.36, 0.55, 0.78, 1.0]
@@ -109,7 +109,7 @@ class _Content:
         self.length = 0
 
     def add(self, values: NDArray[Any]) -> tuple[int, int]:
-        """(offset, length) of an array that is written as it is."""
+        """Add an array that is written unchanged; return (offset, length)."""
         data = values.tobytes()
         self.arrays.append(data + b"\0" * (-len(data) % 4))
         return self.reserve(len(data))
@@ -192,7 +192,7 @@ def _add_body(model: GLTF2, stage: Stage, body: Body, content: _Content) -> None
 
 
 def _add_array(model: GLTF2, content: _Content, values: NDArray[Any], kind: int, type: str, target: int | None) -> int:
-    """The accessor of an array that is written as it is."""
+    """Add an array that is written unchanged; return its accessor."""
     import pygltflib as gltf
 
     dtype = {_FLOAT: "<f4", _SHORT: "<u2", _INT: "<u4"}[kind]
@@ -233,7 +233,7 @@ def _add_animation(model: GLTF2, stage: Stage, tracks: list[_Track], content: _C
 
 
 def _text(name: str) -> str:
-    """A name as JSON can say it: there is no half of a character in UTF-8."""
+    """Return a name for JSON: unpaired surrogates cannot be encoded in UTF-8."""
     return name.encode("utf-8", "replace").decode()
 
 

@@ -57,7 +57,7 @@ class Stage:
 
     @property
     def title(self) -> str:
-        """The name of the clip, as far as its file says one."""
+        """The name of the clip, if its file states one."""
         said = self.clip.head.fields.get("filename", "") or self.clip.head.fields.get("skeleton_name", "")
         return said.rsplit("/", 1)[-1].rpartition(".")[0] or said or "motion"
 
@@ -72,7 +72,7 @@ class Stage:
     def blocks(self) -> Iterator[tuple[Array, Array]]:
         """Translations (n, J, 3) and rotations (n, J, 4) of the joints in their parents, frame after frame.
 
-        Rotations go on from frame to frame: of the two quaternions of each, the one nearer to that before.
+        Rotations are continuous: of the two quaternions for each, the one nearer to the previous frame's.
         """
         hub = HubReader(self.skeleton, reading_of(self.clip.head))
         last: Array | None = None
@@ -130,8 +130,10 @@ def look_through(clip: ClipStream, title: str, taken_for: str) -> Stage:
 def _rest(
     skeleton: Skeleton, stated: Rest, low: Array, high: Array, first: tuple[Array, Array] | None
 ) -> tuple[Array, float]:
-    """Where joints rest in their parents, and the longest way between two. Those that come with the motion alone
-    (markers, rigs without offsets) rest where the first frame has them."""
+    """Return the rest positions of joints in their parents, and the longest distance between two.
+
+    Joints without offsets (markers, some rigs) rest at their position in the first frame.
+    """
     rest = stated.offsets.copy()
     if first is not None:
         marker = np.array([joint.convention is Convention.MARKER for joint in skeleton.joints], dtype=bool)
@@ -145,7 +147,7 @@ def _check_numbers(skeleton: Skeleton, rest: Rest, low: Array, high: Array) -> N
     largest = np.maximum(np.abs(low), np.abs(high)).max(axis=1, initial=0.0)
     for joint, vector in rest.tips:
         largest[joint] = max(largest[joint], float(np.abs(vector).max()))
-    # As many additions as there are joints stay within single precision.
+    # One addition for each joint stays within single precision.
     beyond = ~(largest < LARGEST / (len(skeleton) + 1))
     if beyond.any():
         raise ConversionError(

@@ -28,7 +28,7 @@ _LETTERS = frozenset("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_01234
 
 
 class _NotIdentifiers:
-    """Characters that names in USD do not have: all but ASCII's letters and digits, and `_`."""
+    """Characters that are illegal in USD names: all except ASCII letters and digits, and `_`."""
 
     def __contains__(self, character: object) -> bool:
         return character not in _LETTERS
@@ -84,7 +84,8 @@ def _scene(clip: Stage) -> Any:
 
     skeleton = clip.skeleton
     stage = Usd.Stage.CreateInMemory()
-    # USD's up axis is Y or Z: others are turned, below. Both are written in any case: its checker wants them.
+    # USD's up axis is Y or Z: other axes are rotated below. Both are always written, because USD's checker requires
+    # them.
     UsdGeom.SetStageUpAxis(stage, "Z" if clip.up == "Z" else "Y")
     UsdGeom.SetStageMetersPerUnit(stage, _metres(clip))
     stage.SetTimeCodesPerSecond(1 / clip.seconds)
@@ -113,7 +114,7 @@ def _scene(clip: Stage) -> Any:
 
 
 def _metres(clip: Stage) -> float:
-    """Metres of a unit: as stated, else a guess, which a notice tells."""
+    """Return the metres of a unit: as stated, else a guess with a notice."""
     if clip.metres is not None:
         return clip.metres
     metres = _CENTIMETRE if clip.likely is None else clip.likely

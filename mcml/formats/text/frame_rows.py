@@ -63,7 +63,7 @@ class RowLayout:
 
 
 def note_comments(rows: FrameRows, notices: list[Notice]) -> None:
-    """Say how many comments stand among the frames, which only the kept file still has."""
+    """Report the number of comments among the frames, which remain only in the uploaded file."""
     if rows.comments:
         what = f"{rows.comments} comments among the frames are not in the document; the kept file has them"
         note(notices, "warning", what)
@@ -146,7 +146,7 @@ class FrameRows:
             yield rest, offset
 
     def _last_opening(self, text: bytes, floor: int) -> int:
-        """Where the last frame that may still go on begins; 0 where none begins behind `floor`."""
+        """Return the start of the last, possibly incomplete frame; 0 if none begins after `floor`."""
         reach = 1 << 14
         while True:
             start = max(floor, len(text) - reach)

@@ -68,8 +68,8 @@ def utf16_codec(head: bytes) -> str | None:
 def detect_encoding(stream: BinaryIO, given: str | None, stop: Callable[[bytes], bool] | None = None) -> Encoding:
     """UTF-8, else the given encoding, else the one whose letters are most plausible, else Latin-1.
 
-    stop: told each block; true ends the look, for files whose rest can hold nothing but numbers.
-    Raises FormatError for an unknown codec, UTF-16, and text that the given encoding cannot read.
+    stop: called with each block; true ends the search, for files whose rest contains only numbers. Raises FormatError
+    for an unknown codec, UTF-16, and text that the given encoding cannot read.
     """
     stream.seek(0)
     head = stream.read(_LOOKED_AT)
@@ -109,7 +109,7 @@ def _plausible(chunks: Iterator[bytes]) -> list[str]:
     found, size = [], 0
     for chunk in chunks:
         if not chunk.isascii():
-            # A line that goes on in the next chunk may end within a character.
+            # A line that continues in the next chunk may end within a character.
             found.append(chunk[: chunk.rfind(b"\n")] if len(chunk) == BLOCK else chunk)
             size += len(chunk)
         if size >= 2 * BLOCK:
@@ -248,10 +248,9 @@ _WORD = re.compile(r"[{}]|[^\s{}]+", re.ASCII)
 
 
 class Tokens:
-    """Words of a file regardless of lines; braces stand for themselves even where they touch a word.
+    """Words of a file regardless of lines; braces are separate tokens even if they touch a word.
 
-
-    comments: beginnings of lines that are passed over.
+    comments: beginnings of lines that are skipped.
     """
 
     def __init__(self, lines: Lines, comments: tuple[str, ...] = ()) -> None:
@@ -298,7 +297,7 @@ class Tokens:
         return [match.group() for match in islice(_WORD.finditer(self._line.text, self._position), most + 1)]
 
     def skip_line(self) -> None:
-        """Go on behind the current line's last word."""
+        """Continue after the current line's last word."""
         if self._line is not None:
             self._position = self._end
             self._ahead = None

@@ -64,7 +64,9 @@ LOOKED_AT = 4096
 
 
 def parse_numbers(text: bytes) -> Array | None:
-    """The numbers of a text separated by white space, bit for bit; None where a token is none (see `bad_token`)."""
+    """The numbers of a text separated by white space, bit for bit; None if a token is not a number (see
+    `bad_token`).
+    """
     text = text.strip()
     if not text:
         return np.empty(0)

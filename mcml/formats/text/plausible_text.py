@@ -112,7 +112,7 @@ def _score(lines: Sequence[bytes], codec: str) -> float:
 
 
 def _western(text: str, place: int) -> float:
-    """Letters with accents stand among letters without."""
+    """Rate letters with accents, which appear among letters without."""
     letter = text[place]
     if not letter.isalpha() or letter > "\u024f":
         return -0.5

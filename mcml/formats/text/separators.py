@@ -28,7 +28,7 @@ class _Translated(io.RawIOBase):
 def tabbed(stream: BinaryIO) -> BinaryIO:
     """The stream, or one that reads its separators as tabs: semicolons (its commas are decimal then), else commas.
 
-    What the first line has decides: none where there is a tab.
+    The first line decides: with a tab, nothing is converted.
     """
     stream.seek(0)
     line = stream.read(_FIRST_LINE).lstrip().split(b"\n")[0].split(b"\r")[0]

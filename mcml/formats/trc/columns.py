@@ -23,8 +23,8 @@ def find_columns(
 ) -> tuple[list[str], Columns]:
     """(labels, their columns). Columns without a label are left out, with a notice that names them.
 
-    cells: the fourth line from its third cell on. axes: how many the fifth line names. row: the first one's cells.
-    Raises FormatError where there are more labels than columns for them.
+    cells: the fourth line from its third cell on. axes: number of axes in the fifth line. row: the cells of the first
+    one. Raises FormatError if there are more labels than columns.
     """
     labels = [(place, cell) for place, cell in enumerate(cells) if cell]
     said = next((text for name, text in facts.items() if name.lower() == "nummarkers"), "")
@@ -51,7 +51,7 @@ def find_columns(
     names = [cell for _, cell in labels]
     width = max(width, axes, 3 * len(names))
     in_threes = all(place % 3 == 0 and place + 3 <= width for place, _ in labels)
-    # Labels two columns apart, or between blanks, say nothing of where their columns are.
+    # Labels two columns apart, or between blanks, do not decide the place of their columns.
     places = [place // 3 for place, _ in labels] if width > 3 * len(names) and in_threes else range(len(names))
     columns = _columns(width, places)
     unlabelled = np.setdiff1d(np.arange(2, width + 2), columns.kept)

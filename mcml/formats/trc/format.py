@@ -163,7 +163,7 @@ def _need(lines: Lines, what: str) -> Line:
 
 
 def _cells(line: Line) -> list[str]:
-    """Between tabs; between blanks where there is no tab."""
+    """Split a line at tabs, or at blanks without a tab."""
     return [cell.strip() for cell in line.text.split("\t")] if "\t" in line.text else line.text.split()
 
 

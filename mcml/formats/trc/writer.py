@@ -27,9 +27,9 @@ _LONGEST_DECIMALS = 9
 
 
 def write_trc(clip: ClipStream) -> Iterator[bytes]:
-    """The file, row by row. ConversionError where nothing says how fast the frames follow.
+    """Write the file, row by row. Raises ConversionError without a frame time.
 
-    Rates and counts that TRC repeats (CameraRate, OrigDataRate …) are the source's where it was TRC too.
+    Rates and counts that TRC repeats (CameraRate, OrigDataRate …) are the source's if it was TRC too.
     """
     head = clip.head
     source = next((part for part in head.sources if part.part == "trc"), None)
@@ -102,7 +102,7 @@ def _first_frame(clip: ClipStream) -> int:
 
 
 def _time(said: dict[str, str], seconds: float, first: int) -> tuple[int, float]:
-    """(decimals, time of the first frame). Frame 1 is at 0, unless a TRC said when its first frame is."""
+    """Return (decimals, time of the first frame). Frame 1 is at 0, unless a TRC stated the time of its first frame."""
     words = said.get("Time", "").split()
     if len(words) == 2:
         return int(words[0]), float(words[1])

@@ -67,7 +67,7 @@ class _Moving:
         return turning
 
     def toward(self, direction: Array) -> Array:
-        """(n,) how fast the bone swings in its own axes to a direction (3,) of the reference pose."""
+        """Return (n,) the speed of the bone's swing, in its own axes, to a direction (3,) of the reference pose."""
         across = direction - (direction @ self.segment.bone) * self.segment.bone
         length = float(np.linalg.norm(across))
         if length < _AWAY:
@@ -76,7 +76,7 @@ class _Moving:
         return swing
 
     def around(self, axis: Array, away: float) -> Array:
-        """(n,) how fast the bone swings about an axis (3,); 0 where it lies too near to it."""
+        """Return (n,) the speed of the bone's swing about an axis (3,); 0 where it is too near to the axis."""
         tangent = np.cross(axis, self.bone)
         lengths = np.linalg.norm(tangent, axis=1)
         swing = (np.cross(self.spin, self.bone) * tangent).sum(axis=1) / np.where(lengths > 0, lengths, 1.0)
@@ -109,7 +109,7 @@ def _axial(moving: _Moving) -> _Found:
 
 
 def _pelvis(moving: _Moving) -> _Found:
-    """In its own axes: the body may face anywhere by now."""
+    """In its own axes, because the body may have any facing direction."""
     stance = moving.stance
     return [
         ("anterior-tilt", "posterior-tilt", moving.own @ stance.left),

@@ -1,7 +1,7 @@
-"""A body as anatomy sees it: where is left, up and on, which joints a part hangs on, which way its bones point.
+"""Anatomical axes of a body: left, up and forward, the joints of each part, the directions of its bones.
 
-Everything is said of a reference pose: the rest pose, or a frame of the clip where the rest pose is none a body could
-stand in (rigs whose bones all lie along one axis at rest). Rotations are those from the reference pose, in its axes.
+Everything refers to a reference pose: the rest pose, or a frame of the clip if no body could stand in the rest pose
+(rigs with all bones along one axis at rest). Rotations are those from the reference pose, in its axes.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _MOST_POSES = 500
 """Of a clip that are looked at for the most upright one."""
 
 STANDS = 0.3
-"""Cosine: how upright a trunk, and how far down a leg, must point in a pose that a body stands in."""
+"""Cosine: limits for the uprightness of the trunk and of the legs in a standing pose."""
 
 
 @dataclass(frozen=True)
@@ -97,11 +97,11 @@ def stance_of(
     up: Array,
     facing: Array | None = None,
 ) -> Stance:
-    """The rest pose where a body could stand in it, else the most upright frame.
+    """Return the rest pose if a body could stand in it, else the most upright frame.
 
-    translations: (n, J, 3), rotations: (n, J, 4) local, of the hub form; rigs whose offsets come with the motion lie in
-    a heap at rest. up: (3,). facing: (3,) where the body faces in that pose; else names of joints tell left from right.
-    Raises ConversionError where neither does.
+    translations: (n, J, 3), rotations: (n, J, 4) local, of the hub form; rigs without offsets have all joints in one
+    place at rest. up: (3,). facing: (3,) direction that the body faces in that pose; else names of joints decide left
+    and right. Raises ConversionError if neither does.
     """
     still = np.tile(np.array([0.0, 0.0, 0.0, 1.0]), (1, len(skeleton), 1))
     positions, turned = walked(skeleton, rest.offsets[None], still)
@@ -181,7 +181,8 @@ def segments_of(skeleton: Skeleton, rest: Rest, stance: Stance) -> list[Segment]
 
 def bone_of(skeleton: Skeleton, rest: Rest, stance: Stance, joint: int) -> Array:
     """(3,) the direction of a joint's bone in the reference pose: to its first child that is elsewhere, or its tip;
-    that of the bone above where there is neither."""
+    that of the bone above if there is neither.
+    """
     size = float(np.ptp(stance.positions, axis=0).max()) or 1.0
     while joint >= 0:
         for child in skeleton.children(joint):

@@ -42,7 +42,7 @@ class Thresholds:
 
 @dataclass(frozen=True)
 class Suggestion:
-    """part, side ("left", "right", "" for parts of which there is one) and movement of the vocabulary of motion names.
+    """part, side ("left", "right", "" for parts without sides) and movement of the vocabulary of motion names.
 
     first, last: frames from 0. degrees: covered. confidence: 0 to 1.
     """
@@ -69,9 +69,9 @@ def suggest_movements(
     """Anatomical movements of a clip, by their first frames.
 
     rest: of the skeleton. translations: (n, J, 3), rotations: (n, J, 4) local, of the hub form (`HubReader`).
-    frame_time: seconds. facing: the axis along which the body faces where it stands upright, such as "Z" or "-X", for
-    rigs whose names tell no sides. Joints are found by MCML's names. Raises ConversionError for a frame time that is
-    not positive, and where nothing tells left from right.
+    frame_time: seconds. facing: the axis along which the body faces when it is upright, such as "Z" or "-X", for rigs
+    without sides in their names. Joints are found by MCML's names. Raises ConversionError for a frame time that is not
+    positive, and if left and right are unknown.
     """
     if not (np.isfinite(frame_time) and frame_time > 0):
         raise ConversionError(f"{frame_time} seconds a frame are no frame rate", remedy="Give a positive number.")
@@ -140,7 +140,7 @@ def _circles(
 
 
 def _turns_round(segment: Segment, bone: Array, start: int) -> list[Suggestion]:
-    """The longest stretch that goes round one axis at least once, if there is one."""
+    """Return the longest frame range that goes around one axis at least once, if there is one."""
     axis = bone.mean(axis=0)
     length = float(np.linalg.norm(axis))
     if len(bone) < 8 or length < 0.1:

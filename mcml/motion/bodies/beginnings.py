@@ -19,7 +19,7 @@ _FASTEST = 15.0
 _STRAIGHT = 0.9
 """Parts of its bones' lengths that a straight arm reaches, and the cosine to the line through the shoulders."""
 _LAST, _USUAL = 3, 1.5
-"""Steps at the end of a blend, any of which is so many times as large as usual in the steps that follow."""
+"""Size of the steps at the end of a blend, relative to the usual size of the following steps."""
 LOOKED_AT = _BLENDED + _LAST + _FOLLOWING + 1
 """Frames at the start."""
 
@@ -27,10 +27,9 @@ LOOKED_AT = _BLENDED + _LAST + _FOLLOWING + 1
 def frames_before_motion(
     skeleton: Skeleton, positions: Array, frames: Rows, leg: float | None, seconds: float | None
 ) -> tuple[int, Origin]:
-    """How many frames at the start show a pose before the motion, or the way from it into the motion.
-
-    It is so where steps that lead away from the first frame are many times as large as those that follow. Of several
-    such steps only those count that nobody makes, or that lead away from a pose with both arms held out.
+    """Return the number of frames at the start with a pose before the motion, or with the blend from it into the
+    motion. The evidence is steps away from the first frame that are many times as large as the following ones. Of
+    several such steps only impossible ones count, or those away from a pose with both arms held out.
     """
     count = min(len(frames), LOOKED_AT)
     if leg is None or count < 3 or not (frames[:count] == np.arange(count)).all():

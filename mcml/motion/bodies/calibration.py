@@ -64,11 +64,12 @@ _KEPT = ("metres", "up", "floor", "leg", "skipped")
 
 @dataclass(frozen=True)
 class Calibration:
-    """metres: in a source unit, None where unknown. up: the axis that points up, such as "Y" or "-Z". floor: its height
-    along that, in source units. leg: from hip to knee to ankle, in source units. step: of the rounded positions, in
-    source units. start: the reference pose, that angles from rotations start from. skipped: how many frames at the
-    start show a pose before the motion (a T-pose), and are left out. origins: of each of these but the step, by the
-    names that people set them by (reference, leaps).
+    """metres: in a source unit, None where unknown.
+
+    up: the axis that points up, such as "Y" or "-Z". floor: its height along that, in source units. leg: from hip to
+    knee to ankle, in source units. step: of the rounded positions, in source units. start: the reference pose, from
+    which angles of rotations start. skipped: number of frames at the start with a pose before the motion (a T-pose),
+    which are excluded. origins: of each of these except the step, by the names of their settings (reference, leaps).
     """
 
     metres: float | None

@@ -72,8 +72,10 @@ def body_at(head: ClipHead, positions: Array, values: Array | None = None, share
 def calibrate_clip(
     clip: ClipStream, frames: int, overrides: Mapping[str, Any] | None = None, shared: Shared | None = None
 ) -> Calibration:
-    """The calibration of a clip of so many frames, which is read once, some frames at a time. overrides, shared: as
-    `calibrate` takes them."""
+    """Calibrate a clip with a known number of frames; it is read once, in blocks.
+
+    overrides, shared: as for `calibrate`.
+    """
     rows = calibration_frames(frames)
     wanted = set(rows.tolist())
     sample = [np.empty((0, len(clip.head.skeleton), 3))]
@@ -121,7 +123,7 @@ def turned_degrees(clip: ClipStream, name: str, calibration: Calibration) -> Arr
     time are in memory with all joints."""
     skeleton, reading = clip.head.skeleton, reading_of(clip.head)
     stance = None
-    # Where nothing tells left from right there are no such angles.
+    # If left and right are unknown there are no such angles.
     with suppress(ConversionError):
         stance = stance_of(calibration.start, skeleton, reading)
     walker, held = Walker(skeleton, reading), Held(skeleton)
@@ -141,7 +143,7 @@ def turned_degrees(clip: ClipStream, name: str, calibration: Calibration) -> Arr
 
 
 def _together(blocks: Iterable[FrameBlock]) -> Iterator[list[FrameBlock]]:
-    """Consecutive blocks, so many that their frames are worth being worked on as one array."""
+    """Join consecutive blocks until they have enough frames for efficient work on one array."""
     some: list[FrameBlock] = []
     for block in blocks:
         some.append(block)

@@ -1,9 +1,9 @@
 """Angles of the body by the names of its movements, from positions of joints: no rig's axes, no rest pose.
 
-Hinges are angles between two bones, and never negative: a knee bent backwards shows as flexion. Limbs swing against the
-trunk (a goniometer's angles, not those of ISB's pelvis or thorax): flexion about the line from right to left, abduction
-about the one from back to front, each by the bone's shadow on the plane across; a bone that lies too near to that line
-has no such angle. Both go from -90 to 270 degrees, so that a raised arm does not leap from 180 to -180.
+Hinges are angles between two bones, and never negative: a knee bent backwards shows as flexion. Limbs swing relative to
+the trunk (a goniometer's angles, not those of ISB's pelvis or thorax): flexion about the line from right to left,
+abduction about the one from back to front, each by the bone's projection on the perpendicular plane; a bone too near to
+that line has no such angle. Both range from -90 to 270 degrees, so that a raised arm does not jump from 180 to -180.
 
 The opposite movement has the opposite sign. Names are `[side-]part-movement`, without synonyms.
 """
@@ -23,7 +23,7 @@ from mcml.motion.skeleton import Array
 from mcml.motion.vectors import angle_between, cross, dot, length, unit
 
 AWAY = 0.35
-"""Sine of the angle to its axis below which a bone tells no angle about that axis."""
+"""Sine of a bone's angle to an axis below which it has no angle about that axis."""
 RAISED = 0.7
 """The same for horizontal movements: the limb is lifted by 45 degrees."""
 
@@ -66,8 +66,9 @@ def _elbow(stretch: Stretch, side: str) -> Array:
 
 
 def _ankle(stretch: Stretch, side: str) -> Array:
-    """How much less than square the shank and the line from ankle to toes are: a foot that stands flat is below 0, by
-    what the ankle is above the toes (0 to 40 degrees, as rigs place them)."""
+    """Return 90 degrees minus the angle between the shank and the line from ankle to toes: a flat foot is below 0,
+    because the ankle is higher than the toes (0 to 40 degrees, depending on the rig).
+    """
     ankle = f"{side}_foot"
     shank, foot = stretch.between(ankle, f"{side}_low_leg"), stretch.between(ankle, f"{side}_toes")
     return 90.0 - angle_between(shank, foot)
@@ -91,7 +92,7 @@ def _outwards(left: Array, side: str) -> Array:
 
 @dataclass(frozen=True)
 class _Limb:
-    """start, end: of its bone, `{side}` for the side. sides: whose line says where left is."""
+    """start, end: of its bone, `{side}` for the side. sides: joints whose line defines left."""
 
     start: str
     end: str
@@ -231,7 +232,7 @@ def turn_named(name: str) -> tuple[str, str, str] | None:
 def angle_named(name: str) -> tuple[Angle, str]:
     """The angle and the side of a name such as `left-knee-flexion`.
 
-    Raises UnsupportedError for one that positions do not tell, VocabularyError for one that is none.
+    Raises UnsupportedError for one that positions do not decide, VocabularyError for an unknown one.
     """
     if name in _TURNED:
         raise UnsupportedError(

@@ -38,8 +38,8 @@ def reach(frame_time: float | None) -> int:
 def slopes(values: Array, frame_time: float) -> Array:
     """First derivatives (n, k) of values (n, k), per second, of the parabola that fits best in least squares.
 
-    A row counts where all of it is finite, else it is NaN. At the ends of the clip, and beside gaps, the parabola goes
-    through what there is of the window; through two rows goes a line, through one nothing.
+    Rows that are not completely finite are ignored, and their slope is NaN. At the ends of the clip, and next to gaps,
+    the parabola fits the available rows of the window; two rows give a line, one gives NaN.
     """
     count, far = len(values), reach(frame_time)
     seen: Flags = np.logical_and.reduce(np.isfinite(values), axis=1)
@@ -65,7 +65,7 @@ def slopes(values: Array, frame_time: float) -> Array:
 
 
 def _slopes_at_the_start(values: Array, far: int) -> Array:
-    """(far, k) of the first rows; of no use where a row of their windows is not there."""
+    """(far, k) of the first rows; invalid where a row of their windows is missing."""
     first = np.zeros((2 * far, values.shape[1]))
     part = values[: 2 * far]
     first[: len(part)] = np.nan_to_num(part - np.nan_to_num(part[0]))
@@ -104,7 +104,7 @@ def bends(values: Array, frame_time: float) -> Array:
 
 
 def _has_all_neighbours(seen: Flags, far: int) -> Flags:
-    """(n,) whether every row up to so far away that the clip has is there, and the clip does not end on both sides."""
+    """Return (n,) whether every row within the distance `far` is present, and the clip does not end on both sides."""
     count = len(seen)
     places = np.arange(count)
     open_ended = (places >= far) | (places < count - far)

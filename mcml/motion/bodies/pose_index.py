@@ -73,7 +73,7 @@ class PoseIndex:
         return self.ends - -(-self.frames // self.lengths)
 
     def segments(self, documents: Places, frames: Places) -> Places:
-        """The segments that frames (from 0) of documents lie in."""
+        """Return the segments of frames (from 0) of documents."""
         found: Places = self.starts[documents] + frames // self.lengths[documents]
         return found
 
@@ -88,9 +88,10 @@ class PoseIndex:
         return found
 
     def near_motion(self, motion: Array, seconds: float | None, own: Flags) -> Singles:
-        """(segments,) how unlike a motion (m, 20, 3) a stretch that ends in the segment is at least, as
-        `poses.motion_distances` counts. own: documents at the motion's frame rate; infinite in others. seconds: a
-        frame of it."""
+        """Return (segments,) the least possible distance to a motion (m, 20, 3) of a frame range that ends in the
+        segment, as in `poses.motion_distances`. own: documents at the motion's frame rate; infinite in others. seconds:
+        a frame of it.
+        """
         length = segment_length(seconds)
         parts = [motion[at : at + length] for at in range(0, len(motion), length)]
         anchors = np.stack([part.mean(axis=0) for part in parts])
@@ -242,10 +243,12 @@ def _principal(vectors: Singles) -> tuple[Singles, Singles]:
 
 
 def _path(costs: Singles, begins: Flags) -> Singles:
-    """(segments,) the least sum of costs (parts, segments) along a way that ends in a segment. While a part of the
-    motion goes by, a stretch goes through up to twice its frames: it ends in the same segment as the part before, in
-    the next one or in the one behind; the part costs no less than in the cheapest of those. begins: the first segments
-    of documents."""
+    """Return (segments,) the least sum of costs (parts, segments) along a path that ends in a segment.
+
+    During a part of the motion, a frame range covers up to twice its frames: it ends in the same segment as the
+    previous part, in the next one or in the one after; the part costs no less than in the cheapest of those. begins:
+    the first segments of documents.
+    """
     firsts = np.flatnonzero(begins)
     total = np.zeros(costs.shape[1], np.float32)
     for own in costs:

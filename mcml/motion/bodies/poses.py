@@ -1,8 +1,8 @@
-"""Poses that can be compared over bodies, and how unlike poses and stretches of motion are.
+"""Poses that can be compared between bodies, and distances of poses and motions.
 
-A pose is where its joints are from the root, to the body's left, up and on, in lengths of its leg: where a body stands,
-faces and how large it is counts for nothing. Stretches are compared by dynamic time warping, with slopes from 1/2 to 2
-(Müller 2007, 4.2; Sakoe, Chiba 1978).
+A pose is the positions of its joints from the root, to the body's left, up and forward, in leg lengths: position,
+facing direction and size of the body are ignored. Motions are compared by dynamic time warping, with slopes from 1/2 to
+2 (Müller 2007, 4.2; Sakoe, Chiba 1978).
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def _alike(features: Array) -> list[tuple[Flags, NDArray[np.intp]]]:
 
 
 def at_rate(features: Array, frame_time: float, new_frame_time: float) -> Array:
-    """Features (n, 20, 3) at another frame rate, in straight lines. Times in seconds; `frame_places` says which."""
+    """Features (n, 20, 3) at another frame rate, by linear interpolation. Times in seconds, from `frame_places`."""
     places = frame_places(len(features), frame_time, new_frame_time)
     first = np.floor(places).astype(np.intp)
     second = np.minimum(first + 1, len(features) - 1)
@@ -104,7 +104,8 @@ def at_rate(features: Array, frame_time: float, new_frame_time: float) -> Array:
 
 
 def motion_distances(features: Array, motion: Array) -> Array:
-    """(n,) how unlike a motion the stretch that ends in each frame is: the mean pose distance along the best warping.
+    """Return (n,) the distance to a motion of the frame range that ends in each frame: the mean pose distance along the
+    best warping.
 
     features: (n, 20, 3), motion: (m, 20, 3) at the same frame rate (`at_rate`). With c the pose distances,
     D(i, j) = min(D(i-1, j-1) + c(i, j), D(i-2, j-1) + c(i-1, j) + c(i, j), D(i-1, j-2) + c(i, j)), over m: each frame
@@ -117,8 +118,9 @@ def motion_distances(features: Array, motion: Array) -> Array:
 
 
 def motion_starts(features: Array, motion: Array) -> NDArray[np.intp]:
-    """(n,) the first frame of the stretch that ends in each frame and is as like a motion as `motion_distances` says;
-    the frame itself where no stretch ends."""
+    """Return (n,) the first frame of the range that ends in each frame with the distance in `motion_distances`; the
+    frame itself where no range ends.
+    """
     total, starts = _warped(features, motion)
     return np.where(np.isfinite(total), starts, np.arange(len(features))).astype(np.intp)
 
@@ -133,7 +135,7 @@ def _warped(features: Array, motion: Array) -> tuple[Array, Array]:
         if not place:
             rows = [rows[1], here]
             continue
-        # Frame for frame, two frames of the motion for one of the stretch, one for two.
+        # Frame for frame, two frames of the motion for one of the range, one for two.
         ways = np.stack([_later(rows[1], 1), _later(rows[0], 1) + apart[place - 1], _later(rows[1], 2)])
         began = np.stack([_later(starts[1], 1), _later(starts[0], 1), _later(starts[1], 2)])
         best = ways.argmin(axis=0)[None]
@@ -147,7 +149,7 @@ def _nothing(features: Array) -> Array:
 
 
 def _later(row: Array, frames: int) -> Array:
-    """(n,) of so many frames before."""
+    """Return (n,) values of a number of frames earlier."""
     moved = np.full(len(row), np.inf)
     moved[frames:] = row[: max(0, len(row) - frames)]
     return moved

@@ -2,7 +2,7 @@
 
 Forward kinematics with rotation matrices, many frames at once, one component of all frames after the other: with A the
 axes of a joint in the world, G those at rest and M the product of its channels' rotations, A = A_parent G_parent^-1 G M
-and P = P_parent + A_parent G_parent^-1 t (docs/conventions.md). No joint without children is turned.
+and P = P_parent + A_parent G_parent^-1 t (docs/conventions.md). Joints without children are not rotated.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from mcml.motion.units import DEGREES, Reading
 Steps = NDArray[np.int32]
 
 UNSEEN = int(np.iinfo(np.int32).min)
-"""All three numbers of a joint that is not known to be anywhere: a sample is missing, or it is out of reach."""
+"""All three numbers of a joint with an unknown position: a sample is missing, or the position is out of range."""
 
 BLOCK = 2048
 """Frames at a time: the matrices of a chain of joints stay in the processor's cache."""
@@ -34,8 +34,11 @@ BLOCK = 2048
 
 @dataclass(frozen=True, eq=False)
 class _Turn:
-    """How a joint goes on from its parent. above: (3, 3) G_parent^-1. on: (3, 3) G_parent^-1 G, None where that is
-    nothing. angles: (axis, place among all angles) of the factors of M. turns: whether it carries others."""
+    """The transformation of a joint relative to its parent.
+
+    above: (3, 3) G_parent^-1. on: (3, 3) G_parent^-1 G, None for the identity. angles: (axis, place among all angles)
+    of the factors of M. turns: whether it has children.
+    """
 
     parent: int
     above: Array | None
@@ -47,8 +50,8 @@ class _Turn:
 def world_positions(skeleton: Skeleton, values: Array, reading: Reading = DEGREES) -> Array:
     """Positions (n, J, 3) of the joints in the world, in the source's unit and axes.
 
-    values: (n, D) of the skeleton's columns without gaps (`Held`); frames of several clips may follow one another. In
-    memory each component of a joint lies in one piece.
+    values: (n, D) of the skeleton's columns without gaps (`Held`); frames of several clips may be concatenated. Each
+    component of a joint is contiguous in memory.
     """
     found = np.empty((len(skeleton), 3, len(values)))
     for first in range(0, len(values), BLOCK):
@@ -103,7 +106,7 @@ def _turned(axes: _Axes, angles: tuple[tuple[int, int], ...], sines: Array, cosi
 
 @once_a_skeleton
 def _turns(skeleton: Skeleton, reading: Reading) -> tuple[list[_Turn], list[int]]:
-    """How each joint goes on, and the columns of all angles."""
+    """Return the transformation of each joint, and the columns of all angles."""
     place = {column: index for index, column in enumerate(skeleton.columns())}
     orientations = rest_of(skeleton, reading).orientations
     parents = {joint.parent for joint in skeleton.joints}

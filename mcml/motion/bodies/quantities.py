@@ -28,7 +28,7 @@ AXES: Final = ("x", "y", "z", "up", "front", "left")
 _GROUND = "_toes"
 """Joints on the ground: the ankle (`*_foot`) stays above it."""
 _THICKEST = 0.15
-"""Leg lengths that the surface of a body is away from other joints, at most, when it lies on the ground."""
+"""Greatest distance, in leg lengths, of other joints from the body's surface when it lies on the ground."""
 
 Arguments: TypeAlias = Sequence[str]
 
@@ -37,8 +37,8 @@ Arguments: TypeAlias = Sequence[str]
 class Quantity:
     """parameters: names of its arguments, the optional ones with `?`. unit: "m", "m/s", "m/s2", "s", "deg" or "".
 
-    joints: the joints that given arguments need (alternatives with `|`). windowed: whether it looks at neighbours, as
-    far as `local_fit.reach`. whole: whether it needs the whole document instead. compute: (n,) values of a stretch.
+    joints: the joints that given arguments need (alternatives with `|`). windowed: whether it uses neighbouring frames,
+    as far as `local_fit.reach`. whole: whether it needs the whole document instead. compute: (n,) values of a stretch.
     """
 
     parameters: tuple[str, ...]
@@ -135,7 +135,7 @@ def _heading(stretch: Stretch, arguments: Arguments) -> Array:
 
 
 def _contact(stretch: Stretch, arguments: Arguments) -> Array:
-    """1 where a joint stands, else 0."""
+    """Return 1 where a joint is planted, else 0."""
     calibration, joint = stretch.calibration, arguments[0]
     places = stretch.at(joint)
     heights = places @ stretch.up
@@ -201,11 +201,11 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {
     "heading": Quantity((), "deg", _hips, _heading, whole=True),
     "contact": Quantity(("joint",), "", _named, _contact, whole=True),
 }
-"""By name. `rate` is of any numbers (`local_fit.rate`); poses and stretches are compared in `poses`."""
+"""By name. `rate` is of any numbers (`local_fit.rate`); poses and motions are compared in `poses`."""
 
 
 def quantity_of(name: str, arguments: Arguments) -> Quantity:
-    """The quantity of a name; RequestError for one that there is not, or that does not take so many arguments."""
+    """Return the quantity with a name. Raises RequestError for an unknown name or a wrong number of arguments."""
     quantity = QUANTITIES.get(name)
     if quantity is None:
         raise RequestError(f"there is no quantity {name!r}", remedy=f"Take one of: {', '.join(QUANTITIES)}.")
@@ -217,13 +217,15 @@ def quantity_of(name: str, arguments: Arguments) -> Quantity:
 
 
 def joints_of(name: str, arguments: Arguments, joints: Collection[str]) -> tuple[str, ...]:
-    """The joints that a quantity is made from, of those that a skeleton has."""
+    """Return the joints of a skeleton that a quantity needs."""
     asked = quantity_of(name, arguments).joints(arguments)
     return tuple(dict.fromkeys(found for one in asked if (found := known(one, joints)) is not None))
 
 
 def halo_of(name: str, arguments: Arguments, frame_time: float | None) -> int | None:
-    """Frames before and after a stretch that it needs for the values of the whole document; None: all there are."""
+    """Return the number of frames before and after a range that the quantity needs for the values of the whole
+    document; None: all frames.
+    """
     quantity = quantity_of(name, arguments)
     if quantity.whole:
         return None
@@ -231,17 +233,17 @@ def halo_of(name: str, arguments: Arguments, frame_time: float | None) -> int | 
 
 
 def compute(name: str, arguments: Arguments, stretch: Stretch) -> Array:
-    """(n,) values of a quantity in a stretch, float64; NaN where unknown.
+    """Return (n,) values of a quantity in a frame range, float64; NaN where unknown.
 
     stretch: has the joints of `joints_of`, and begins and ends with the document, or `halo_of` frames before and after
-    what is wanted: values in the halo are not those of the document.
+    the requested frames: values in the halo differ from the document's.
     """
     return quantity_of(name, arguments).compute(stretch, arguments)
 
 
 @dataclass(frozen=True)
 class AskedQuantity:
-    """text: as it was asked, NAME:ARGUMENT,ARGUMENT. unit: "m", "m/s", "m/s2", "s", "deg" or ""."""
+    """text: of the request, NAME:ARGUMENT,ARGUMENT. unit: "m", "m/s", "m/s2", "s", "deg" or ""."""
 
     text: str
     name: str
@@ -254,7 +256,7 @@ class AskedQuantity:
         return self.name == "angle" and len(self.arguments) == 1 and turn_named(self.arguments[0]) is not None
 
     def joints(self, names: Collection[str]) -> tuple[str, ...]:
-        """The joints that it is made from, of those that a skeleton has."""
+        """Return the joints of a skeleton that it needs."""
         return joints_of(self.name, self.arguments, names)
 
     def check_joints(self, names: Sequence[str]) -> None:

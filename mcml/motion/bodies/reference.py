@@ -1,8 +1,8 @@
-"""The reference pose of a skeleton: the one that angles from rotations start from, the same for every clip of it.
+"""The reference pose of a skeleton: the start of angles from rotations, the same for every clip of it.
 
-A rest pose that a body could stand in is the reference. Rigs whose bones all lie along one axis at rest, or whose
-offsets come with the motion, have none: theirs is the most upright frame of the first clip of the skeleton. It is kept
-as a pose, so that a clip that is cut, reversed or put after another one has the angles that it had.
+If a body could stand in the rest pose, that is the reference. Rigs with all bones along one axis at rest, or without
+offsets, use the most upright frame of the first clip of the skeleton. It is stored as a pose, so that a clip that is
+cut, reversed or composed keeps its angles.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ DECIMALS = 6
 
 
 def stance_of(reference: Reference, skeleton: Skeleton, reading: Reading = DEGREES) -> Stance | None:
-    """A reference as anatomy sees it; None where it is of a frame whose pose is not known.
+    """Return the anatomical axes of a reference; None if the pose of its frame is unknown.
 
-    Raises ConversionError where nothing tells left from right in it.
+    Raises ConversionError if left and right are unknown in it.
     """
     up = axis_of(reference.up)
     if reference.pose is not None:
@@ -37,7 +37,7 @@ def stance_of(reference: Reference, skeleton: Skeleton, reading: Reading = DEGRE
 
 @once_a_skeleton
 def could_stand(skeleton: Skeleton, reading: Reading, up: str) -> bool:
-    """Whether a body could stand in the rest pose."""
+    """Tell whether a body could stand in the rest pose."""
     rest = rest_positions(skeleton, reading)[None, : len(skeleton)]
     return bool(uprightness(skeleton, rest, axis_of(up))[0] > STANDS)
 

@@ -34,7 +34,7 @@ LEVEL = 0.1
 def once_a_stretch(
     method: Callable[Concatenate[Stretch, P], Found],
 ) -> Callable[Concatenate[Stretch, P], Found]:
-    """A method of a stretch whose result is kept with it: many quantities begin alike. To be read only."""
+    """Cache a method's result with its stretch, because many quantities share their first steps. Read-only."""
 
     @wraps(method)
     def found(stretch: Stretch, /, *args: P.args, **kwargs: P.kwargs) -> Found:
@@ -121,7 +121,8 @@ class Stretch:
     @once_a_stretch
     def trunk_axes(self, sides: tuple[str, str]) -> tuple[Array, Array, Array]:
         """Unit vectors (n, 3) to the left, up and on of the trunk: up from between the hips to the neck, left along
-        the line through two joints (left, right) as far as it is across that."""
+        the line through two joints (left, right), perpendicular to up.
+        """
         up = unit(self.at(NECK) - self.middle(HIPS))
         across = self.between(sides[1], sides[0])
         left = across - dot(across, up)[:, None] * up

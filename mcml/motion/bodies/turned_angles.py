@@ -62,6 +62,6 @@ def _about(turns: Array, axis: Array) -> Array:
     """(n, 4) that part of rotations (n, 4) that is about an axis (3,): the other part, before it, is across."""
     along = np.concatenate([(turns[:, :3] @ axis)[:, None] * axis, turns[:, 3:]], axis=1)
     lengths = np.linalg.norm(along, axis=1, keepdims=True)
-    # Upside down there is no such part: none is as good as any.
+    # Upside down there is no such part, so any choice is equal.
     found: Array = np.where(lengths > 0, along / np.where(lengths > 0, lengths, 1.0), IDENTITY)
     return found

@@ -41,12 +41,12 @@ _SIGNS_OF_FLIP = {"X": 1.0, "Y": -1.0, "Z": -1.0}
 
 
 def convert(clip: ClipStream, to: Convention, *, keep_translations: bool = False) -> ClipStream:
-    """The clip in another convention; the same clip where it is in that convention already.
+    """Convert a clip to another convention; return the same clip if it has that convention.
 
-    keep_translations: for FIXED, joints that move in their parent keep doing so (`dof tx ty tz`, which few programs
-    read); else they stand still, with a notice.
-    Reads the frames once before, where joints may move in their parents. To MARKER: the positions of joints. Raises
-    ConversionError for markers to anything else, as they have no skeleton, and for several roots to FIXED.
+    keep_translations: for FIXED, joints that move in their parent keep moving (`dof tx ty tz`, which few programs
+    read); else they are fixed, with a notice. The frames are read once before, if joints may move in their parents. To
+    MARKER: the positions of joints. Raises ConversionError for markers to anything else, as they have no skeleton, and
+    for several roots to FIXED.
     """
     conventions = {joint.convention for joint in clip.head.skeleton.joints}
     if conventions <= {to}:
@@ -81,7 +81,7 @@ def convert(clip: ClipStream, to: Convention, *, keep_translations: bool = False
 
 
 def with_scale_factor(clip: ClipStream) -> ClipStream:
-    """The clip with its lengths times the ScaleFactor of its file, which a conversion does and says."""
+    """Multiply the lengths of a clip by the ScaleFactor of its file, as conversions do, with a notice."""
     factor = float(clip.head.fields.get("scale_factor", "1"))
     if factor == 1.0:
         return clip
@@ -170,7 +170,7 @@ class _Translator:
         return FrameBlock(values, self._columns, self._shapes, block.ids, None, block.motion_names)
 
     def _translation(self, planned: PlannedJoint, hub: HubBlock) -> Array:
-        """(n, 3) as the target's channels say it."""
+        """Return (n, 3) for the target's channels."""
         assert planned.source is not None
         moved = hub.translations[:, planned.source]
         for other in planned.adds:

@@ -28,8 +28,8 @@ _CHANNELS = ("Tx", "Ty", "Tz", "Rx", "Ry", "Rz")
 def plan_fixed(skeleton: Skeleton, found: Survey, keep_translations: bool, notices: list[Notice]) -> Plan:
     """ASF: every joint becomes the bone that starts there; its rest axes stay the source's (C = G).
 
-    keep_translations: joints that move in their parent get `dof tx ty tz`, which few programs read; else they stand
-    still and a notice names the largest displacement. Raises ConversionError for several roots.
+    keep_translations: joints that move in their parent get `dof tx ty tz`, which few programs read; else they are fixed
+    and a notice has the largest displacement. Raises ConversionError for several roots.
     """
     if len(skeleton.roots) != 1:
         raise ConversionError(
@@ -98,7 +98,7 @@ class _Builder:
         stack += [(child, 0) for child in reversed(children[0])]
         connectors = 0
         if not children[0] and self.vectors[0].any():
-            # The root has no bone of its own to reach its end site.
+            # The root has no own bone for its end site.
             self._add_connector(f"{self.joints[0].name}_end", 0, self.vectors[0])
         ends: dict[int, Array] = {0: np.zeros(3)}
         while stack:

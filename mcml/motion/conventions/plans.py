@@ -1,7 +1,7 @@
-"""Skeletons in another convention: which joints it has, how each is turned at rest, which order its angles have.
+"""Plans of skeletons in another convention: joints, rest orientations, orders of angles.
 
-A plan says for every joint of the target which joint of the source it is (none: a connector that ASF needs), its rest
-offset and its rest orientation G. Formulas: docs/conventions.md.
+A plan has for every joint of the target its joint of the source (none: a connector that ASF needs), its rest offset and
+its rest orientation G. Formulas: docs/conventions.md.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ FLIP = np.array([1.0, 0.0, 0.0, 0.0])
 """Half a turn about X: takes -Y to Y, and only changes the sign of angles about Y and Z."""
 
 ALIGNED = 1e-6
-"""Radians by which a bone may miss an axis and still lie along it."""
+"""Radians by which a bone may differ from an axis and still count as aligned."""
 
 _Y = np.array([0.0, 1.0, 0.0])
 
@@ -65,7 +65,7 @@ def product_order(joint: Joint) -> str:
 
 
 def is_within(order: str, whole: str) -> bool:
-    """Whether the letters stand in that order in the other one."""
+    """Tell whether the letters occur in this order in the other one."""
     letters = iter(whole)
     return all(letter in letters for letter in order)
 
@@ -85,7 +85,7 @@ def children_of(skeleton: Skeleton) -> list[list[int]]:
 
 
 def still_offsets(skeleton: Skeleton, found: Survey) -> Array:
-    """(J, 3) where each joint stands in its parent: a constant translation counts as the offset."""
+    """Return (J, 3) the position of each joint in its parent: a constant translation counts as the offset."""
     moving = found.moving()
     middles = found.middles()
     offsets = found.rest.offsets.copy()
@@ -146,7 +146,7 @@ def plan_listed(skeleton: Skeleton, found: Survey) -> Plan:
 
 
 def plan_base(skeleton: Skeleton, found: Survey) -> Plan:
-    """HTR: one order for all. G is the source's, so that angles stay; bones without child lie along Y."""
+    """HTR: one order for all. G is the source's, so that angles stay; bones without a child point along Y."""
     order = _common_order(skeleton)
     offsets = still_offsets(skeleton, found)
     vectors = bone_vectors(skeleton, found, offsets)

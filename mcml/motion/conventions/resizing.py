@@ -65,7 +65,7 @@ def _scaled(joint: Joint, factor: float) -> Joint:
 
 
 def turn_up(clip: ClipStream, start: str, end: str) -> ClipStream:
-    """The clip turned by a quarter so that its axis `start` (X, Y or Z) points where `end` did.
+    """Rotate a clip by a quarter turn so that its axis `start` (X, Y or Z) points where `end` did.
 
     Angles of BVH only change axis and sign; those of ASF bones and of HTR stay, their rest axes turn instead.
     Raises ConversionError for an unknown axis.
@@ -113,7 +113,7 @@ class _Turn:
         return turned[0], turned[1], turned[2]
 
     def turns_channels(self, joint: Joint) -> bool:
-        """Whether the joint's channels themselves are turned: those in world axes."""
+        """Tell whether the joint's channels themselves are rotated: those in world axes."""
         return joint.convention in (Convention.LISTED, Convention.MARKER) or joint.parent < 0
 
     def joint(self, joint: Joint, reading: Reading) -> Joint:

@@ -45,7 +45,7 @@ class Survey:
 
 
 def survey(clip: ClipStream, reading: Reading) -> Survey:
-    """One pass over the frames, left out where the skeleton alone tells everything."""
+    """Survey the frames in one pass, which is skipped if the skeleton alone is enough."""
     skeleton = clip.head.skeleton
     hub = HubReader(skeleton, reading)
     low, high = hub.rest.offsets.copy(), hub.rest.offsets.copy()

@@ -104,14 +104,14 @@ def compose(
     up: str = "Y",
     reading: Reading = DEGREES,
 ) -> Composed:
-    """Pieces one after the other, on one skeleton, at one frame time (seconds).
+    """Compose pieces one after the other, on one skeleton, at one frame time (seconds).
 
-    transition: frames between pieces that do not follow one another in their source; transitions: before each of the
-    pieces, where they differ (None: as `transition` says); styles likewise. "bridge" makes new frames between
-    them, "crossfade" blends so many of their own; 0: none. lengthen: as many more as it takes for no step of the root
-    or of a joint's angle to be larger than 1.1 times the largest inside the pieces (a crossfade only as far as the
-    pieces go). align: each piece is turned about the axis up and shifted on the ground so that the body goes on;
-    else it stays where it was. Raises ConversionError without pieces, for empty ones and for a negative transition.
+    transition: frames between pieces that are not consecutive in their source; transitions: before each of the pieces,
+    if they differ (None: as `transition`); styles likewise. "bridge" makes new frames between them, "crossfade" blends
+    existing ones; 0: none. lengthen: add frames until no step of the root or of a joint angle is larger than 1.1 times
+    the largest inside the pieces (a crossfade only as far as the pieces go). align: rotate each piece about the up axis
+    and shift it on the ground so that the body continues; else it keeps its place. Raises ConversionError without
+    pieces, for empty ones and for a negative transition.
     """
     if not pieces or any(not len(piece.block) for piece in pieces):
         raise ConversionError("there is nothing to compose", remedy="Name pieces that have frames.")
@@ -174,7 +174,7 @@ _Attempt: TypeAlias = tuple[Poses | None, int, int, float, float]
 
 
 class _Track:
-    """The frames so far: stretches of parts, and transitions between them."""
+    """The frames so far: ranges of parts, and transitions between them."""
 
     def __init__(
         self, skeleton: Skeleton, reading: Reading, carry: tuple[int, ...], largest: Array, lengthen: bool
@@ -185,7 +185,7 @@ class _Track:
         self._parts: list[_Stretch] = []
         self._placed: list[Poses] = []
         self._cuts: list[tuple[int, int]] = []
-        """(first, after the last) of the frames of each part that stay as they are."""
+        """(first, after the last) of the unchanged frames of each part."""
         self._between: list[Poses | None] = []
         self._seams: list[tuple[int, float, float]] = []
 
@@ -231,7 +231,7 @@ class _Track:
         frames = min(frames, end - start, len(part.poses))
         if not frames:
             return self._bridged(part, 0, align)
-        # Where the two are blended half and half they stand on one spot.
+        # At the middle of the blend both are in the same place.
         first, half = end - frames, frames // 2
         before = self._placed[-1]
         middle = first + half + 1
@@ -247,7 +247,7 @@ class _Track:
             part.placement = going_on(self._skeleton, before, after, self._carry, up, ahead, self._points)
 
     def _held(self, poses: Poses) -> Poses:
-        """The nearest poses that the channels can say: joints may have fewer than three angles."""
+        """Return the nearest poses that the channels can represent: joints may have fewer than three angles."""
         writer = HubWriter(self._skeleton, self._reading)
         values = writer.write(poses.translations, poses.rotations, poses.scales)
         ids = np.arange(len(values), dtype=np.int64)
@@ -348,9 +348,9 @@ def layered(
 ) -> Edited:
     """Joints of one clip on the body of another, frame by frame: the arms of a wave on the legs of a walk.
 
-    joints: they turn, and move in their parents, as in `over`; the others as in `base`. strength: (n,) for the frames
-    of the base: 0 its own, 1 the other's, bit by bit; between them on the way from one to the other. first: frame
-    of the base, from 0, where `over` begins. Before it, and where `over` has ended, the base goes on alone.
+    joints: they rotate, and move in their parents, as in `over`; the others as in `base`. strength: (n,) for the frames
+    of the base: 0 its own, 1 the other's, bit by bit; in between, interpolated. first: frame of the base, from 0, where
+    `over` begins. Before it, and after the end of `over`, the base is unchanged.
     """
     columns = skeleton.columns()
     place = np.arange(len(base)) - first

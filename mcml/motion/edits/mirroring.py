@@ -1,10 +1,10 @@
 """Left and right exchanged: a motion seen in a mirror.
 
-With S the reflection at the plane between the sides and m(j) the joint of the other side, joints stand at
-P'_j = S P_m(j) and turn by Q'_j = S Q_m(j) X_j. X_j is a reflection too: it takes the bones that hang at j at rest to
-those at m(j). In a rest pose that is symmetric all X are one reflection, X = I - 2 n n^T, and L'_j = X L_m(j) X. Rigs
-whose left and right axes differ (a right arm that points along -x, say) have an X for each joint. X_m(j) is the inverse
-of X_j, so that mirroring twice is no change.
+With S the reflection at the plane between the sides and m(j) the joint of the other side, joints are at P'_j = S P_m(j)
+with rotations Q'_j = S Q_m(j) X_j. X_j is a reflection too: it maps the bones of j at rest to those of m(j). In a rest
+pose that is symmetric all X are one reflection, X = I - 2 n n^T, and L'_j = X L_m(j) X. Rigs whose left and right axes
+differ (a right arm that points along -x, say) have an X for each joint. X_m(j) is the inverse of X_j, so that mirroring
+twice is no change.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from mcml.motion.units import DEGREES, Reading
 _ALIKE = np.cos(np.radians(15.0))
 """Two sides are never built quite alike: bones that miss their mirror image by less than this count as mirrored."""
 _LYING = 0.1
-"""The sides of a body that lies on one of them are not told apart upright."""
+"""Limit for lying bodies: if a body lies on its side, an upright plane cannot separate the sides."""
 _PRIOR = 1e-7
-"""How much a guess counts beside bones: where they leave a turn open, it decides."""
+"""Weight of a guess relative to bones: it decides where bones leave a rotation open."""
 
 
 def mirrored(
@@ -37,7 +37,7 @@ def mirrored(
     """Frames of a clip with left and right exchanged, markers too; samples that were missing are missing there.
 
     plane: of the mirror; else the one between the sides of the first frame, upright. up: "X", "Y" or "Z". Raises
-    ConversionError where the plane is not given and nothing tells left from right.
+    ConversionError if the plane is not given and left and right are unknown.
     """
     columns = skeleton.columns()
     raw = in_columns(block, columns)
@@ -69,11 +69,11 @@ def _carry_residuals(columns: tuple[tuple[int, int], ...], other: Rows, raw: Arr
 def own_plane(
     skeleton: Skeleton, translations: Array, rotations: Array, up: Array, reading: Reading = DEGREES
 ) -> Sagittal:
-    """The upright plane through the joint that the body hangs on, as that joint is turned in the first frame.
+    """Return the upright plane through the joint that carries the body, with its rotation in the first frame.
 
-    translations: (n, J, 3), rotations: (n, J, 4) of the hub form. up: (3,). A mirrored clip has the same plane again,
-    however unlike its sides are. Points that hang on nothing: the plane between their sides. Raises ConversionError
-    where nothing tells left from right.
+    translations: (n, J, 3), rotations: (n, J, 4) of the hub form. up: (3,). A mirrored clip has the same plane, also
+    with very different sides. For points without a skeleton: the plane between their sides. Raises ConversionError if
+    left and right are unknown.
     """
     positions, turned = walked(skeleton, translations[:1], rotations[:1])
     found = sagittal(skeleton, positions[0], up)
@@ -116,7 +116,7 @@ def mirrored_poses(
 
 
 def side_frames(skeleton: Skeleton, rest: Rest, other: Rows, mirror: Array) -> Array:
-    """X (J, 3, 3) of each joint; see above. mirror: (3, 3), S, for joints that only stand and carry."""
+    """X (J, 3, 3) of each joint; see above. mirror: (3, 3), S, for fixed joints above the body."""
     frames = np.empty((len(skeleton), 3, 3))
     if all(joint.convention is Convention.MARKER for joint in skeleton.joints):
         frames[:] = mirror
@@ -140,7 +140,7 @@ def side_frames(skeleton: Skeleton, rest: Rest, other: Rows, mirror: Array) -> A
 
 
 def _rest_normal(skeleton: Skeleton, rest: Rest, other: Rows) -> Array:
-    """The direction to the left at rest, an axis of the world where it is near one; X if there are no sides."""
+    """The direction to the left at rest, an axis of the world if it is near one; X if there are no sides."""
     positions = rest.offsets.copy()
     across = np.zeros(3)
     for index, joint in enumerate(skeleton.joints):

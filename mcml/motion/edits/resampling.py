@@ -28,9 +28,9 @@ _DRIFT = 0.01
 
 
 def frame_places(frames: int, frame_time: float, new_frame_time: float) -> Array:
-    """Where the frames of another rate lie among n frames, as places from 0 (m,), exact where the rates agree.
+    """Return the positions of the frames of another rate among n frames, from 0 (m,), exact where the rates agree.
 
-    frame_time, new_frame_time: seconds. The last one lies at or before the last old frame. Raises ConversionError for
+    frame_time, new_frame_time: seconds. The last one is at or before the last old frame. Raises ConversionError for
     times that are not positive.
 
     >>> frame_places(5, 1 / 120, 1 / 80).tolist()
@@ -83,7 +83,7 @@ def sampled(skeleton: Skeleton, block: FrameBlock, places: Array, reading: Readi
     between = hub.values[before] + share * (hub.values[after] - hub.values[before])
     exact = part == 0.0
     between[exact] = hub.values[before[exact]]
-    # A joint that stands still between two frames keeps its numbers too.
+    # A joint that does not move between two frames keeps its numbers too.
     same = np.ones((len(part), len(skeleton)), dtype=bool)
     for index, (joint, _) in enumerate(columns):
         same[:, joint] &= hub.values[before, index] == hub.values[after, index]

@@ -1,8 +1,10 @@
-"""Where a motion goes on from another, and the frames between them. Arrays of the hub form, no files, no channels.
+"""Place a motion so that it continues another, and make the frames between them.
 
-A body is placed by a turn about the axis up and a shift along the ground, so that it faces and goes on as before. A
-transition bridges two poses: either side runs out with the speed that it has, slower and slower, and a weight that is
-level at both ends (2 p^3 - 3 p^2 + 1, Kovar, Gleicher, Pighin 2002, sect. 3.2) leads from one to the other.
+Arrays of the hub form, no files, no channels.
+
+A body is placed by a rotation about the up axis and a shift along the ground, so that it keeps its facing and
+direction. A transition bridges two poses: each side continues with its decreasing speed, and a weight with zero slope
+at both ends (2 p^3 - 3 p^2 + 1, Kovar, Gleicher, Pighin 2002, sect. 3.2) leads from one to the other.
 """
 
 from __future__ import annotations
@@ -45,7 +47,7 @@ class Placement:
 
     @property
     def is_nothing(self) -> bool:
-        """Whether everything stays as it is, exactly."""
+        """Whether it is exactly the identity."""
         return self.shift is None
 
     def turn(self) -> Array:
@@ -117,10 +119,10 @@ def _nearest_turn(points: Array, others: Array, up: Array) -> float:
 
 
 def bridge(before: Poses, after: Poses, frames: int) -> Poses:
-    """So many frames between the last of one motion and the first of another, both in place.
+    """Return a number of frames between the last of one motion and the first of another, both in place.
 
-    Rotations: either side runs out by a third of its speed times the length, slerp between them. Translations: the
-    cubic with the places and speeds of both ends.
+    Rotations: each side continues by a third of its speed times the length, slerp between them. Translations: the cubic
+    with the positions and speeds of both ends.
     """
     length = frames + 1
     part = np.arange(1, frames + 1) / length

@@ -1,1 +1,1 @@
-"""Landmarks of a body: which marker stands where, by the set that a laboratory uses, by words, and checked by place."""
+"""Landmarks of a body: recognised by the marker set of a laboratory or by words, and checked by position."""

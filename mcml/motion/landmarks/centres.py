@@ -1,7 +1,7 @@
-"""Centres of joints from landmarks: points that a body in motion has beside its markers.
+"""Centres of joints from landmarks: additional points of a body besides its markers.
 
 A landmark is not a joint: a lateral marker of the knee is half a knee's width away from its centre. So a centre is
-known only from both sides of a joint (the mean of lateral and medial), or where the file has it: key points of cameras,
+known only from both sides of a joint (the mean of lateral and medial), or if the file has it: key points of cameras,
 and centres that a model wrote. No centre is guessed from one side, and none of a hip from the pelvis.
 """
 
@@ -49,7 +49,7 @@ class Centre:
 
 @once_a_skeleton
 def bodies_of(skeleton: Skeleton) -> tuple[MarkerBody, ...]:
-    """The bodies that the markers of a skeleton stand on; none where its joints are no markers."""
+    """Return the bodies of the markers of a skeleton; none if its joints are not markers."""
     if not skeleton.joints or any(joint.convention is not Convention.MARKER for joint in skeleton.joints):
         return ()
     return recognise_markers([joint.source_name for joint in skeleton.joints])

@@ -13,11 +13,11 @@ from mcml.motion.landmarks.recognise import MarkerBody
 from mcml.motion.skeleton import Array
 
 _PAIRS = ("asis", "psis", "greater_trochanter", "knee_lateral", "ankle_lateral", "heel", "acromion", "elbow_lateral")
-"""Landmarks of both sides, the left one of which stands on the left."""
+"""Landmarks of both sides; the left one should be on the left."""
 _BOTH_SIDES = (("knee_lateral", "knee_medial"), ("ankle_lateral", "ankle_medial"), ("elbow_lateral", "elbow_medial"))
-"""Lateral landmarks, outside of medial ones while arms hang and legs stand."""
+"""Lateral landmarks, which are outside of medial ones in a standing body with hanging arms."""
 _ORDER = (("ankle_lateral", "knee_lateral"), ("knee_lateral", "asis"), ("asis", "acromion"))
-"""Landmarks of a side that stand above one another."""
+"""Landmarks of a side, one above the other."""
 _CLEAR = 0.02
 """Of the height from ankle to pelvis: a smaller step contradicts nothing."""
 
@@ -30,7 +30,8 @@ def fullest_frame(bodies: Sequence[MarkerBody], positions: Array) -> int:
 
 
 def check_places(body: MarkerBody, places: Array) -> list[str]:
-    """Sentences about landmarks that stand where their names contradict; none where the pelvis or the feet are unknown.
+    """Return sentences about landmarks whose positions contradict their names; none if the pelvis or the feet are
+    unknown.
 
     places: (J, 3) of one frame.
     """
@@ -60,7 +61,7 @@ def check_places(body: MarkerBody, places: Array) -> list[str]:
         if {f"{side}_{lower}", f"{side}_{upper}"} <= at.keys()
         and (at[f"{side}_{upper}"] - at[f"{side}_{lower}"]) @ up < -clear
     ]
-    # A knee that is lifted above the pelvis is no fault; one that stands below its ankle on both sides is.
+    # A knee above the pelvis is not an error; knees below their ankles on both sides are.
     if len(low) > 1:
         told.append(f"places contradict names: {', '.join(low)}")
     return [whose + sentence for sentence in told]

@@ -23,7 +23,7 @@ _AXES = "OALP"
 _MIDDLE = frozenset({"c7", "t8", "t10", "t12", "jugular_notch", "xiphoid", "sacrum"})
 _SIDES = {"l": "left", "r": "right", "left": "left", "right": "right"}
 _PERSON_MARKERS = 5
-"""A prefix is a person's where so many markers have it."""
+"""Number of markers from which a prefix counts as a person's."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class MarkerBody:
 
 
 def recognise_markers(names: Sequence[str]) -> tuple[MarkerBody, ...]:
-    """The bodies that markers stand on, in the order in which their prefixes come; none where nothing is known."""
+    """Return the bodies of markers, in the order of their prefixes; none if nothing is recognised."""
     measured = [index for index, name in enumerate(names) if name and not _COMPUTED.search(_bare(name))]
     axes = _virtual_axes([_bare(names[index]) for index in measured])
     measured = [index for index in measured if _bare(names[index]) not in axes]
@@ -93,7 +93,7 @@ def _body(prefix: str, names: Mapping[int, str]) -> MarkerBody:
 
 
 def _set_of(keys: set[str]) -> str:
-    """The set that explains most of some markers; on a tie the one of which the larger share is there."""
+    """The set that explains most of some markers; on a tie the one with the larger share present."""
     best, most = "", (0, 0.0)
     for name, markers in marker_sets().items():
         explained = len(keys & markers.keys())
@@ -104,7 +104,7 @@ def _set_of(keys: set[str]) -> str:
 
 
 def landmark_by_words(name: str) -> str | None:
-    """The landmark that a marker's own words say, such as `R.Knee.Medial` or ASISr; None where they do not."""
+    """Return the landmark in a marker's own words, such as `R.Knee.Medial` or ASISr; None without one."""
     pieces = [piece.lower() for piece in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name)]
     whole = "".join(pieces)
     words = marker_words()
@@ -118,7 +118,10 @@ def landmark_by_words(name: str) -> str | None:
 
 
 def _split_sides(pieces: Sequence[str], whole: str, *, is_word: bool) -> list[tuple[str, str]]:
-    """(side, the rest without it) of a name, the clearest reading first. A word says no side by its letters: heel."""
+    """(side, the rest without it) of a name, the clearest reading first.
+
+    The letters of a whole word are not a side: heel.
+    """
     found: list[tuple[str, str]] = []
     if len(pieces) > 1:
         for place in (0, -1):

@@ -1,4 +1,4 @@
-"""Sets of markers, and words of markers, with the landmarks that they stand on.
+"""Sets of markers, and words of markers, with their landmarks.
 
 `sets.csv` has a column for each set; a cell names the set's markers at a landmark, apart by `|`. `words.csv` has words
 without a side. Landmarks are anatomical places (`left_asis`), centres of joints (`left_knee_centre`), or `…_tracking`

@@ -97,7 +97,7 @@ def marker_figure(skeleton: Skeleton, pose: Array) -> Figure:
 
 
 def farthest(points: Array, count: int) -> list[int]:
-    """So many of the points (n, 3), each next one the farthest from those before it; all where they are fewer."""
+    """Return a number of the points (n, 3), each the farthest from the previous ones; all if there are fewer."""
     if len(points) <= count:
         return list(range(len(points)))
     away = np.linalg.norm(points - points.mean(axis=0), axis=1)

@@ -77,7 +77,7 @@ def _poses(figure: Figure) -> tuple[int, int]:
 
 
 def poses_at(positions: Array, spacing: float, times: Array) -> Array:
-    """(k, P, 3) positions at times, on straight lines between those that there are, `spacing` seconds apart."""
+    """(k, P, 3) positions at times, by linear interpolation between the given ones, `spacing` seconds apart."""
     if spacing <= 0 or len(positions) < 2:
         return positions[np.zeros(len(times), dtype=np.intp)]
     at = np.clip(times / spacing, 0, len(positions) - 1)
@@ -119,7 +119,7 @@ def draw(figure: Figure, loop: Array, scrub: Array, seconds: float, view: Array)
 
 
 def _bones(figure: Figure, depths: Array) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
-    """(B, 3) the bones as they are drawn, the farthest first. depths: (P,) of the points, nearer is larger."""
+    """Return (B, 3) the bones in drawing order, the farthest first. depths: (P,) of the points, nearer is larger."""
     if not figure.bones:
         return np.empty((0, 3), np.uint8)
     pairs = np.array(figure.bones)

@@ -19,7 +19,7 @@ _STAND_INS = (
     ("*_hip", "*_up_leg"),
     ("*_finger_three", "*_fingers"),
 )
-"""MCML names of joints that stand for each other where a skeleton has only one of them; `*` for the side."""
+"""MCML names of joints that can replace each other if a skeleton has only one of them; `*` for the side."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,11 +33,10 @@ class Match:
 
 
 def suggest_matches(source: Skeleton, target: Skeleton) -> tuple[Match, ...]:
-    """Matches in the order of the target, each joint in one at most.
+    """Suggest matches in the order of the target, each joint in at most one.
 
-    By MCML's names, those of the documents and those that are recognised, then by names of the source files, then by
-    joints that may stand for each other. A match whose joints hang below others than their matched parents do is less
-    sure.
+    By MCML's names, of the documents and recognised ones, then by names of the source files, then by joints that can
+    replace each other. A match whose joints do not have matching parents gets a lower confidence.
     """
     found: dict[int, Match] = {}
     taken: set[int] = set()
@@ -77,7 +76,7 @@ def suggest_matches(source: Skeleton, target: Skeleton) -> tuple[Match, ...]:
 
 
 def _known_names(skeleton: Skeleton) -> dict[str, tuple[int, float]]:
-    """MCML's names of joints, and how sure each is: those that joints have, then those that are recognised."""
+    """Return MCML's names of joints with their confidence: existing names, then recognised ones."""
     names = {
         joint.name: (index, 1.0 if joint.confidence is None else float(joint.confidence))
         for index, joint in enumerate(skeleton.joints)

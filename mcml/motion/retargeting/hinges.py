@@ -1,7 +1,7 @@
-"""Which way a limb must be turned about itself for its hinge to bend as it should.
+"""Find the twist of a limb with which its hinge bends correctly.
 
-A rest pose says where a bone points, not how it is turned about itself, and rigs differ in that. Where the bone below
-turns freely this does not matter; a knee that bends about one axis can only follow if that axis lies right.
+A rest pose defines the direction of a bone, not its twist, and rigs differ in that. If the bone below rotates freely
+this does not matter; a knee that bends about one axis can only follow if that axis is correct.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from mcml.motion.rotations import inverse, multiply
 from mcml.motion.skeleton import Array, Joint
 
 TOLERATED = 2.0
-"""Degrees by which a bone may miss its direction on the mean before the limb above is turned about itself."""
+"""Mean error of a bone's direction, in degrees, above which the limb above is twisted."""
 _TRIED, _ROUNDS = 24, 16
 _NARROWED = 0.7
 
@@ -40,9 +40,9 @@ def best_twist(error: Callable[[float], float]) -> float:
 
 
 def beyond_limits(joint: Joint, index: int, writer: HubWriter, local: Array) -> Array:
-    """(n,) degrees by which local rotations (n, 4) of a joint are outside its limits; 0 where it states none.
+    """(n,) degrees by which local rotations (n, 4) of a joint are outside its limits; 0 if it states none.
 
-    The limits of a file stand in the order of its channels, in degrees.
+    The limits of a file are in the order of its channels, in degrees.
     """
     letters, axes = writer.letters(index), writer.rest.orientations[index]
     found = np.zeros(len(local))

@@ -36,7 +36,7 @@ class PosedBody:
 
 
 def upright_axes(side: Array, high: Array) -> Array | None:
-    """Axes (3, 3) as columns: to the side, up as far as it is across that, and across both."""
+    """Axes (3, 3) as columns: to the side, up (perpendicular to it), and perpendicular to both."""
     left = side / np.linalg.norm(side)
     upward = high - (high @ left) * left
     length = float(np.linalg.norm(upward))

@@ -10,15 +10,15 @@ from mcml.motion.retargeting.bone_mapping import Match
 from mcml.motion.skeleton import Skeleton
 
 _TOLD = 10.0
-"""Degrees, on the mean, from which it is told that hips or shoulders point elsewhere."""
+"""Mean error of hips or shoulders, in degrees, from which there is a warning."""
 
 
 @dataclass(frozen=True)
 class BoneError:
-    """How far a bone that both skeletons have points elsewhere, in degrees: at most, and on the mean.
+    """The error of the direction of a matched bone, in degrees: greatest and mean.
 
-    joint, end: in the target. leads: whether the joint is turned so that this bone points as its source does; where
-    bones branch only one can, the others go with it.
+    joint, end: in the target. leads: whether the rotation of the joint follows this bone; where bones branch only one
+    can, the others move with it.
     """
 
     joint: int
@@ -40,9 +40,11 @@ class AcrossError:
 
 @dataclass(frozen=True)
 class RetargetReport:
-    """matches: as they were used. scale: of places. missing: joints of the source that no joint takes. extra: joints of
-    the target that stay as at rest. bones: directions. feet: contacts and sliding, empty without feet. across: of lines
-    from right to left."""
+    """matches: the used matches.
+
+    scale: of places. missing: joints of the source that no joint takes. extra: joints of the target that keep their
+    rest pose. bones: directions. feet: contacts and sliding, empty without feet. across: of lines from right to left.
+    """
 
     matches: tuple[Match, ...]
     scale: float

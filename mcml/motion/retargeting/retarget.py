@@ -32,7 +32,7 @@ from mcml.motion.skeleton import TRANSLATIONS, Array, Skeleton
 from mcml.motion.units import DEGREES, Reading
 
 _LOOKED_AT = 60
-"""Frames from which it is told how limbs are turned about themselves."""
+"""Number of frames used to find the twist of limbs."""
 _STEPS = 12
 """Of the search for the angles of a joint that cannot turn freely."""
 
@@ -221,8 +221,11 @@ class _Transfer:
         return above == other
 
     def rotations(self, positions: Array, turned: Array) -> Array:
-        """Local rotations (n, J, 4) of the target. positions (n, Js, 3), turned (n, Js, 4): of the source, in the
-        world. Joints that cannot turn freely turn so that their bone points as it should, as nearly as they can."""
+        """Local rotations (n, J, 4) of the target.
+
+        positions (n, Js, 3), turned (n, Js, 4): of the source, in the world. Joints that cannot rotate freely are
+        rotated so that their bone's direction is as close as possible.
+        """
         if not self._from_rest:
             self._turn_limbs(positions, turned)
         skeleton = self.two.skeleton
@@ -263,9 +266,9 @@ class _Transfer:
             error(best_twist(error))
 
     def _missed(self, limb: tuple[int, int, int, Array, Array], positions: Array, turned: Array, angle: float) -> float:
-        """Degrees by which the bone at a hinge misses its direction, with the limb turned about itself by an angle.
+        """Return the error of the direction of the bone at a hinge in degrees, with the limb twisted by an angle.
 
-        limb: (joint, hinge, end of the hinge's bone, unit vector (3,) along the limb, its D before). The turn stays.
+        limb: (joint, hinge, end of the hinge's bone, unit vector (3,) along the limb, its D before). The twist stays.
         """
         joint, hinge, end, bone, before = limb
         self._turns[joint] = multiply(before, from_vector(angle * bone))
@@ -296,7 +299,7 @@ class _Transfer:
         return multiply(back, found)
 
     def scale(self) -> float:
-        """By the legs; by all bones both have where there are none; 1 where there are no bones."""
+        """From the legs; without legs from all common bones; 1 without bones."""
         one, two = self.leg(self.one, source=True), self.leg(self.two, source=False)
         if one and two:
             return two / one

@@ -1,6 +1,5 @@
-"""Bodies that are no person's, though their joints have a person's words: by names, further limbs and how they stand.
-
-Their joints get no names of MCML: a dog's front paw is no hand.
+"""Detect bodies that are not a person, although their joints have a person's words: by names, additional limbs and
+posture. Their joints get no names of MCML: a dog's front paw is not a hand.
 """
 
 from __future__ import annotations
@@ -18,11 +17,11 @@ from mcml.motion.skeleton import Array
 
 _FRONT, _HIND = ("fl", "fr"), ("rl", "rr", "bl", "br", "hl", "hr")
 _LYING = 45.0, 135.0
-"""Degrees between the trunk and the legs of a body that stands on four."""
+"""Degrees between the trunk and the legs of a body on four legs."""
 _FOREMOST = 0.45, 50.0
 """How long arms are at least that are legs, in parts of the legs, and the degrees from the direction of these."""
 _APART = 0.3
-"""Of the upper bone: a second limb stands so far from the first at least."""
+"""Relative to the upper bone: least distance of a second limb from the first."""
 _CERTAIN = 0.5
 
 
@@ -70,7 +69,7 @@ def creature_by_limbs(
     candidates: Mapping[tuple[str, str], Sequence[int]],
     limbs: Mapping[tuple[str, str], Limb],
 ) -> str:
-    """Why a body with more limbs than a person's is none; "" for another one."""
+    """Return the reason why a body with too many limbs is not a person; "" for other bodies."""
     further = [
         key
         for key, limb in limbs.items()
@@ -83,7 +82,7 @@ def creature_by_limbs(
 
 
 def _has_second(tree: Tree, readings: Sequence[Reading], candidates: Sequence[int], limb: Limb) -> bool:
-    """Whether a branch apart from a limb has words for its slots, and stands away from it."""
+    """Tell whether a branch outside a limb has words for its slots, at a distance from it."""
     if not tree.has_lengths or tree.is_flat:
         return False
     slots = [slot for slot in CORE[limb.limb] if slot in limb.joints]
@@ -112,7 +111,7 @@ def _bare(reading: Reading) -> frozenset[str]:
 def creature_by_posture(
     posture: Posture, limbs: Mapping[tuple[str, str], Limb], poses: Sequence[Array], has_tail: bool
 ) -> str:
-    """Why a body is none that stands on two, by the first pose that decides; "" where none does.
+    """Return the reason why a body does not stand on two legs, from the first pose that decides; "" if none does.
 
     poses: (J, 3) of the rest pose, then of frames.
     """

@@ -15,7 +15,7 @@ _SHORT = 0.02
 _MIDLINE = {"arm": 0.35, "leg": 0.05}
 """Of a limb's length: a first joint nearer to its twin is the shoulder or hip joint."""
 _ALIKE = 0.55, 1.8
-"""How many times as long as the lower bone the upper one may be."""
+"""Limits of the ratio of the upper to the lower bone."""
 _HALF = 0.5
 """Of the chain, that the upper and the lower bone make together at least."""
 _PIECES = 1.3

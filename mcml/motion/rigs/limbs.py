@@ -18,7 +18,7 @@ MOST_CANDIDATES = 200
 _CORE = 0.02
 """Value that a slot of the core adds to a path."""
 _APART = 0.15
-"""Of an arm: two joints called shoulder are shoulder and upper arm where they stand so far apart."""
+"""Relative to an arm: distance from which two joints called shoulder are shoulder and upper arm."""
 _CERTAIN = 0.75
 GAP, ELSEWHERE = 0.6, 0.65
 """Confidence of a joint that fills a gap, and of a joint with the right name elsewhere in the tree."""
@@ -123,7 +123,7 @@ def _nearest_above(tree: Tree, candidates: Iterable[int]) -> dict[int, int]:
 
 
 def _likeliest(readings: Sequence[Reading], candidates: Sequence[int], limb: str) -> Path:
-    """Where there is no tree: each slot takes its likeliest word, certain words first."""
+    """Without a tree: each slot takes its likeliest word, certain words first."""
     claims = sorted(
         (
             (-readings[joint].value(slot), readings[joint].numbers[:1], joint, slot)
@@ -140,7 +140,7 @@ def _likeliest(readings: Sequence[Reading], candidates: Sequence[int], limb: str
 
 
 def _settle_repeats(tree: Tree, readings: Sequence[Reading], candidates: Sequence[int], limb: Limb) -> None:
-    """One word for a whole limb, such as LArm LArm1 or leg_1 to leg_5: lengths decide, words that say more stay."""
+    """One word for a whole limb, such as LArm LArm1 or leg_1 to leg_5: lengths decide, more specific words stay."""
     chain = _longest_chain(tree, [joint for joint in candidates if _is_plain(readings[joint], limb.limb)])
     if len(chain) < 2:
         return
@@ -194,7 +194,7 @@ def _longest_chain(tree: Tree, joints: Sequence[int]) -> list[int]:
 
 
 def _with_next(tree: Tree, chain: Sequence[int], below: Sequence[int]) -> list[int]:
-    """A chain and the joints that go on from its end: known ones, or an only child."""
+    """Return a chain with the joints that continue it: known ones, or an only child."""
     last = min(below, key=lambda joint: tree.depth[joint], default=-1)
     if last >= 0:
         return [*chain, *(joint for joint in (last,))]
@@ -203,7 +203,7 @@ def _with_next(tree: Tree, chain: Sequence[int], below: Sequence[int]) -> list[i
 
 
 def _settle_shoulders(tree: Tree, readings: Sequence[Reading], candidates: Sequence[int], limb: Limb) -> None:
-    """Two joints called shoulder are shoulder and upper arm where they stand apart."""
+    """Rename two joints called shoulder to shoulder and upper arm if they are apart."""
     chain = _longest_chain(tree, [joint for joint in candidates if readings[joint].part == "shoulder"])
     taken = {limb.at("shoulder"), limb.at("up_arm")} - {-1}
     if len(chain) < 2 or not taken <= set(chain) or not tree.has_lengths:

@@ -14,7 +14,7 @@ _JOINTS = 3
 _ALIKE, _SLACK = 0.12, 0.02
 """By how much of itself, and of the whole chain, a bone may be longer than its twin."""
 _APART = 0.1
-"""Of their length: how far the chains of a pair stand apart somewhere."""
+"""Relative to their length: distance between the chains of a pair at some joint."""
 _HEAD = 0.28
 """Of the trunk below the arms: a head is longer, a neck shorter."""
 _MOST_CHILDREN = 40
@@ -31,7 +31,7 @@ class Pair:
 
 
 def find_pairs(tree: Tree, out: Sequence[bool]) -> list[Pair]:
-    """All pairs of a rig, but those within a limb. out: joints that are left out."""
+    """Find all pairs of a rig, except those within a limb. out: excluded joints."""
     if not tree.has_lengths:
         return []
     best, counts = _longest(tree, out)
@@ -55,7 +55,7 @@ def find_pairs(tree: Tree, out: Sequence[bool]) -> list[Pair]:
 
 
 def _longest(tree: Tree, out: Sequence[bool]) -> tuple[list[int], list[int]]:
-    """Of each joint the child that its longest path goes on with, -1 at the end of it, and how many joints it has."""
+    """Return for each joint the child on its longest path, -1 at its end, and the number of joints on it."""
     count, length, best = [1] * len(tree), [0.0] * len(tree), [-1] * len(tree)
     bones = np.zeros(len(tree))
     for index, parent in enumerate(tree.parents):

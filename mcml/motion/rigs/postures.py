@@ -1,4 +1,4 @@
-"""How a body stands in a pose: the angle between trunk and legs, which way is up, forward and left."""
+"""The posture of a body in a pose: the angle between trunk and legs, and the directions up, forward and left."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ import numpy as np
 from mcml.motion.skeleton import Array
 
 _STANDS = 125.0
-"""Degrees between trunk and legs of a body that stands."""
+"""Degrees between trunk and legs from which a body stands."""
 _FORWARD, _LEFT = 0.3, 0.5
-"""Of a foot: how far its toes point forward. Of a pair: how far it stands apart along left."""
+"""For a foot: forward extent of its toes. For a pair: its distance along left."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ def degrees(first: Array, second: Array) -> float:
 
 
 def trunk_angle(posture: Posture, places: Array) -> float:
-    """Degrees between the trunk and the legs, 180 for a body that stands straight; NaN where it cannot be said."""
+    """Degrees between the trunk and the legs, 180 for a straight standing body; NaN if unknown."""
     legs = [places[end] - places[start] for start, end, _ in posture.legs]
     if not legs or posture.top < 0 or posture.bottom < 0:
         return float("nan")
@@ -42,12 +42,12 @@ def trunk_angle(posture: Posture, places: Array) -> float:
 
 
 def stands(posture: Posture, places: Array) -> bool:
-    """Whether a body stands in a pose, (J, 3)."""
+    """Tell whether a body stands in a pose, (J, 3)."""
     return trunk_angle(posture, places) > _STANDS
 
 
 def first_standing(posture: Posture, poses: Sequence[Array]) -> Array | None:
-    """The first pose in which the body stands, None where it stands in none."""
+    """Return the first pose in which the body stands, None if there is none."""
     return next((places for places in poses if stands(posture, places)), None)
 
 
@@ -78,7 +78,7 @@ def left_of(posture: Posture, places: Array, tips: Sequence[Array | None] = ()) 
 
 
 def side_of(left: Array, first: Array, second: Array) -> int:
-    """1 where the first of two limbs stands to the left of the second, -1 to the right, 0 where neither is clear.
+    """Return 1 if the first of two limbs is to the left of the second, -1 to the right, 0 if unclear.
 
     first, second: places of their joints, (n, 3) and (n, 3).
     """

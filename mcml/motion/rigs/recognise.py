@@ -1,4 +1,4 @@
-"""Which joint of a rig is which of MCML's: by words, by where joints stand in the tree, and by the rest pose.
+"""Recognise the MCML joints of a rig: by words, by the position of joints in the tree, and by the rest pose.
 
 No convention is listed anywhere. A joint without a name keeps its own, and so does a doubtful one: a missing name costs
 an answer, a wrong one gives a wrong answer. Left and right come from words if there are any, else from the toes.
@@ -90,7 +90,7 @@ class _Rig:
 def recognise(tree: Tree, poses: Sequence[Array] = ()) -> Recognition:
     """Name the joints of a rig.
 
-    poses: (J, 3) places of joints in some frames spread over a clip; used only where the rest pose stands nowhere.
+    poses: (J, 3) places of joints in some frames spread over a clip; used only if the rest pose is not a standing body.
     Never fails; takes time that grows with the number of joints.
     """
     words, _ = read_words(tree.names)

@@ -20,7 +20,7 @@ from mcml.motion.units import reading_of
 MOST_JOINTS = 300
 """Of a skeleton that is kept for clips to come: sixty-four such take some ten megabytes, of any size they might not."""
 _POSES = 9
-"""Of a clip, where its rest pose tells too little."""
+"""Number of poses of a clip, if its rest pose is not enough."""
 _MOST_FRAMES = 100_000
 """Of a clip among which poses are taken: enough for a quarter of an hour at 120 a second."""
 

@@ -13,7 +13,7 @@ from mcml.motion.skeleton import Array
 
 @dataclass(frozen=True)
 class Tree:
-    """names: of joints. parents: index of each one's parent, which stands before it, -1 at a root.
+    """names: of joints. parents: index of each one's parent, which comes before it, -1 at a root.
 
     places: (J, 3) of the rest pose, in any unit. tips: (joint, place) of the ends of chains.
     """
@@ -69,7 +69,7 @@ class Tree:
         return len(self) > 4 and max(self.depth, default=0) <= 1
 
     def is_above(self, upper: int, lower: int) -> bool:
-        """Whether a joint is another one or stands above it."""
+        """Tell whether a joint is another one or above it."""
         first, last = self._spans[upper]
         return first <= self._spans[lower][0] <= last
 

@@ -112,7 +112,7 @@ def _head(tree: Tree, readings: Sequence[Reading], carrier: int, is_free: Callab
 
 
 def _claim_spine_above(tree: Tree, readings: Sequence[Reading], trunk: Trunk, is_free: Callable[[int], bool]) -> None:
-    """A spine in one word that goes on above the arms ends in the head."""
+    """Claim the head for a spine with a single word that continues above the arms."""
     if trunk.carrier < 0 or any(reading.trunk == "neck" for reading in readings):
         return
     chain: list[int] = []

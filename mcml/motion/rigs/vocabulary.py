@@ -1,8 +1,8 @@
-"""Words that names of joints are made of, in eleven languages, and the part of a body that each one names.
+"""Words in names of joints, in eleven languages, and the part of the body that each one names.
 
 `words.csv` has a row for each language and part. `left`, `right` and `centre` are sides; `upper`, `lower`, `fore`,
-`hind`, `front` change another word; `noise` says nothing; `helper`, `end` and `half` tell joints that are no part
-of a body.
+`hind`, `front` change another word; `noise` has no meaning; `helper`, `end` and `half` mark joints that are not part of
+a body.
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ def languages() -> dict[str, dict[str, tuple[str, ...]]]:
 
 
 class Vocabulary:
-    """The words that count in a rig of a language.
+    """The words for a rig in a language.
 
-    Where a word stands in several languages, the rig's own comes first, then English. A short Latin word of a third
+    If a word exists in several languages, the rig's own comes first, then English. A short Latin word of a third
     language does not count: `te` is a hand only in Japanese, `d` is a side only in French or Spanish.
     """
 
@@ -68,9 +68,9 @@ class Vocabulary:
         return self._parts.get(word, ())
 
     def cut(self, piece: str) -> tuple[str, ...]:
-        """A piece of a name as the fewest known words that use all its letters; the piece itself where none do.
+        """A piece of a name as the fewest known words that use all its letters; the piece itself if none do.
 
-        At most one letter of a side stands at one end: `lhipjoint` is l hipjoint.
+        At most one letter for a side is at one end: `lhipjoint` is l hipjoint.
         """
         if piece in self._parts or len(piece) > _LONGEST:
             return (piece,)
@@ -97,12 +97,12 @@ class Vocabulary:
         return (piece,)
 
     def cut_plain(self, piece: str) -> tuple[str, ...]:
-        """The fewest known words without a letter of a side; nothing where there are none."""
+        """The fewest known words without a letter of a side; empty if there are none."""
         words = self.cut(piece) if piece not in self._parts else (piece,)
         return words if all(self._stands(word) for word in words) else ()
 
     def _stands(self, word: str) -> bool:
-        """Whether a word may be a piece of another: short Latin ones stand in too many."""
+        """Tell whether a word may be a piece of another: short Latin words occur in too many."""
         return word in self._parts and (not word.isascii() or len(word) >= _SHORT or word in _SHORT_ONES)
 
 

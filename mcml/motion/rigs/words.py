@@ -14,7 +14,7 @@ from mcml.motion.rigs.vocabulary import ENGLISH, Vocabulary, languages, normalis
 
 SIDES = frozenset({"left", "right"})
 _FIRST = 0.85
-"""Of the names: a word that stands first in so many is the rig's, not the joint's."""
+"""Share of the names: a first word this frequent is the rig's prefix, not the joint's."""
 _OFTEN = 12
 """Times that an unknown word may occur before it is noise."""
 _LANGUAGE = 3, 0.1
@@ -211,7 +211,7 @@ def _split_sides(texts: Sequence[tuple[str, bool]], words: Vocabulary, flags: tu
 
 
 def _without_first(words: list[Words]) -> list[Words]:
-    """The names without the word that stands first in nearly all of them, unless that is a side or a limb's."""
+    """Remove the first word of nearly all names, unless it is a side or part of a limb."""
     firsts = Counter(name[0].text for name in words if name)
     if len(words) < 3 or not firsts:
         return words
