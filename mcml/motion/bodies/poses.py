@@ -109,8 +109,8 @@ def motion_distances(features: Array, motion: Array) -> Array:
 
     features: (n, 20, 3), motion: (m, 20, 3) at the same frame rate (`at_rate`). With c the pose distances,
     D(i, j) = min(D(i-1, j-1) + c(i, j), D(i-2, j-1) + c(i-1, j) + c(i, j), D(i-1, j-2) + c(i, j)), over m: each frame
-    of the motion counts once, frames of the stretch may be passed over or stand for two. It begins anywhere. NaN where
-    no stretch ends: in the first frames, and after poses that cannot be compared.
+    of the motion counts once, frames of the range may be skipped or used twice. It begins anywhere. NaN where no range
+    ends: in the first frames, and after poses that cannot be compared.
     """
     total, _ = _warped(features, motion)
     total = total / max(1, len(motion))

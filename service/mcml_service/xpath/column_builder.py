@@ -1,4 +1,4 @@
-"""The process of a server that builds columns before anybody asks for them, when others leave it time."""
+"""The process of a server that builds columns in advance, while the server is idle."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from mcml_service.xpath.query_pool import fork_context
 
 NICE = 19
 LOOK_SECONDS = 0.25
-"""The interval in which it is asked whether to go on."""
+"""Interval of checks whether to continue."""
 
 
 SKELETON_QUERIES = ("count(//bone)", "count(distinct-values(//bone/name))")

@@ -14,7 +14,7 @@ from mcml_service.xpath.queries import Queries
 
 
 def documents_with(queries: Queries, expression: str, project: str | None, limits: Limits) -> set[str] | None:
-    """The ids of documents in which an expression is true or finds something; None for all there are."""
+    """The ids of documents in which an expression is true or finds something; None for all."""
     hits: set[str] = set()
     request = QueryRequest(q=f"boolean({expression})", project=project, limit=MAX_DOCUMENTS, per="document")
     while True:

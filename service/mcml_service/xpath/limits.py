@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from mcml.errors import LimitError, NotFoundError
 
 PATIENCE = 0.5
-"""Seconds that a query has to end by itself."""
+"""Seconds in which a query should end by itself."""
 
 
 class Limits:
@@ -35,17 +35,17 @@ class Limits:
         return max(0.0, self._end - time.monotonic())
 
     def extend(self, seconds: float) -> None:
-        """Give the query so many seconds from now on, where that is more than it has."""
+        """Extend the time limit of the query to at least this many seconds from now."""
         if time.monotonic() + seconds > self._end:
             self._seconds, self._end = seconds, time.monotonic() + seconds
 
     def overdue(self) -> LimitError | None:
-        """The error of a query that did not end by itself when it had to, None while it may go on."""
+        """Return the error of a query that did not end in time, None while it may continue."""
         end = self._end if self._left is None else min(self._left, self._end)
         return self.error() if time.monotonic() > end + PATIENCE else None
 
     def cancel(self) -> None:
-        """Nobody waits for the answer any more."""
+        """Cancel the query: its client has disconnected."""
         if self._left is None:
             self._left = time.monotonic()
 
@@ -55,7 +55,7 @@ class Limits:
             raise self.error()
 
     def error(self) -> LimitError:
-        """Of a query that must end: nobody waits for its answer, or its time is up."""
+        """Return the error of a query that must end: its client has disconnected, or its time is up."""
         if self.is_cancelled:
             return LimitError("The query was cancelled.", code="query-cancelled")
         return self.timeout()
@@ -80,7 +80,7 @@ class Limits:
 
 @dataclass
 class Running:
-    """A question that is evaluated now. limits: end it by them."""
+    """A running query. limits: for cancelling it."""
 
     id: int
     text: str
@@ -94,5 +94,5 @@ class Running:
 
 
 def no_such_question(number: int) -> NotFoundError:
-    """The error of a question that has ended, or never began."""
+    """Return the error for a query that has ended, or never began."""
     return NotFoundError(f"No question {number} is running.", remedy="List those that are.")

@@ -1,4 +1,4 @@
-"""Questions to answers: parse, choose a source for the nodes, and run in one read transaction, a page at a time."""
+"""Evaluate queries: parse, choose a source for the nodes, and run in one read transaction, a page at a time."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Queries:
         self.caches = Caches(settings.query_cache_mib << 20, sidecar)
 
     def on(self, database: Database) -> Queries:
-        """The same, over a store of which somebody sees less."""
+        """Return the same for a store with a limited view."""
         if database is self.database:
             return self
         other = copy(self)
@@ -137,7 +137,7 @@ class Queries:
     def _by_trees(
         self, query: Query, parts: list[list[Listed]], commit: int, since: int, limits: Limits, limit: int
     ) -> Iterator[list[Node]]:
-        """The nodes of an answer, some documents at a time, each time in a transaction of its own."""
+        """The nodes of an answer, some documents at a time, each batch in a separate transaction."""
         for documents in parts:
 
             def found_in(tx: Transaction, some: list[Listed] = documents, most: int = limit) -> list[Node]:
@@ -177,7 +177,7 @@ class Queries:
         return Limits(self.settings.query_seconds, self.settings.query_elements, client, author)
 
     def running(self) -> list[Running]:
-        """The questions that are evaluated for others now, oldest first: none but on a server."""
+        """Return running queries of clients, oldest first; only on a server."""
         return []
 
     def end(self, number: int) -> None:
@@ -189,7 +189,7 @@ class Queries:
 
 
 class _Asking:
-    """One question in one transaction."""
+    """One query in one transaction."""
 
     def __init__(
         self,
@@ -226,7 +226,7 @@ class _Asking:
             return self._by_trees(page)
 
     def leave_out_guesses(self, guesses: str) -> None:
-        """Where they are not wanted, ask no documents of which what a function of bodies needs is guessed."""
+        """On request, exclude documents in which a value for a function of bodies is guessed."""
         if guesses == "no" and self.motion:
             groups = self.scope.groups()
             self.scope.narrow(without_guesses(self.tx, self.engine.caches, groups, self.motion, self.limits.check))

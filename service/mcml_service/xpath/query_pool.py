@@ -48,7 +48,7 @@ GRACE_SECONDS = 1.5
 
 
 class QueryPool:
-    """A fixed number of worker processes. One client can use all but one of them. Thread-safe."""
+    """A fixed number of worker processes. One client can use all except one of them. Thread-safe."""
 
     def __init__(self, database: Database, settings: Settings, processes: int) -> None:
         self._database = database

@@ -1,4 +1,4 @@
-"""Cursors: where a page ends, in which state of the store, and of which question."""
+"""Cursors: the end of a page, the state of the store, and the query."""
 
 from __future__ import annotations
 
@@ -16,8 +16,11 @@ from mcml_service.storage.transaction import LATEST
 
 @dataclass(frozen=True, slots=True)
 class Cursor:
-    """commit: the state that is read. whole_since: which states were whole then. offset: items on the pages before.
-    check: of the question it belongs to."""
+    """commit: the state of the store.
+
+    whole_since: the commit since which the history was complete. offset: number of items on earlier pages. check:
+    identifies its query.
+    """
 
     commit: int
     whole_since: int
@@ -33,13 +36,13 @@ class Cursor:
 
 
 def question(request: QueryRequest) -> int:
-    """A number that tells one question from another."""
+    """Return a number that identifies a query."""
     asked = [request.q, request.document, request.project, request.as_, request.per, request.guesses, request.variables]
     return zlib.crc32(orjson.dumps(asked))
 
 
 def read_cursor(request: QueryRequest) -> Cursor | None:
-    """The request's cursor. QueryError for one that another question made."""
+    """Return the request's cursor. Raises QueryError for the cursor of another query."""
     if request.cursor is None:
         return None
     try:

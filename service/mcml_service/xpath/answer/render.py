@@ -71,8 +71,9 @@ def _frames(forest: Forest, nodes: Ints) -> list[str]:
 
 
 def runs_of(nodes: Ints) -> Iterator[tuple[int, int, int]]:
-    """(document, first frame, last frame) of maximal runs of frames that nodes lie in, in the order of the nodes: each
-    lies in the same frame as the one before it, or in the next one."""
+    """Yield (document, first frame, last frame) of maximal runs of the nodes' frames, in the order of the nodes:
+    each node is in the same frame as the previous one, or in the next frame.
+    """
     frames = nodes >> FRAME_SHIFT
     step = np.diff(frames)
     edges = np.flatnonzero((step != 0) & (step != 1)) + 1

@@ -20,8 +20,8 @@ PAGE_ELEMENTS = 200_000
 
 
 def page(source: Source, offset: int, limit: int, max_elements: int) -> tuple[list[Node], bool]:
-    """(nodes from `offset` on, whether more follow). There are `limit` of them, or fewer where whole documents among
-    them are large together. LimitError where the first one is too large alone.
+    """Return (nodes from `offset` on, whether more follow): `limit` nodes, or fewer if whole documents among them are
+    too large together. Raises LimitError if the first one alone is too large.
     """
     result: list[Node] = []
     room = min(max_elements, PAGE_ELEMENTS)
@@ -73,7 +73,7 @@ def described(forest: Forest, nodes: Ints) -> list[Node]:
 
 
 def runs(source: Source) -> Iterator[Run]:
-    """Maximal ranges of frames that nodes are or lie in. QueryError for a node outside the frames."""
+    """Yield maximal ranges of the nodes' frames. Raises QueryError for a node outside frames."""
     return join_runs(_runs_of_chunks(source))
 
 

@@ -1,8 +1,8 @@
-"""Whole answers, shown while they are read.
+"""Streams of whole answers.
 
-The question is answered first, in one short transaction, as numbers of nodes; that takes eight bytes a node. The nodes
-are read and written out afterwards, some at a time, each time in a transaction of its own at the same commit. So a
-client that reads slowly holds up no writer, and every limit is met before the first byte is sent.
+The query is first evaluated in one short transaction, as numbers of nodes, which takes eight bytes a node. The nodes
+are then read and sent in batches, each in a separate transaction at the same commit. So a slow client blocks no writer,
+and every limit is checked before the first byte is sent.
 """
 
 from __future__ import annotations
@@ -45,8 +45,11 @@ class GroupNodes:
 
 
 class Answer:
-    """The nodes of an answer. total: how many. commit: the state that was asked. whole_since: which states were whole
-    when they were found."""
+    """The nodes of an answer.
+
+    total: their number. commit: the state of the store. whole_since: the commit since which the history was complete at
+    that time.
+    """
 
     def __init__(
         self, database: Database, caches: Caches, commit: int, whole_since: int, parts: list[GroupNodes]

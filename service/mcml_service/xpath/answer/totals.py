@@ -46,7 +46,7 @@ def sample_of(request: QueryRequest) -> tuple[str, int] | None:
 
 
 def add_ranges(tx: Transaction, request: QueryRequest, runs: Iterable[Run], items: Iterable[RunItem]) -> str | None:
-    """Tell each run between what values the sample lies; answers which it is, as BONE.CHANNEL."""
+    """Add the range of the compared sample to each run; return the sample as BONE.CHANNEL."""
     sample = sample_of(request)
     if sample is None:
         return None

@@ -32,11 +32,11 @@ from mcml_service.xpath.nodes.node import Node
 from mcml_service.xpath.nodes.numbering import MOTION, Ints, documents_of, frames_of, slots_of
 
 Reading: TypeAlias = Callable[[], AbstractContextManager[Transaction]]
-"""Opens a transaction at the commit that was asked."""
+"""Opens a transaction at the commit of the query."""
 
 _CLOSING = b"</result>\n"
 DENSE = 64
-"""Of so many frames a document, they are written together."""
+"""Number of frames in a document from which they are written together."""
 _AS_XML = frozenset({"element", "document"})
 """Kinds of nodes whose value is XML."""
 
@@ -82,7 +82,7 @@ def _pieces(form: _Form, read: Reading, forest: Forest, nodes: Ints) -> Iterable
 
 
 def _blocks(read: Reading, stored: Listed) -> Iterator[FrameBlock]:
-    """All frames of a document, each block read in a transaction of its own."""
+    """All frames of a document, each block read in a separate transaction."""
     for first in range(1, stored.frames + 1, BLOCK_FRAMES):
         with read() as tx:
             blocks = list(labelled_blocks(tx, stored, first, min(first + BLOCK_FRAMES - 1, stored.frames)))
@@ -214,4 +214,4 @@ STREAMS: dict[str, tuple[Callable[[Answer | Shown], Iterator[bytes]], str]] = {
 """For each form, its writer and its media type."""
 
 RAW_CSV = partial(_written, _csv(str))
-"""Writes values that spreadsheets take for formulas as they are."""
+"""Writes values that spreadsheets read as formulas without escaping."""

@@ -1,8 +1,8 @@
 """The axes of XPath on arrays of nodes.
 
 `step` takes context nodes and gives pairs (index of the context node, node reached), ordered by context and in
-document order. Attributes have their element as parent and stand between it and its children; as in libxml2,
-`following` and `preceding` of an attribute are those of its element.
+document order. Attributes have their element as parent and come between it and its children; as in libxml2, `following`
+and `preceding` of an attribute are those of its element.
 """
 
 from __future__ import annotations
@@ -312,7 +312,7 @@ def _siblings(forest: Forest, nodes: Ints, test: str, *, after: bool) -> Pairs:
     if frames.any() and test in (FRAME, "*", "node()"):
         parts.append(where(frames, lambda some: _frame_siblings(forest, some, after=after), nodes))
     if frames.any() and not after and test != FRAME:
-        # All that motion holds beside frames stands before them.
+        # All children of motion other than frames come before them.
         parts.append(where(frames, lambda some: _of_rows(forest, parents(forest, some), children=True), nodes))
     others = ((kinds == IS_ELEMENT) | (kinds == IS_TEXT)) & ~frames
     parts.append(where(others, lambda some: _cut_children(forest, some, test, after=after), nodes))

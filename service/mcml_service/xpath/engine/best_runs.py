@@ -17,12 +17,12 @@ from mcml_service.xpath.nodes.nodesets import one_set
 from mcml_service.xpath.nodes.numbering import FRAME_SHIFT, Floats, Ints, documents_of, frames_of
 
 TOGETHER = 32_768
-"""Frames whose key is worked out together."""
+"""Number of frames whose key is computed together."""
 
 
 @dataclass(frozen=True, eq=False)
 class Runs:
-    """Of a forest, in order. first, last: frames of each. before: how many runs there are in the forests before."""
+    """The runs of a forest, in order. first, last: frames of each. before: number of runs in the previous forests."""
 
     columns: Columns
     first: Ints
@@ -31,8 +31,10 @@ class Runs:
 
 
 class BestRuns:
-    """Gathers frames, forest by forest in order of the answer. wanted: how many runs. key: asked of each frame; NaN
-    counts for nothing; None: runs are as good as they are long."""
+    """Collects frames, forest by forest in order of the answer.
+
+    wanted: number of runs. key: evaluated for each frame; NaN is ignored; None: the length of runs.
+    """
 
     def __init__(self, wanted: int, key: Expression | None) -> None:
         self._wanted = wanted

@@ -70,7 +70,7 @@ class ColumnSource:
 
     @property
     def documents(self) -> Sequence[Listed]:
-        """Those that can hold nodes of the answer, in its order."""
+        """Documents that can have nodes of the answer, in its order."""
         return [listed for group in self._groups() for listed in group]
 
     def _groups(self) -> Iterable[Group]:
@@ -241,7 +241,7 @@ def halves(forest: Forest) -> tuple[Forest, Forest]:
 
 
 def _bones_asked(start: Start) -> str | None:
-    """The name of the frame_bones that the path goes on to and ends with, "" for all of them; None for other paths."""
+    """Return the name of the frame_bones at the end of the path, "" for all of them; None for other paths."""
     step = start.steps[0] if len(start.steps) == 1 else None
     if step is None or (step.axis, step.name) != ("child", FRAME_BONE) or len(step.predicates) > 1:
         return None

@@ -175,7 +175,7 @@ class Columns:
             return NodeSets(found.groups, found.nodes, found.count, index.reshape(-1).astype(np.int64))
         if path.start is not None:
             sets = self.nodes(path.start, context)
-            if not isinstance(path.start, Path):  # Nodes of a sequence have an order of their own.
+            if not isinstance(path.start, Path):  # Nodes of a sequence keep the order of the sequence.
                 sets = replace(ordered(sets.groups, sets.nodes, sets.count), index=sets.index)
             if context.variables and any(map(free_variables, predicates_of(steps))):
                 return self.steps(sets.flat()[0], steps, context)
@@ -257,8 +257,10 @@ class Columns:
         reverse: bool,
         variables: Mapping[str, Bound] = MappingProxyType({}),
     ) -> Bools:
-        """Which candidates a predicate keeps. groups: whose list each candidate is in, ascending. variables: those that
-        it asks for, of each candidate."""
+        """Tell which candidates a predicate keeps.
+
+        groups: the list of each candidate, ascending. variables: those that it uses, for each candidate.
+        """
         if not len(nodes):
             return np.zeros(0, bool)
         if type_of(predicate) == "number" or depends_on_position(predicate):
@@ -274,7 +276,7 @@ class Columns:
     def kept(self, predicate: Expression, context: Context) -> Bools:
         """Tell which items of a sequence a predicate keeps, by their positions or by its value."""
         if type_of(predicate) == "sequence" and item_type(predicate) in ("number", "any"):
-            raise functions.NotOnColumnsError  # A number asks for a position, other values for their truth.
+            raise functions.NotOnColumnsError  # A number selects a position, other values are converted to booleans.
         return self.sliced(predicate, context)
 
     def sliced(self, predicate: Expression, context: Context) -> Bools:
@@ -282,7 +284,7 @@ class Columns:
         return parts[0] if len(parts) == 1 else np.concatenate([*parts, np.empty(0, bool)])
 
     def _holds(self, predicate: Expression, context: Context) -> Bools:
-        """A slice of candidates; of those that reach too much together, each half alone."""
+        """Evaluate a slice of candidates; if they reach too many nodes together, each half separately."""
         self.check()
         try:
             if type_of(predicate) == "number":
@@ -345,7 +347,7 @@ class Columns:
     def _logic(self, operator: str, operands: tuple[Expression, ...], context: Context) -> Bools:
         """Operands one after the other, each only for the candidates that are not decided."""
         if all(map(is_of_variables, operands)):
-            # To choose among what is at hand takes longer than to look at all of it.
+            # Selecting among cached values takes longer than using all of them.
             combine = np.logical_and if operator == "and" else np.logical_or
             return reduce(combine, [self.truth(operand, context) for operand in operands])
         result = np.full(len(context), operator == "and")

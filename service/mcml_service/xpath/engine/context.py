@@ -40,7 +40,7 @@ class Bound:
 
 @dataclass(frozen=True, slots=True)
 class Context:
-    """Context nodes, and for each its position and the size of its list, where anything asks for them."""
+    """Context nodes, and for each its position and the size of its list, if they are used."""
 
     nodes: Ints
     positions: Floats | None = None

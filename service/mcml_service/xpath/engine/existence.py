@@ -1,8 +1,8 @@
-"""Whether anything stands before or after a node, without listing for each node all that does.
+"""Existence of nodes before or after a node, without listing them for each node.
 
-`frame[following-sibling::frame[motion_name='walk']]` asks of n frames about n²/2 others. But a frame has such a sibling
-exactly if the last of them stands behind it, so the last (or first) one under each parent, or in each document, decides
-for all context nodes together.
+`frame[following-sibling::frame[motion_name='walk']]` compares n frames with about n²/2 others. But a frame has such a
+sibling exactly if the last of them comes after it, so the last (or first) one under each parent, or in each document,
+decides for all context nodes together.
 """
 
 from __future__ import annotations
@@ -32,8 +32,11 @@ from mcml_service.xpath.nodes.numbering import (
 
 
 class Beyond:
-    """The answer for one step. kept: which of the nodes that the step can reach count. Asked for slices of context
-    nodes, it looks at the nodes under the same parents, or of the same documents, only once."""
+    """The answer for one step.
+
+    kept: mask of the reachable nodes that match. For slices of context nodes, nodes under the same parents, or of the
+    same documents, are read only once.
+    """
 
     def __init__(self, forest: Forest, axis: str, test: str, kept: Callable[[Ints], Bools]) -> None:
         self._forest = forest
@@ -44,7 +47,7 @@ class Beyond:
         self._extremes = np.empty(0, np.int64)
 
     def exists(self, nodes: Ints) -> Bools:
-        """For each context node whether a node that counts stands on the axis."""
+        """Tell for each context node whether a matching node is on the axis."""
         kinds, _ = kinds_and_names(self._forest, nodes)
         inner = (kinds == IS_ATTRIBUTE) | (kinds == IS_NAMESPACE)
         if self._axis.endswith("-sibling"):

@@ -1,4 +1,4 @@
-"""Frames read and written: those of one document as a block, or those of many documents each by itself."""
+"""Read and write frames: those of one document as a block, or those of many documents separately."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def _blocks(forest: Forest, documents: Ints, chunks: Ints) -> tuple[list[Block],
 
 
 def _stretches(blocks: Sequence[Block], block_of: Ints, offsets: Ints) -> Iterator[Stretch]:
-    """Frames by the chunk they lie in. offsets: where in it."""
+    """Frames by their chunk. offsets: indices in it."""
     order = np.argsort(block_of, kind="stable")
     for start, stop in find_equal(block_of[order]).tolist():
         places = order[start:stop]

@@ -61,7 +61,7 @@ def _scattered(count: int, groups: Ints, texts: Strings) -> Strings:
 
 def _single(column: Column) -> Floats | Bools | Strings:
     """The column of values that are no nodes."""
-    return column  # type: ignore[return-value]  # numbers of nodes stand in node sets alone
+    return column  # type: ignore[return-value]  # numbers of nodes occur only in node sets
 
 
 def as_numbers(forest: Forest, value: Value) -> Floats:
@@ -165,7 +165,7 @@ def _of_texts(signature: Signature, columns: Sequence[Strings], check: Callable[
     if len(columns) == 1:
         column = compact(columns[0])
         if signature.result == "number":
-            return column.numbers(function)  # type: ignore[arg-type]  # its result says so
+            return column.numbers(function)  # type: ignore[arg-type]  # checked by its result
         if signature.result == "boolean":
             return column.test(function)  # type: ignore[arg-type]  # the same
         return column.map(function)  # type: ignore[arg-type]  # the same

@@ -30,17 +30,16 @@ FIRST_UNITS = 128
 UNITS = 2048
 """Tracks of the leading bone that are looked at together: half a million samples a channel."""
 MANY_TRACKS = 1024
-"""Of so many in a group, all bones are counted side by side."""
+"""Number of tracks in a group from which all bones are counted together."""
 FEW = 6
-"""Of so many tracks one is decoded alone rather than all side by side."""
+"""One of this many tracks is decoded alone rather than all together."""
 
 Ranges = dict[int, list[tuple[int, int]]]
 Block = dict[Variable, Floats]
 
 
 class GroupScan:
-    """labelled: of each document the ranges of frames that are asked, None for all. check: called often; raises when
-    time is up."""
+    """labelled: queried frame ranges of each document, None for all. check: called often; raises when time is up."""
 
     def __init__(self, forest: Forest, plan: ScanPlan, labelled: Ranges | None, check: Callable[[], None]) -> None:
         self.forest = forest
@@ -57,7 +56,7 @@ class GroupScan:
 
     @property
     def is_ready(self) -> bool:
-        """Whether the zone maps that the condition needs are at hand."""
+        """Whether the zone maps for the condition are cached."""
         return all(self.forest.has_bone(name) for name in self._names)
 
     def ends(self, sample: Sample) -> Bone:
@@ -77,7 +76,7 @@ class GroupScan:
                 yield nodes
 
     def count(self) -> int:
-        """How many nodes there are."""
+        """Return the number of nodes."""
         if self._stacked is not None:
             return self._stacked_count(self._stacked)
         if not self.plan.one_each:
@@ -85,16 +84,16 @@ class GroupScan:
         units = self._units()
         lead = self._bones[self.plan.lead]
         if self._labelled is None and len(lead) <= MOST_TRACKS and 2 * np.count_nonzero(~units.must) > len(lead):
-            # Most tracks have to be compared: all are, as they lie, rather than chosen and put in order first.
+            # Most tracks must be compared, so all are compared in stored order, without selection and sorting.
             self.tracks_read += len(lead)
             block = {sample: found for name in self._names for sample, found in self._side_by_side(name).items()}
             return int(np.count_nonzero(self._fulfil(block) & self.forest.here(self.plan.lead)))
         return sum(hits.count for hits in self._hits(units))
 
     def totals(self, sample: Sample) -> tuple[float, int]:
-        """The sum of the numbers of a channel, of all hits, and how many there are.
+        """Return the sum of a channel over all hits, and their number.
 
-        Of tracks all of whose frames are hits the sums are kept.
+        Sums of tracks in which all frames are hits are cached.
         """
         columns = self.ends(sample)
         known = self.plan.condition.is_presence and self._labelled is None
@@ -284,11 +283,11 @@ class GroupScan:
         return fulfilled(self._columns, self.plan.condition.tree, block)
 
     def _holds(self, units: _Units, block: Block) -> Bools:
-        """Which frames of some units fulfil the condition and are asked for."""
+        """Tell which frames of some units fulfil the condition and are in the query."""
         return self._fulfil(block) & self._there(units)
 
     def _there(self, units: _Units) -> Bools:
-        """Which frames of some units the documents still have, and carry the motion names that are asked for."""
+        """Tell which frames of some units still exist and have the queried motion names."""
         places, chunks = units.lead.places, units.lead.about[CHUNK_NUMBER]
         lead = self._bones[self.plan.lead]
         if len(lead) <= MOST_TRACKS:
@@ -306,7 +305,7 @@ class GroupScan:
         return found & named
 
     def _whole(self, units: _Units) -> Bools:
-        """Of which units every frame is asked for."""
+        """Tell of which units every frame is queried."""
         lead = self._bones[self.plan.lead]
         if self._labelled is None and len(lead) <= MOST_TRACKS:
             return self.forest.whole(self.plan.lead)[units.numbers]
@@ -320,9 +319,11 @@ def part_ends(parts: Sequence[GroupScan], sample: Sample) -> Interval:
 
 @dataclass(frozen=True)
 class _Units:
-    """Stretches of up to 256 frames. lead: the leading track of each. others: by name, those of other bones over the
-    same frames. must: where each frame of the leading track fulfils the condition, as zone maps tell. numbers: of the
-    leading tracks among all."""
+    """Ranges of up to 256 frames.
+
+    lead: the leading track of each. others: tracks of other bones over the same frames, by name. must: where each frame
+    of the leading track fulfils the condition, from zone maps. numbers: of the leading tracks among all.
+    """
 
     lead: Table
     others: dict[str | None, Table]

@@ -83,7 +83,7 @@ def later(columns: Columns, expression: Later, context: Context, evaluate: Evalu
 
 
 def each_alone(items: Items) -> Items:
-    """Every item as that of a context of its own."""
+    """Make each item a separate context."""
     return Items(np.arange(len(items)), items.column, len(items))
 
 
@@ -98,7 +98,7 @@ def as_contexts(items: Items, context: Context) -> Context:
 
 
 def filtered(columns: Columns, expression: Filter, context: Context) -> Value:
-    """A sequence of values, or nodes in an order of their own, with predicates."""
+    """Apply predicates to a sequence of values, or of nodes in their own order."""
     items = items_of(columns.value(expression.operand, context))
     for predicate in expression.predicates:
         inside = as_contexts(items, context)
@@ -107,7 +107,7 @@ def filtered(columns: Columns, expression: Filter, context: Context) -> Value:
 
 
 def sort(columns: Columns, arguments: tuple[Expression, ...], context: Context) -> Value:
-    """`sort`: by the letters of texts, numbers by their size, each item by itself or by a key."""
+    """`sort`: texts by code points, numbers by value, by each item itself or by a key."""
     items = items_of(columns.value(arguments[0], context))
     key: Value = value_of(each_alone(items))
     if len(arguments) == 3:

@@ -1,4 +1,6 @@
-"""The runs of frames of a scope that are most like a pose or a motion: only those that may be are compared with it."""
+"""Find the runs of frames in a scope that are most similar to a pose or a motion, with exact comparison only of
+candidates.
+"""
 
 from __future__ import annotations
 
@@ -68,7 +70,7 @@ def _least_distances(runs: Runs, asked: Asked) -> Floats:
     index = bodies.pose_index()
     documents = documents_of(runs.first)
     ends = [index.segments(documents, frames_of(frames) - 1) for frames in (runs.first, runs.last)]
-    # Behind the last segment lies one that nothing is near to.
+    # The last segment is followed by one that is far from everything.
     least = np.append(asked.least(index, bodies.seconds, bodies.frames), np.float32(np.inf))
     inside: Ints = np.stack([ends[0], ends[1] + 1], axis=1).reshape(-1)
     return np.minimum.reduceat(least, inside)[::2].astype(np.float64)

@@ -62,7 +62,7 @@ class Parts:
 
 
 def values_of(part: Part, *, as_number: bool) -> Column:
-    """The values of a part: nodes as numbers or as texts; other items as they are, or as texts."""
+    """The values of a part: nodes as numbers or as texts; other items unchanged, or as texts."""
     if part.are_nodes and as_number:
         return numbers(part.forest, np.asarray(part.column, np.int64))
     return part.column if as_number else sequences.texts(part.forest, part.items)
@@ -86,7 +86,7 @@ def listed(column: Column) -> Iterable[float | str | bool]:
 
 
 def rank_of(forest: Forest) -> tuple[str, int]:
-    """Where the documents of a forest stand among others."""
+    """Return the sort key of the documents of a forest."""
     return (forest.documents[0].name, forest.documents[0].key) if len(forest) else ("", 0)
 
 

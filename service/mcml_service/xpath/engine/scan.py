@@ -1,4 +1,4 @@
-"""Questions about samples over the documents of a scope, group by group: zone maps first, then whole tracks at once."""
+"""Queries about samples over the documents of a scope, group by group: zone maps first, then whole tracks at once."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Scan:
 
     @property
     def documents(self) -> Sequence[Listed]:
-        """Those that are looked at."""
+        """The documents that are read."""
         return [listed for part in self._parts for listed in part.forest.documents]
 
     @property
@@ -51,7 +51,7 @@ class Scan:
         return sum(part.tracks_read for part in self._parts)
 
     def all_tracks(self) -> int:
-        """How many tracks the leading bone has, those that zone maps rule out too."""
+        """The number of tracks of the leading bone, including those excluded by zone maps."""
         return sum(len(part.lead) for part in self._parts)
 
     def chunks(self) -> Iterator[tuple[Forest, Ints]]:
@@ -65,12 +65,12 @@ class Scan:
         return sum(part.count() for part in self._promising())
 
     def totals(self, sample: Sample) -> tuple[float, int]:
-        """The sum of the numbers of the channel that is asked for, of all hits, and how many there are."""
+        """Return the sum of the queried channel over all hits, and their number."""
         found = [part.totals(sample) for part in self._promising()]
         return math.fsum(total for total, _ in found), sum(count for _, count in found)
 
     def extremes(self, sample: Sample, *, greatest: bool) -> Iterator[Floats]:
-        """The greatest (or least) number of that channel, where there is any."""
+        """Return the greatest (or least) number of that channel, if there is any."""
         sign = 1.0 if greatest else -1.0
         best = -np.inf
         # Where the greatest may be, first: of most groups nothing is read then.
@@ -80,7 +80,7 @@ class Scan:
             yield np.array([sign * best])
 
     def _promising(self) -> Iterable[GroupScan]:
-        """The groups in which a frame may fulfil the condition, as far as it is known without reading."""
+        """Yield the groups in which a frame may fulfil the condition, as far as is known without reading."""
         known = [part for part in self._parts if part.is_ready]
         if not known:
             return self._parts

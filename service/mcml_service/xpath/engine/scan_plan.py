@@ -48,7 +48,7 @@ class ScanPlan:
 
     @property
     def sample(self) -> Sample | None:
-        """The sample that is asked for, where the target is a channel that every hit has."""
+        """The queried sample, if the target is a channel that every hit has."""
         channel = CHANNEL_INDEX.get(self.attribute or "")
         found = None if channel is None or self.target == FRAME else sample(self.bone, channel)
         return found if found in self.condition.strict else None
@@ -77,7 +77,7 @@ def plan_scan(tree: Expression) -> ScanPlan | None:
         groups = motion_name_groups(predicate)
         found = condition(predicate, FRAME) if groups is None else None
         if groups is None and found is None:
-            # Of one frame_bone it may be asked whether any fulfils it, and only where no other one is asked for.
+            # A condition on any frame_bone is possible only for one frame_bone, without conditions on others.
             alone = not of_any and all(step.axis == "attribute" for step in steps)
             found, of_any = (any_bone_condition(predicate) if alone else None), True
         if groups is None and found is None:

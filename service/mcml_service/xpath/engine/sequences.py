@@ -36,7 +36,7 @@ def items_of(value: Value) -> Items:
 
 
 def value_of(items: Items) -> Value:
-    """The same as a value; nodes are a node set, if in an order of their own."""
+    """Return the items as a value; nodes become a node set, which keeps their order."""
     if items.kind == "nodes" and not isinstance(items.column, Strings):
         return NodeSets(items.groups, items.column.astype(np.int64, copy=False), items.count)
     return items

@@ -1,4 +1,4 @@
-"""Which frames a path has to look at, as far as an index says so: those of motion names, of an id, or at a position."""
+"""Find the frames that a path must read by an index: by motion names, by an id, or at a position."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ class Frames:
 
     @cached_property
     def groups(self) -> list[Group]:
-        """The documents that have such frames, as far as the index on names says, in order of the answer."""
+        """Return the documents with such frames by the index on names, in order of the answer."""
         if self._ranges is None:
             return self._scope.groups()
         return self._scope.groups(self._scope.documents(list(self._ranges)))

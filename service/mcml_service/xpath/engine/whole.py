@@ -69,7 +69,7 @@ TOGETHER = 32_768
 """Items of a loop that are looked at together."""
 MOST_ITEMS = 10_000_000
 MOST_LITERALS = 10_000
-"""Values that stand in the place of an expression."""
+"""Limit of values that replace an expression."""
 MOST_SORTED_NODES = 100_000
 SINGLE = frozenset({"count", "sum", "min", "max", "avg", "exists", "empty", "string-join"})
 """Functions that make one value of a sequence."""
@@ -104,7 +104,7 @@ class Whole:
         columns = self._columns(self.nowhere)
         return items_of(columns.value(expression, _alone(np.zeros(1, np.int64))))
 
-    # -- values in the place of functions --------------------------------------------------------------------------
+    # -- values replacing functions --------------------------------------------------------------------------
 
     def reduced(self, expression: Expression) -> Expression:
         """The expression with the values of all functions of sequences of the scope in it."""
@@ -162,7 +162,7 @@ class Whole:
         return normal(put(expression.body, expression.variable, source, values))
 
     def _literals(self, expression: Expression) -> Expression:
-        """The values of a sequence of the scope, where values are asked for."""
+        """Return the values of a sequence of the scope, if values are needed."""
         if type_of(expression) not in ("sequence", "strings") or isinstance(expression, Sequence):
             return expression
         if free_variables(expression) or not asks_scope(expression) or asks_each(expression):
@@ -307,7 +307,7 @@ class Whole:
         elif name == "sort":
             yield from self._sorted(parts, arguments)
         elif SAFE_FUNCTIONS[name].selects:
-            # The places of items stand for them.
+            # Items are represented by their indices.
             count = sum(map(len, parts))
             places = Items(np.zeros(count, np.int64), np.arange(count).astype(np.float64), 1)
             others = [value_of(self.constant(each)) for each in arguments[1:]]

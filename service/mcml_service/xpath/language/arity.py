@@ -11,7 +11,7 @@ class ArityError(QueryError):
 
 
 def check_arity(name: str, count: int, column: int) -> None:
-    """ArityError where a function does not take so many arguments."""
+    """Raise ArityError for a wrong number of arguments."""
     signature = SAFE_FUNCTIONS[name]
     if not signature.takes(count):
         given = "1 is given" if count == 1 else f"{count} are given"

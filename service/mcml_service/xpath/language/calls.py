@@ -1,4 +1,4 @@
-"""Calls of functions of bodies in motion (`mo:height('Head')`) in a text that has no tree of ours."""
+"""Calls of functions of bodies in motion (`mo:height('Head')`) in an expression that columns cannot evaluate."""
 
 from __future__ import annotations
 
@@ -20,8 +20,10 @@ _NEXT_BINDING = re.compile(r",\s*\$[^\s,]+\s+in\s")
 
 @dataclass(frozen=True, slots=True)
 class WrittenCall:
-    """call: its arguments that have no tree of ours, or hold variables of loops, are `Written`. span: its place in the
-    text. arguments: their texts."""
+    """call: arguments that columns cannot evaluate, or with variables of loops, are `Written`.
+
+    span: its place in the text. arguments: their texts.
+    """
 
     call: Call
     span: Span

@@ -118,10 +118,10 @@ class _Reader:
 def complete(
     text: str, at: int, motion_names: Callable[[], Mapping[str, int]], bone_names: Callable[[], Mapping[str, int]]
 ) -> tuple[int, list[Completion]]:
-    """(place of the first character that a completion replaces, completions) at a place in an expression.
+    """Return (index of the first character that a completion replaces, completions) at a position in an expression.
 
-    at: characters before the cursor. motion_names, bone_names: those that occur, and in how many documents; asked for
-    where a name is compared.
+    at: characters before the cursor. motion_names, bone_names: return existing names with their number of documents;
+    called if a name is compared.
     """
     before = text[:at]
     opened = _open_string(before)

@@ -30,8 +30,10 @@ from mcml_service.xpath.language.tree import (
 
 @dataclass(frozen=True, slots=True)
 class Sample(Variable):
-    """The sample of a channel in a frame, or none. bone: name of its bone, None for the frame_bone that is asked for.
-    channel: its number."""
+    """The sample of a channel in a frame, or none.
+
+    bone: name of its bone, None for the queried frame_bone. channel: its number.
+    """
 
     bone: str | None = None
     channel: int = 0
@@ -57,7 +59,7 @@ def samples_of(condition: Expression) -> frozenset[Sample]:
 
 
 def condition(predicate: Expression, context: str, own: Own = None) -> Expression | None:
-    """A predicate as a condition, None where it is none.
+    """Convert a predicate to a condition, None if that is impossible.
 
     context: "frame", "frame_bone" or "@frame_bone", the type of the context node. own: the name of that frame_bone, if
     it is stated; of a channel, its sample.
@@ -92,7 +94,7 @@ def any_bone_condition(predicate: Expression) -> Expression | None:
     """Return a predicate of frames that any one of their frame_bones must fulfil: `frame_bone/@Rx > 45`,
     `frame_bone[@Rx > @Ry]`, or one of several such; as a condition on that frame_bone. None for others.
 
-    A comparison with a node set asks for any of its nodes, but a function or arithmetic takes the first one.
+    A comparison with a node set is true for any of its nodes, but a function or arithmetic takes the first one.
     """
     if isinstance(predicate, Operation) and predicate.operator == "or":
         return _combined("or", [any_bone_condition(operand) for operand in predicate.operands])
@@ -143,7 +145,7 @@ def _combined(operator: str, parts: list[Expression | None]) -> Expression | Non
 def _comparison(operator: str, left: Expression, right: Expression) -> Expression | None:
     found = Operation(operator, (left, right))
     if operator == "!=":
-        # A node that is not there is unequal to nothing, but NaN is unequal to everything.
+        # A missing node is unequal to nothing, but NaN is unequal to everything.
         return found if isinstance(left, Sample) or isinstance(right, Sample) else None
     return found if samples_of(found) else None
 

@@ -43,7 +43,7 @@ class Signature:
     of_numbers: Callable[..., Any] | None = None
 
     def takes(self, count: int) -> bool:
-        """Whether it may be called with so many arguments."""
+        """Tell whether it can be called with this number of arguments."""
         return self.least <= count and (self.most is None or count <= self.most)
 
     @property

@@ -83,7 +83,7 @@ class _Reader(Loops):
     # -- operators -------------------------------------------------------------------------------------------------
 
     def _operations(self) -> Expression:
-        # Operators that wait for their right operand stand in a list, so that a long sum is no deep recursion.
+        # Operators that wait for their right operand are in a list, so that a long sum needs no deep recursion.
         waiting: list[tuple[str, list[Expression]]] = []
         right = self._signed()
         while (operator := self._operator()) is not None:

@@ -97,7 +97,7 @@ def compared_names(tree: Expression) -> list[tuple[Kind, str]]:
 
 
 def _joints_named(call: Call) -> Iterator[str]:
-    """The joints that a function of bodies in motion is told by their names."""
+    """Yield the joints that a function of bodies in motion gets by name."""
     parameters = MOTION_FUNCTIONS[call.function].parameters
     if call.function == ANGLE and len(call.arguments) == 1:
         return
@@ -116,14 +116,14 @@ def _kind_of(path: Path, types: Types) -> Iterator[Kind]:
 
 
 def not_found(kind: Kind, said: str, names: Iterable[str]) -> str:
-    """That no bone or frame has a name. names: those that occur, the nearest of which is told."""
+    """Return the hint that no bone or frame has a name. names: existing ones; the hint suggests the nearest."""
     known = {_plain(name): name for name in names}
     near = [_plain(said)] if _plain(said) in known else get_close_matches(_plain(said), list(known), 1, 0.6)
     return f"no {_NAMED[kind]} {said!r}" + (f"; did you mean {known[near[0]]!r}?" if near else "")
 
 
 def _plain(name: str) -> str:
-    """A name without what rigs write in their own ways: `LeftUpLeg` and `left_up_leg` are one."""
+    """Return a name without the differences between rigs: `LeftUpLeg` and `left_up_leg` are one."""
     return "".join(letter for letter in name.casefold() if letter.isalnum()) or name
 
 

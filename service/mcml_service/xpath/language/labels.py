@@ -19,11 +19,11 @@ from mcml_service.xpath.language.tree import (
 )
 
 Groups = tuple[tuple[str, ...], ...]
-"""((a, b), (c,)) stands for frames named (a or b) and c."""
+"""((a, b), (c,)) means frames named (a or b) and c."""
 
 
 def motion_name_groups(predicate: Expression) -> Groups | None:
-    """The names that a predicate of frames asks for, None where it asks for anything else."""
+    """Return the motion names in a predicate of frames, None if it has other conditions."""
     if isinstance(predicate, Operation) and predicate.operator == "and":
         groups = [motion_name_groups(operand) for operand in predicate.operands]
         return None if None in groups else tuple(group for found in groups if found for group in found)
@@ -44,7 +44,7 @@ def any_motion_name(predicate: Expression) -> tuple[str, ...] | None:
             steps = steps[:-1]
         return (value,) if _is_motion_name(steps) and not steps[0].predicates else None
     if isinstance(predicate, Path) and not predicate.absolute and predicate.start is None:
-        # motion_name[.='X'] as a predicate of its own
+        # motion_name[.='X'] as a separate predicate
         steps = without_self(predicate.steps)
         if _is_motion_name(steps) and len(steps[0].predicates) == 1:
             inner = compared_text(steps[0].predicates[0])

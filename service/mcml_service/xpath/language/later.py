@@ -1,9 +1,9 @@
 """Rewrite features after XPath 1.0 into XPath 1.0, so that indexes and columns can evaluate them.
 
 1. A comparison with a sequence is one with any of its items: `a = ('x', 'y')` is `a = 'x' or a = 'y'`.
-2. `a = 1 to 9` asks for whole numbers: `a[. >= 1 and . <= 9 and . mod 1 = 0]` of nodes, or the same of a number.
-3. `some $x in nodes satisfies t` is `exists(nodes[t])` with the context node for $x, where nothing else in t looks at
-   the context; `every` is `empty(nodes[not(t)])`.
+2. `a = 1 to 9` matches integers: `a[. >= 1 and . <= 9 and . mod 1 = 0]` of nodes, or the same of a number.
+3. `some $x in nodes satisfies t` is `exists(nodes[t])` with the context node for $x, if nothing else in t uses the
+context; `every` is `empty(nodes[not(t)])`.
 4. `@a eq 'x'` is `@a = 'x'`: an element has no two attributes of a name.
 5. `a || b` is `concat(a, b)`.
 6. `max(frame_bone/@a) > 1` is `frame_bone/@a > 1`: some channel is, exactly if the greatest is. So for `>=`, and for
@@ -197,7 +197,7 @@ def _quantified(asked: Quantified) -> Expression | None:
 
 
 def _looks_only_at(expression: Expression, variable: str) -> bool:
-    """Whether an expression asks for no node but by a variable, and for that one nowhere in another context."""
+    """Tell whether an expression selects nodes only by a variable, and uses that one in no other context."""
     if isinstance(expression, Path):
         inner = [predicate for step in expression.steps for predicate in step.predicates]
         if expression.start is None or any(variable in free_variables(predicate) for predicate in inner):

@@ -1,9 +1,9 @@
 """Loops and quantifiers, and FLWOR of XQuery 3.1 §3.12 in terms of them.
 
-`for $a in A let $b := B where C order by K descending return R` is a loop over what `sort` makes of those of A that
-fulfil C; `group by $k := K` is a loop over the different values of K, in which `$a` is all of A that have this one.
-Ordering and grouping stand behind one `for`: of several variables XPath has no tuples. Several keys are several sorts,
-or loops within loops; groups of several keys stay in the order of the items.
+`for $a in A let $b := B where C order by K descending return R` is a loop over the sorted items of A that fulfil C;
+`group by $k := K` is a loop over the distinct values of K, in which `$a` is all items of A with this value. Ordering
+and grouping follow one `for`: XPath has no tuples of several variables. Several keys are several sorts, or loops within
+loops; groups of several keys stay in the order of the items.
 """
 
 from __future__ import annotations
@@ -175,7 +175,9 @@ def _lets(clauses: list[Clause]) -> list[Clause]:
 
 
 def _order(clauses: list[Clause], keys: list[Key], span: Span) -> list[Clause]:
-    """A loop over the items in the order of the first key, among equal ones of the next, then of their own."""
+    """Return a loop over the items in the order of the first key, then of the next keys, then in their original
+    order.
+    """
     loop = clauses[0]
     source = _select_items(clauses, span)
     # Sorting is stable, so the last key comes first.

@@ -39,9 +39,9 @@ ITEM = "."
 def bind(
     expression: Expression, variables: Mapping[str, str | float | bool], types: Mapping[str, Variable] | None = None
 ) -> Expression:
-    """The expression with the values of its variables in it, and the types of those that it binds itself.
+    """Replace variables in an expression by their values, and set the types of those that it binds itself.
 
-    types: of variables that are bound around it. Context items that are no nodes become variables too.
+    types: of variables bound around it. Context items other than nodes become variables too.
     """
     types = {} if types is None else types
     if isinstance(expression, Variable):
@@ -86,7 +86,7 @@ def _bound(
 
 
 def _item(name: str, source: Expression) -> Variable:
-    """A variable that stands for each item."""
+    """Return a variable for each item."""
     found = item_type(source)
     return Variable(name, "sequence" if found == "any" else found, is_integer(source))
 
@@ -110,7 +110,7 @@ def _sort(call: Call, variables: Mapping[str, str | float | bool], types: Mappin
 
 
 def _of_context_item(expression: Expression) -> Expression:
-    """With a variable where the context item is asked for, which is no node here."""
+    """Replace the context item, which is not a node here, by a variable."""
     item = Variable(ITEM, span=expression.span)
     if expression == CONTEXT:
         return item
@@ -140,7 +140,7 @@ def from_document(expression: Expression) -> Expression:
     if isinstance(expression, Call) and not expression.arguments and expression.function in OF_CONTEXT:
         return replace(expression, arguments=(Path((), absolute=True),))
     if isinstance(expression, Call) and expression.function == TOP:
-        # Its key is asked of frames.
+        # Its key is evaluated for frames.
         arguments = tuple(from_document(each) if n < 2 else each for n, each in enumerate(expression.arguments))
         return replace(expression, arguments=arguments)
     return with_children(expression, from_document)

@@ -17,8 +17,11 @@ PREFIX: Final = "mo:"
 
 @dataclass(frozen=True)
 class MotionFunction:
-    """parameters: names of its arguments, those that may be left out with `?`. result: "number", "boolean" or "nodes".
-    unit: of the number. meaning: a word about it. selects: the place of the argument whose nodes it selects from."""
+    """A function of bodies in motion.
+
+    parameters: names of its arguments, optional ones with `?`. result: "number", "boolean" or "nodes". unit: of the
+    number. meaning: a short description. selects: index of the argument whose nodes it selects from.
+    """
 
     parameters: tuple[str, ...]
     result: str
@@ -86,11 +89,11 @@ JOINTS: Final = frozenset({"joint", "name or joint", "relative", "origin"})
 CONSTANT: Final = frozenset({"from", "to", "'frames'", "least", "gap", "document", "position", "first", "last"})
 """Parameters that are the same in every frame."""
 OF_FRAMES: Final = frozenset({"number", "key"})
-"""Parameters that are asked of frames which no step has counted."""
+"""Parameters that are evaluated for frames without positions."""
 DISTANCES: Final = frozenset({"mo:pose-distance", "mo:motion-distance"})
 CONTACT, KNOWN = "mo:contact", "mo:known"
 OF_NUMBERS: Final = frozenset({"mo:rate", KNOWN})
-"""Functions of any expression that is asked of a frame, not of names."""
+"""Functions of any expression that is evaluated for a frame, not of names."""
 TOP, WINDOW, RUNS, RATE = "mo:top", "mo:window", "mo:runs", "mo:rate"
 OF_FRAME_SETS: Final = frozenset({TOP, WINDOW, RUNS})
 """Functions that give frames."""

@@ -72,8 +72,10 @@ class Query:
 
     @property
     def has_columns(self) -> bool:
-        """Whether columns may answer it: it has a tree of ours; and in XPath 2.0 and later what stands in an element
-        follows its attributes and namespaces, which in 1.0, and so on our columns, it does not."""
+        """Whether columns may evaluate it: it is in the grammar; and it does not need `following` of attributes and
+        namespaces as in XPath 2.0 and later, where the content of an element follows them, unlike in 1.0 and on
+        columns.
+        """
         if isinstance(self.tree, Written) or not self.is_later:
             return not isinstance(self.tree, Written)
         axes = {step.axis for part in walk(self.tree) if isinstance(part, Path) for step in part.steps}
@@ -128,7 +130,7 @@ def _constant(text: str, tree: Expression, variables: Mapping[str, Atomic], *, s
 
 
 def _read_written(text: str, error: QueryError, variables: Mapping[str, Atomic]) -> Expression:
-    """The expression as XPath 3.1. error: why it has no tree of ours."""
+    """Parse the expression as XPath 3.1. error: the error of the project's own grammar."""
     try:
         tree = read_written(text, variables)
         sure = certain_text(text)

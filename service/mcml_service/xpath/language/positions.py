@@ -64,7 +64,7 @@ def frame_place(step: Step) -> int | None:
 
 
 def is_beyond(path: Path) -> bool:
-    """Whether a path from the context node begins with all that stands before or after it."""
+    """Tell whether a path from the context node begins with all nodes before or after it."""
     first = None if path.absolute or path.start is not None or not path.steps else path.steps[0]
     return first is not None and first.axis in BEYOND and not counts(first)
 

@@ -1,4 +1,4 @@
-"""Rewriting: expressions that mean the same become the same tree, in the form that runs best.
+"""Rewrite equivalent expressions to the same tree, in the fastest form.
 
 Each rule holds for every document that is valid against `mcml.dtd`; it relies on the element types that a step can
 reach (`projection.reach`). Rules, in the order in which they are tried:
@@ -99,7 +99,7 @@ def _later(expression: Expression, context: Types) -> Expression:
 
 
 def _typed(expression: Expression, variable: str, types: Types) -> Expression:
-    """With the types of nodes that a variable can stand for."""
+    """Set the types of a variable's possible nodes."""
     if isinstance(expression, Variable):
         return replace(expression, reached=types) if expression.name == variable else expression
     if variable not in free_variables(expression):

@@ -63,7 +63,7 @@ def is_node_set(expression: Expression) -> bool:
 
 
 def begins_with_top(expression: Expression) -> bool:
-    """Whether it is, or goes on from, the best runs of all documents, or the runs of a sequence."""
+    """Tell whether it is, or starts from, the best runs of all documents, or the runs of a sequence."""
     if isinstance(expression, Path | Filter):
         inner = expression.start if isinstance(expression, Path) else expression.operand
         return inner is not None and begins_with_top(inner)
@@ -73,10 +73,9 @@ def begins_with_top(expression: Expression) -> bool:
 
 
 def asks_each(expression: Expression, *, in_sequence: bool = True, at_document: bool = True) -> bool:
-    """Whether every document has its own answer: an absolute path stands where one value is wanted, or a function of
-    bodies in motion is asked of the document.
-
-    in_sequence: the expression stands where any number of items may be. at_document: its context is the document.
+    """Tell whether every document has its own answer: an absolute path occurs where one value is needed, or a function
+    of bodies in motion is evaluated for the document. in_sequence: any number of items is allowed at the expression.
+    at_document: its context is the document.
     """
     asks = partial(asks_each, at_document=at_document)
     if isinstance(expression, Path):
@@ -90,7 +89,7 @@ def asks_each(expression: Expression, *, in_sequence: bool = True, at_document: 
             return True
         signature = SAFE_FUNCTIONS[expression.function]
         taken = signature.place if signature.takes_items else None
-        # The key of the best runs is asked of frames.
+        # The key of the best runs is evaluated for frames.
         asked = expression.arguments[: 2 if expression.function == TOP else None]
         return any(asks(argument, in_sequence=place == taken) for place, argument in enumerate(asked))
     if isinstance(expression, Operation):
@@ -113,9 +112,8 @@ def asks_each(expression: Expression, *, in_sequence: bool = True, at_document: 
 
 
 def spans_documents(expression: Expression, *, is_whole: bool = True) -> bool:
-    """Whether documents cannot be asked one by one: a function of sequences, or a loop, needs the items of all.
-
-    is_whole: it is the whole expression; the values of an aggregate around it are put together.
+    """Tell whether documents cannot be evaluated one by one: a function of sequences, or a loop, needs the items of
+    all. is_whole: it is the whole expression; the values of an aggregate around it are combined.
     """
     if isinstance(expression, Written):
         return expression.spans and not expression.nodes

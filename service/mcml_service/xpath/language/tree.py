@@ -53,7 +53,7 @@ class Step:
 
     def where(self, predicates: tuple[Expression, ...]) -> Step:
         """The same step with other predicates."""
-        # Not by `dataclasses.replace`, here and in `with_children`: short questions spent a tenth of their time in it.
+        # Not by `dataclasses.replace`, here and in `with_children`: short queries spent a tenth of their time in it.
         return Step(self.axis, self.name, predicates, self.span) if predicates or self.predicates else self
 
     def along(self, axis: str) -> Step:
@@ -124,7 +124,7 @@ class Sequence:
 
 @dataclass(frozen=True, slots=True)
 class For:
-    """`for $variable in source return body`; of several variables, one stands in the body of the other."""
+    """`for $variable in source return body`; several variables are nested, one in the body of the other."""
 
     variable: str
     source: Expression
@@ -184,12 +184,12 @@ class Function:
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """A whole expression of XPath 3.1 that has no columns, as it is written.
+    """A whole XPath 3.1 expression without columns, as written.
 
-    variables: the values of those that it does not bind itself. function, arguments: of a call that makes one value of
-    all documents. nodes: whether its operator gives nodes. spans: whether a function of sequences, or a quantifier,
-    stands inside of it, which asks for the items of all documents together. motion: the calls of functions of bodies in
-    motion in it. constant: no document can change the value.
+    variables: the values of free variables. function, arguments: of a call that makes one value from all documents.
+    nodes: whether its operator gives nodes. spans: whether it contains a function of sequences, or a quantifier, that
+    needs the items of all documents together. motion: the calls of functions of bodies in motion in it. constant:
+    whether its value is independent of documents.
     """
 
     text: str

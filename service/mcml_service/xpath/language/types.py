@@ -64,8 +64,7 @@ def _type_of_operation(operator: str) -> str:
 
 
 def item_type(expression: Expression) -> str:
-    """Type of each item of the value: "nodes", "number", "string" or "boolean"; "any" where they differ, or nothing
-    tells."""
+    """Type of each item of the value: "nodes", "number", "string" or "boolean"; "any" if they differ or are unknown."""
     if isinstance(expression, Sequence | If):
         parts = expression.items if isinstance(expression, Sequence) else (expression.then, expression.otherwise)
         types = {item_type(part) for part in parts if part != Sequence(())}
@@ -116,7 +115,7 @@ _KEEPS_INTEGERS = frozenset({"floor", "ceiling", "round", "abs", "sum", "min", "
 
 
 def depends_on_position(expression: Expression) -> bool:
-    """Whether position() or last() of the context itself are asked for, not those of predicates inside."""
+    """Tell whether position() or last() of the context itself are used, not those of inner predicates."""
     if isinstance(expression, Call):
         if expression.function in ("position", "last"):
             return True

@@ -39,7 +39,7 @@ class Bodies:
 
     @cached_property
     def offsets(self) -> Ints:
-        """Where in a column the frames of each document begin; behind the last, how many there are."""
+        """The index in a column at which the frames of each document begin; at the end, their total number."""
         return np.concatenate([[0], np.cumsum(self._forest.frames)]).astype(np.int64)
 
     @property
@@ -57,7 +57,7 @@ class Bodies:
         return self._forest.of_bodies((f"{MADE}", "seconds"), lambda: np.array(self._each(of_body), np.float64))
 
     def rows(self, nodes: Ints) -> Ints:
-        """Where in a column the frame is that each node is, or lies in; -1 for nodes of heads."""
+        """Return the index in a column of each node's frame; -1 for nodes of heads."""
         frames = frames_of(nodes)
         return np.where(frames > 0, self.offsets[documents_of(nodes)] + frames - 1, -1)
 
@@ -90,8 +90,10 @@ class Bodies:
         return np.concatenate(parts)
 
     def asked(self, document: str, first: float, last: float | None) -> Asked:
-        """The pose of a frame of a document; with `last`, the motion from there to that frame. document: an id, or a
-        name that only one has. QueryError where there is no such one, or no such frame."""
+        """Return the pose of a frame of a document; with `last`, the motion from there to that frame.
+
+        document: an id, or a unique name. Raises QueryError for an unknown document or frame.
+        """
         listed = self._named(document)
         end = first if last is None else last
         if not (first == int(first) and end == int(end) and 1 <= first <= end <= listed.frames):
@@ -101,7 +103,9 @@ class Bodies:
         return Asked(poses, last is not None, body.frame_time)
 
     def distances(self, document: str, first: float, last: float | None) -> Floats:
-        """A column of how unlike what `asked` gives all frames are, or the stretches that end there."""
+        """Return a column of distances of all frames to the result of `asked`, or of the frame ranges that end
+        there.
+        """
         asked = self.asked(document, first, last)
         listed = self._named(document)
 
@@ -122,7 +126,7 @@ class Bodies:
         return self._column(("poses",), make)
 
     def pose_index(self) -> PoseIndex:
-        """Where the poses of all documents lie, kept on disk."""
+        """The index of the poses of all documents, stored on disk."""
 
         def balls(body: Body) -> Balls:
             poses = Poses.of(body)
@@ -159,7 +163,7 @@ class Bodies:
         return self._gathered(function)[0]
 
     def _gathered(self, function: Callable[[Body], Made]) -> tuple[list[Made], BodyFacts]:
-        """The same, and the facts: to read bodies takes longest, so what else is asked of all is kept."""
+        """Return the results with the facts of bodies: reading bodies takes longest, so the facts are cached too."""
         found: list[Made] = []
         facts: list[BodyFacts] = []
         documents, caches = self._forest.documents, self._forest.caches

@@ -13,7 +13,7 @@ from mcml_service.xpath.nodes.numbering import Bools, Ints
 from mcml_service.xpath.nodes.stored import Columns
 
 GUESSES = ("metres", "up", "floor")
-"""Values of a calibration that questions rest on."""
+"""Values of a calibration that queries depend on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +55,10 @@ class BodyFacts:
         return np.asarray(self.guessed[asked].any(axis=0), bool)
 
     def in_doubt(self, joints: Callable[[Sequence[str]], Collection[str]]) -> Bools:
-        """Which documents have a guessed name among joints. joints: of all names of a document those that are asked."""
+        """Tell which documents have a guessed name among joints.
+
+        joints: selects the queried joints from the names of a document.
+        """
         doubts = [
             bool(doubtful) and not set(doubtful).isdisjoint(joints(names))
             for names, doubtful in zip(self.names, self.doubtful, strict=True)

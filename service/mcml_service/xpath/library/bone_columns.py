@@ -14,8 +14,10 @@ from mcml_service.xpath.nodes.numbering import Floats
 
 
 class BoneColumns:
-    """table: the tracks with their zone maps. least, greatest: of all samples of each channel, NaN where there are
-    none. A bone whose name is not there has no tracks."""
+    """table: the tracks with their zone maps.
+
+    least, greatest: of all samples of each channel, NaN without samples. A bone with an unknown name has no tracks.
+    """
 
     def __init__(self, table: Table, *, shared: bool = False) -> None:
         """shared: the table is kept elsewhere, too."""

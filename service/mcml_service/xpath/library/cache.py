@@ -12,7 +12,7 @@ Key = TypeVar("Key", bound=Hashable)
 Entry = TypeVar("Entry")
 
 OVERHEAD = 200
-"""About how many bytes an entry takes beside its own."""
+"""Approximate overhead of an entry in bytes."""
 
 
 ROOM = 15 / 16
@@ -30,7 +30,7 @@ class Cache(Generic[Key, Entry]):
         self._lock = threading.Lock()
 
     def get(self, keys: Sequence[Key], read: Callable[[list[Key]], Mapping[Key, Entry]]) -> list[Entry]:
-        """The entry of each key. read: gives those that are not kept."""
+        """Return the entry of each key. read: reads missing entries."""
         found: dict[Key, Entry] = {}
         with self._lock:
             for key in keys:
@@ -87,14 +87,14 @@ class Cache(Generic[Key, Entry]):
 class ColumnCache:
     """Columns of groups of documents, each under a key, up to a number of bytes. Threads may share it.
 
-    Any of them goes where there is no room: a question goes through all groups in turn, so that of a library that does
-    not fit, the one used least recently would always be the next that is asked for.
+    If the cache is full, a random entry is removed: a query reads all groups in turn, so for a library larger than the
+    cache the least recently used entry would always be the next one needed.
     """
 
     def __init__(self, limit: int) -> None:
         self._limit = limit
         self.total = 0
-        """About how many bytes there are."""
+        """The approximate number of bytes."""
 
         self._groups: dict[Hashable, dict[Hashable, tuple[int, Any]]] = {}
         self._lock = threading.Lock()
@@ -111,16 +111,16 @@ class ColumnCache:
         return entry
 
     def find(self, group: Hashable, key: Hashable) -> Any | None:
-        """The column, None where there is none now."""
+        """Return the column, None if it is not cached."""
         held = self._groups.get(group, _NONE).get(key)
         return None if held is None else held[1]
 
     def holds(self, group: Hashable, key: Hashable) -> bool:
-        """Whether there is a column now."""
+        """Tell whether a column is cached."""
         return key in self._groups.get(group, _NONE)
 
     def takes(self, size: int) -> bool:
-        """Whether a column of so many bytes is kept."""
+        """Tell whether a column of this size would be cached."""
         return size <= self._limit // 4
 
     def forget(self, held: Container[Hashable]) -> None:

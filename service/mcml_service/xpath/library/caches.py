@@ -51,7 +51,7 @@ class DocumentCache(Generic[Entry]):
         self._kept.forget(held.__contains__)
 
     def read(self, tx: Transaction, documents: Sequence[Listed]) -> list[Entry]:
-        """The entry of each document. tx: one that only reads, for a revision that may yet be taken back is none."""
+        """Return the entry of each document. tx: read-only, because an uncommitted revision must not be cached."""
         wanted = {(listed.key, listed.revision): listed for listed in documents}
 
         def missing(keys: list[tuple[int, int]]) -> dict[tuple[int, int], Entry]:
@@ -62,10 +62,12 @@ class DocumentCache(Generic[Entry]):
 
 
 COLUMNS = 512 << 20
-"""Bytes, if nothing else is said."""
+"""Default limit in bytes."""
 
 SOME_CHANGES = 16
-"""Of the store. To look through all that is kept of documents takes some milliseconds where there are many."""
+"""Number of changes of the store between clean-ups: searching the cached data of many documents takes some
+milliseconds.
+"""
 
 
 class Caches:

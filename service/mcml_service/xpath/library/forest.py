@@ -100,10 +100,9 @@ class Forest:
         return self._kept("timeline", lambda: Timeline(self.shapes))
 
     def has_tracks(self, asked: int = 1) -> bool:
-        """Whether all tracks with their zone maps are at hand, or well worth reading: else, as after an edit of a long
-        document, a few tracks are found sooner by a query of their own.
-
-        asked: of how many documents tracks are wanted. Where that is most of several, the next question will be, too.
+        """Tell whether all tracks with their zone maps are cached, or worth reading: otherwise, as after an edit of a
+        long document, a separate query finds a few tracks sooner. asked: number of documents whose tracks are needed.
+        If these are most of several, the next query will probably need them, too.
         """
         if self.caches.columns.holds(self.documents, "tracks"):
             return True
@@ -146,13 +145,13 @@ class Forest:
         return None if found is None else self._kept("ends", lambda: BoneEnds.restored(found))
 
     def totals(self, name: str | None) -> Totals:
-        """Sums of the samples of the bones of a name: those that were asked for."""
+        """Return cached sums of the samples of the bones with a name."""
         return self._kept(
             ("totals", name), lambda: Totals(None if self._disk is None else self._disk.read(self.tx, self._sums(name)))
         )
 
     def add_total(self, name: str | None, channel: int, total: tuple[float, int]) -> None:
-        """Keep the sum of all samples of a channel of frames that are there, and how many they are."""
+        """Cache the sum of all samples of a channel in existing frames, and their number."""
         known = self.totals(name)
         known[channel] = total
         if self._disk is not None:
@@ -165,7 +164,7 @@ class Forest:
         )
 
     def whole(self, name: str | None) -> Bools:
-        """Which of these tracks have only frames that are there still."""
+        """Tell which of these tracks have only existing frames."""
         frames = self.bone(name).table.about[FRAMES]
         return self._sampled((name, "whole"), lambda: np.asarray(self.here(name).sum(axis=1) == frames))
 
@@ -184,7 +183,7 @@ class Forest:
         return self._sampled(what, make)
 
     def has_samples(self, name: str | None, channel: int) -> bool:
-        """Whether they are at hand, or were kept on disk and are now."""
+        """Tell whether they are cached, or can be loaded from disk."""
         what = name, channel
         if what in self._from_disk or self.caches.samples.holds(self.documents, what):
             return True
@@ -199,11 +198,11 @@ class Forest:
 
     @cached_property
     def stacks(self) -> Stacks:
-        """Where the samples of all tracks lie side by side."""
+        """Return the stacks of the samples of all tracks."""
         return self._kept("stacks", lambda: Stacks(self.tracks))
 
     def stacked(self, channel: int, *, coded: bool) -> StackedSamples:
-        """The samples of a channel of all tracks, as far as they were read."""
+        """The samples of a channel of all tracks, as far as they have been read."""
         make = partial(StackedSamples, self.stacks.size, len(self.tracks), coded=coded)
         return self._sampled(("stacked", channel, coded), make)
 
@@ -233,7 +232,7 @@ class Forest:
         return known
 
     def pose_index(self, version: str, make: Callable[[], PoseIndex]) -> PoseIndex:
-        """Where poses lie, kept in memory and on disk. version: of how it is made. make: makes it."""
+        """Return the index of poses, cached in memory and on disk. version: of its computation. make: builds it."""
         what = f"poses {version}"
 
         def restored(found: Packed) -> PoseIndex:
@@ -243,7 +242,7 @@ class Forest:
         return index
 
     def has_bone(self, name: str | None) -> bool:
-        """Whether what they lie between is at hand."""
+        """Tell whether their ranges are cached."""
         return self.reads_bone(name) or self.ends is not None
 
     def _tracks_of(self, name: str | None) -> Table:
@@ -320,7 +319,7 @@ class Bone:
 
     @property
     def least(self) -> Floats:
-        """The least of all samples of each channel, NaN where there are none."""
+        """The least of all samples of each channel, NaN without samples."""
         return self._ends[0]
 
     @property
@@ -329,7 +328,9 @@ class Bone:
         return self._ends[1]
 
     def total(self, channel: int) -> tuple[float, int] | None:
-        """The sum of all samples of a channel of frames that are there, and how many; None where nobody asked."""
+        """Return the cached sum of all samples of a channel in existing frames, and their number; None if not
+        cached.
+        """
         return self._forest.totals(self._name).get(channel)
 
     def keep_total(self, channel: int, total: tuple[float, int]) -> None:

@@ -20,7 +20,7 @@ from mcml_service.xpath.nodes.numbering import MAX_DOCUMENTS, MAX_FRAMES, Ints, 
 DOCUMENTS = 512
 """Of a group, on average."""
 FEW_DOCUMENTS = 256
-"""Of those that a question chose, as many are a group."""
+"""Size of groups of documents selected by a query."""
 MOST_DOCUMENTS = 4 * DOCUMENTS
 MOST_FRAMES = 1 << 19
 
@@ -88,7 +88,7 @@ class Groups:
         self._views.put(view, groups)
 
     def hold_chosen(self, group: Group) -> Group:
-        """Hold a group of chosen documents until the same are asked at another revision, or many others."""
+        """Keep a group of selected documents until the same are queried at another revision, or many others."""
         self._chosen.put(np.array(group.keys, np.int64).tobytes(), group)
         return group
 
@@ -122,7 +122,7 @@ class Groups:
 
 
 def _numbers_of(documents: list[Listed]) -> bytes:
-    """Keys and revisions. Thousands of pairs would have the collector of garbage look through all that there is."""
+    """Keys and revisions. Thousands of pairs would trigger a full garbage collection."""
     keys, revisions = ([getattr(one, name) for one in documents] for name in ("key", "revision"))
     return np.array([keys, revisions], np.int64).tobytes()
 

@@ -12,9 +12,9 @@ from mcml_service.xpath.nodes.heads import Subtree, first_part, flatten, motion_
 
 
 class Heads:
-    """The parts of heads, the ones read last kept: they never change under their keys, so none can be out of date.
+    """A cache of parts of heads, by last use: they never change under their keys, so none can be out of date.
 
-    limit: bytes kept. Threads may share it.
+    limit: in bytes. Threads may share it.
     """
 
     def __init__(self, limit: int) -> None:
@@ -27,7 +27,8 @@ class Heads:
 
     def read(self, tx: Transaction, documents: Sequence[Listed], part: HeadPart) -> list[tuple[Subtree, ...]]:
         """The parts of the head of each document, one after the other: document and `mcml`, header, skeleton, motion,
-        as far as they are asked for."""
+        as far as they are needed.
+        """
         firsts = [first_part(listed.version) for listed in documents]
         motions = [motion_part(listed.frames, listed.frame_time) for listed in documents]
         if part is HeadPart.MOTION:

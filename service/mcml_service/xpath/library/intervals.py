@@ -107,6 +107,6 @@ def any_of(parts: list[Verdict]) -> Verdict:
 
 
 def _known(low: Floats, high: Floats, some: Bools, always: Bools) -> Interval:
-    """Where an end is no finite number, anything may come out, NaN too."""
+    """If an end is not finite, any result is possible, also NaN."""
     finite = np.isfinite(low) & np.isfinite(high)
     return Interval(np.where(finite, low, -np.inf), np.where(finite, high, np.inf), some, always & finite)

@@ -1,4 +1,4 @@
-"""How unlike a pose or a motion what documents hold is: of all their frames, or only of those that may be nearest."""
+"""Distances of documents to a pose or a motion: of all their frames, or only of the nearest candidates."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from mcml_service.xpath.nodes.numbering import Floats, Ints
 MOST_FRAMES = 1 << 18
 """Limit of frames whose poses are in memory at once."""
 TOGETHER = 64
-"""Of the nearest whose poses are compared exactly before it is asked what can still be nearer."""
+"""Number of nearest candidates that are compared exactly before the bounds are checked again."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,8 +68,10 @@ class Asked:
     def unlike(
         self, tx: Transaction, caches: _Caches, documents: Sequence[Listed], check: Callable[[], None]
     ) -> Iterator[Floats]:
-        """How unlike each frame of documents is, or the stretch that ends there; NaN where that is not known. check:
-        called often."""
+        """Return the distance of each frame of documents, or of the frame range that ends there; NaN where unknown.
+
+        check: called often.
+        """
         first = 0
         while first < len(documents):
             last, frames = first + 1, documents[first].frames
@@ -88,7 +90,9 @@ class Asked:
         return np.split(self.column(columns, seconds, counts, check), ends[:-1])
 
     def began(self, document: Poses, end: int) -> int:
-        """Where the stretch began that ends in a frame (from 0) of a document, as like the motion as it can be."""
+        """Return the first frame of the range most similar to the motion that ends in a frame (from 0) of a
+        document.
+        """
         if not self.moves or document.seconds is None:
             return end
         motion = self._at(document.seconds)

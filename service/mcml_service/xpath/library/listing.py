@@ -1,4 +1,4 @@
-"""Which documents there are, and which of them a question asks."""
+"""The list of documents, and the documents of a query."""
 
 from __future__ import annotations
 
@@ -184,7 +184,7 @@ class Scope:
             self.keys = sorted(self._tx.documents.seen() or ())
 
     def narrow(self, documents: Sequence[Listed]) -> None:
-        """Ask only these from now on."""
+        """Limit the scope to these documents."""
         self.keys = [listed.key for listed in documents]
 
     @cached_property
@@ -192,7 +192,7 @@ class Scope:
         return self._listing.state(self._tx)
 
     def documents(self, keys: Sequence[int] | None = None) -> list[Listed]:
-        """The documents by name, then key, the order of answers. keys: of those that are asked, only these."""
+        """The documents by name, then key, the order of answers. keys: only these documents of the scope."""
         found = self._listed(self.keys if keys is None else keys)
         return found if self.projects is None else [listed for listed in found if listed.project in self.projects]
 

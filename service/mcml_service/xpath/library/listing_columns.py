@@ -1,4 +1,4 @@
-"""Which documents there are, as columns that are kept on disk."""
+"""The list of documents as columns that are stored on disk."""
 
 from __future__ import annotations
 

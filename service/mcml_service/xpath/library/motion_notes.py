@@ -29,7 +29,7 @@ OF_UPRIGHT = frozenset({"trunk", "pelvis"})
 """Parts whose angles are those to the vertical."""
 OF_TIMES = frozenset({"s", "m/s", "m/s2", "per s"})
 WITH_TIMES = frozenset({CONTACT})
-"""Functions that need them beside those whose unit tells."""
+"""Functions that need times, in addition to those with a unit of time."""
 
 
 def motion_calls(tree: Expression) -> list[Call]:
@@ -89,7 +89,7 @@ class BodyScope:
 
 
 def refuse_top(calls: Sequence[Call]) -> None:
-    """Refuses what is of the whole scope in a question that is asked document by document."""
+    """Refuse functions of the whole scope in a query that is evaluated document by document."""
     if any(call.function == TOP for call in calls):
         raise QueryError(
             "mo:top is evaluated over the whole scope. It cannot be in a predicate or a union, beside functions on "
@@ -137,7 +137,7 @@ def _notes(looked: Mapping[Group, BodyFacts], calls: Sequence[Call], needed: Seq
 
 
 def _reasons(facts: BodyFacts, calls: Sequence[Call]) -> Iterator[tuple[str, str, Bools]]:
-    """Why something is not known that is asked of a document, what to do, and of which documents."""
+    """Return the reasons for unknown values, the remedies, and the documents."""
     functions = {call.function for call in calls}
     units = {MOTION_FUNCTIONS[function].unit for function in functions}
     if units & OF_LENGTHS:
@@ -151,11 +151,11 @@ def _reasons(facts: BodyFacts, calls: Sequence[Call]) -> Iterator[tuple[str, str
 
 
 NAMED = 3
-"""Documents that are named at most where some are left out."""
+"""Limit of names in a warning about excluded documents."""
 
 
 def named(names: Sequence[str], mask: Bools) -> str:
-    """The names of the first documents of a mask, and how many others there are."""
+    """Return the names of the first documents of a mask, and the number of others."""
     chosen = np.flatnonzero(mask).tolist()
     more = f" and {len(chosen) - NAMED:,} more" if len(chosen) > NAMED else ""
     return ", ".join(repr(names[place]) for place in chosen[:NAMED]) + more
@@ -182,7 +182,7 @@ def _listed(names: Collection[str]) -> str:
 
 
 def _in_doubt(facts: BodyFacts, calls: Sequence[Call]) -> Bools:
-    """Which documents have guessed names among the joints that calls ask for."""
+    """Tell which documents have guessed names among the joints of calls."""
     doubts = np.zeros(len(facts), bool)
     for call in dict.fromkeys(calls):
         name = call.function.removeprefix(PREFIX)

@@ -1,5 +1,6 @@
-"""The poses of a group of documents side by side, and how unlike others they are: as `poses` says, in single
-precision, which tells six digits of a distance."""
+"""The poses of a group of documents in one array, and their distances to others: as in `poses`, in single precision,
+with six digits of a distance.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ from mcml.motion.bodies.poses import JOINTS, motion_distances, pose_distances
 from mcml_service.xpath.nodes.numbering import Bools, Floats, Ints
 
 BLOCK = 8192
-"""Poses that are compared while they lie in the processor's cache."""
+"""Number of poses that are compared together, to fit the processor's cache."""
 ROWS = 64
 """Poses of a motion that others are compared with together: memory is bounded by them."""
 NEAR = np.float32(1e-3)
@@ -41,15 +42,17 @@ class PoseColumns:
             np.einsum("ij,ij->i", apart, apart, out=squares[at : at + BLOCK])
         check()
         found = np.sqrt(squares.astype(np.float64) / len(JOINTS))
-        # Where a joint is not known, those that both have count.
+        # If a joint is unknown, only common joints are compared.
         some = np.flatnonzero(np.isnan(found))
         if len(some):
             found[some] = pose_distances(self._poses(some), pose[None])[:, 0]
         return found
 
     def from_motion(self, motion: Floats, own: Bools, check: Callable[[], None]) -> Floats:
-        """(frames,) of the stretch that ends there from a motion (m, 20, 3), by dynamic time warping. own: which frames
-        are of documents at the motion's frame rate; NaN in others."""
+        """Return (frames,) the distance of the range that ends there to a motion (m, 20, 3), by dynamic time warping.
+
+        own: mask of frames of documents at the motion's frame rate; NaN in others.
+        """
         found = np.full(len(self.vectors), np.nan)
         starts = np.isin(np.arange(len(own)), self.starts)[own]
         vectors = self.vectors[own]
@@ -70,7 +73,7 @@ class PoseColumns:
 
 
 def _apart(vectors: Singles, asked: Singles, check: Callable[[], None]) -> Iterator[Singles]:
-    """(frames,) pose distances from each of the asked poses."""
+    """Yield (frames,) pose distances from each of the given poses."""
     lengths = np.einsum("ij,ij->i", vectors, vectors)
     for first in range(0, len(asked), ROWS):
         some = asked[first : first + ROWS]
@@ -91,8 +94,10 @@ def _apart(vectors: Singles, asked: Singles, check: Callable[[], None]) -> Itera
 
 
 def warped(vectors: Singles, asked: Singles, starts: Bools, check: Callable[[], None]) -> Floats:
-    """The recurrence of `poses.motion_distances` over documents one after the other. asked: (m, WIDTH). starts: which
-    frames begin a document, before which nothing lies."""
+    """The recurrence of `poses.motion_distances` over documents one after the other.
+
+    asked: (m, WIDTH). starts: mask of first frames of documents.
+    """
     firsts = np.flatnonzero(starts)
     rows = _apart(vectors, asked, check)
     apart = next(rows)

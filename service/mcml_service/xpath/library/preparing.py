@@ -1,6 +1,6 @@
-"""Columns built before anybody asks for them: those of every first question, then those that queries asked lately.
+"""Build columns in advance: those of every first query, then those that queries used lately.
 
-They are kept on disk (`disk/sidecar.py`), group by group, so that the work goes on where it was interrupted.
+They are stored on disk (`disk/sidecar.py`), group by group, so that interrupted work can be continued.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ Progress: TypeAlias = Callable[[int, int], None]
 """Called with how many steps are done, and of how many; may raise to end the work."""
 
 LATELY = 30 * DAY
-"""Columns that a query asked for within so many seconds are built for new documents."""
+"""Columns that a query used within this time in seconds are built for new documents."""
 COMMON_BONES = (
     "Root",
     "Head",
@@ -96,7 +96,7 @@ def prepare_bodies(database: Database, caches: Caches, progress: Progress = lamb
 
 
 def count_prepared(database: Database, caches: Caches) -> tuple[int, int]:
-    """Count the groups of documents that have all columns of first questions on disk, and all groups."""
+    """Count the groups of documents that have all columns of first queries on disk, and all groups."""
     sidecar = caches.sidecar
     groups = lasting_groups(database, caches)
     if sidecar is None:
@@ -111,9 +111,9 @@ def lasting_groups(database: Database, caches: Caches) -> list[Group]:
 
 
 def wanted_columns(uses: Mapping[str, int], now: float) -> list[tuple[str, int]]:
-    """Return the columns of samples to build: those asked for lately, the newest first, then those of common bones.
+    """Return the columns of samples to build: those used lately, the newest first, then those of common bones.
 
-    uses: when each part on disk was last asked for. now: seconds since 1970.
+    uses: time of the last use of each part on disk. now: seconds since 1970.
     """
     lately = sorted((used, name) for name, used in uses.items() if name.startswith(SAMPLES) and used > now - LATELY)
     asked = [tuple(orjson.loads(name.removeprefix(SAMPLES))) for _, name in reversed(lately)]
@@ -126,7 +126,7 @@ def wanted_columns(uses: Mapping[str, int], now: float) -> list[tuple[str, int]]
 
 
 def wanted_quantities(uses: Mapping[str, int], now: float) -> list[tuple[str, ...]]:
-    """Return the quantities of bodies to build, each with its arguments: those asked for lately and common ones."""
+    """Return the quantities of bodies to build, each with its arguments: those used lately and common ones."""
     lately = sorted((used, name) for name, used in uses.items() if name.startswith(OF_BODIES) and used > now - LATELY)
     keys = [tuple(orjson.loads(name.removeprefix(OF_BODIES))) for _, name in reversed(lately)]
     asked = [tuple(key[1:]) for key in keys if key[0] == str(MADE) and key[1] in QUANTITIES]

@@ -1,4 +1,4 @@
-"""The samples of a channel of many tracks, as they are kept on disk: without the room behind short tracks."""
+"""The stored form of the samples of a channel of many tracks: without the padding of short tracks."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from mcml_service.xpath.nodes.stored import Columns
 
 
 def columns(samples: Floats) -> dict[str, Any]:
-    """Of (tracks, CHUNK) samples, NaN where there are none."""
+    """Of (tracks, CHUNK) samples, NaN where missing."""
     there = ~np.isnan(samples)
     lengths = np.where(there.any(axis=1), CHUNK - there[:, ::-1].argmax(axis=1), 0).astype(np.int16)
     return {"lengths": lengths, "samples": samples[np.arange(CHUNK) < lengths[:, None]]}

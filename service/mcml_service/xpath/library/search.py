@@ -33,8 +33,11 @@ class Hit:
 
 @dataclass(frozen=True)
 class Found:
-    """hits: the nearest first. documents: how many were asked. unlike: the names of those that cannot be compared, as
-    they share too few joints, or their frame time is not known."""
+    """hits: the nearest first.
+
+    documents: number of searched ones. unlike: names of documents that cannot be compared, because they share too few
+    joints or their frame time is unknown.
+    """
 
     hits: list[Hit]
     documents: int
@@ -51,9 +54,9 @@ def search(
     apart: float,
     check: Callable[[], None],
 ) -> Found:
-    """So many frames, or stretches, that are most like what is asked.
+    """Find a number of frames, or frame ranges, that are most similar to the given pose or motion.
 
-    apart: seconds that hits in one document, or their ends, are from each other at least. check: called often; raises
+    apart: least distance in seconds between hits in one document, or between their ends. check: called often; raises
     when time is up.
     """
     documents: list[Listed] = []

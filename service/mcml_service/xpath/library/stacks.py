@@ -1,7 +1,7 @@
 """The tracks of all bones of a group of documents as matrices: a row for each bone, a column for each frame.
 
-Tracks are kept as long as they are, one after the other, so that a question about all bones is a few operations on
-whole arrays. Units (the tracks of a document over one chunk) of as many bones make one matrix.
+Tracks keep their lengths, one after the other, so that a query about all bones is a few operations on whole arrays.
+Units (the tracks of a document over one chunk) of as many bones make one matrix.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from mcml_service.xpath.nodes.timeline import Timeline
 Codes: TypeAlias = NDArray[np.uint16]
 
 ABSENT, LOWEST, HIGHEST, BEYOND = 0, 1, 65_534, 65_535
-"""Codes of a sample that is not there, of the least and the greatest of a track; a code that no sample has."""
+"""Codes of a missing sample, of the least and the greatest sample of a track; a code that no sample has."""
 
 
 @dataclass(frozen=True)
@@ -49,10 +49,10 @@ class Stack:
 
 
 class Stacks:
-    """Where the samples of a table of tracks lie.
+    """The layout of the samples of a table of tracks.
 
-    size: how many samples a channel has. starts: of each track, where. units: key (place << 32 | chunk) of each unit,
-    ascending. even: which units have tracks of one length in which each frame has all that any frame has.
+    size: number of samples in a channel. starts: of each track. units: key (place << 32 | chunk) of each unit,
+    ascending. even: mask of units whose tracks have one length and all samples in each frame.
     """
 
     def __init__(self, table: Table) -> None:
@@ -92,7 +92,7 @@ class Stacks:
         return 24 * len(self.starts) + 48 * len(self.units) + sum(stack.columns for stack in self.stacks)
 
     def found(self, places: Ints, slots: Ints) -> tuple[Ints, Ints, Ints]:
-        """Of each slot the stack, the column and the unit; -1 for the stack where no track lies over it."""
+        """Return for each slot the stack, the column and the unit; -1 for the stack if no track covers it."""
         if not len(self.units):
             return np.full(len(slots), -1), np.zeros(len(slots), np.int64), np.zeros(len(slots), np.int64)
         keys = (places << 32) | (slots // CHUNK)
@@ -102,7 +102,7 @@ class Stacks:
         return np.where(there, self._stack_of[unit], -1), self._column_of[unit] + within, unit
 
     def slots(self, units: Ints, offsets: Ints) -> tuple[Ints, Ints]:
-        """(place, slot) of frames by their units and where they lie in these."""
+        """Return (place, slot) of frames by their units and their indices in these."""
         keys = self.units[units]
         return keys >> 32, (keys & 0xFFFFFFFF) * CHUNK + offsets
 
@@ -122,7 +122,7 @@ class Stacks:
 
 
 class StackedSamples:
-    """A channel of the tracks of a group, read as far as questions needed it: exactly, or by codes of 16 bits.
+    """A channel of the tracks of a group, read as far as queries needed it: exactly, or by codes of 16 bits.
 
     values: of all tracks; those that are not filled are NaN, or of code LOWEST. Tracks are filled by several threads,
     always with the same.

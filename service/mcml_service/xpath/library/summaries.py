@@ -13,8 +13,10 @@ from mcml_service.xpath.nodes.stored import Columns, Stored
 
 
 class BoneEnds(Stored):
-    """names: of bones, as they are stored. least, greatest: (channels, bones + 1), NaN where there are no samples; the
-    last are those of all bones."""
+    """names: stored names of bones.
+
+    least, greatest: (channels, bones + 1), NaN without samples; the last are those of all bones.
+    """
 
     STORED = ("names", "least", "greatest")
 
@@ -64,10 +66,10 @@ def _names(table: Table, shapes: ShapeRuns) -> tuple[list[str], Ints]:
 
 
 class Totals(dict[int, tuple[float, int]]):
-    """Of channels the sum of all samples of frames that are there, and how many."""
+    """The sum of all samples of channels in existing frames, and their number."""
 
     def __init__(self, columns: Columns | None = None) -> None:
-        """columns: as it was kept on disk."""
+        """columns: the stored form."""
         if columns is not None:
             rows = zip(*(columns[name].tolist() for name in ("channels", "sums", "counts")), strict=True)
             super().__init__({channel: (total, count) for channel, total, count in rows})
@@ -78,7 +80,7 @@ class Totals(dict[int, tuple[float, int]]):
         return 1000
 
     def columns(self) -> dict[str, Any]:
-        """As it is kept on disk."""
+        """Return the stored form."""
         rows = list(self.items())
         return {
             "channels": np.array([channel for channel, _ in rows], np.int64),

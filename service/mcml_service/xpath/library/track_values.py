@@ -14,9 +14,9 @@ from mcml_service.xpath.library.zones import BITS, Table, rows_of
 from mcml_service.xpath.nodes.numbering import Floats, Ints
 
 MOST_TRACKS = 16_384
-"""Of a bone in a group, whose samples are kept side by side; those of more are read as they are needed."""
+"""Limit of tracks of a bone in a group whose samples are cached in one array; with more, samples are read as needed."""
 FEW = 16
-"""Of so many tracks of a bone one is decoded alone rather than all side by side."""
+"""One of this many tracks of a bone is decoded alone rather than all together."""
 
 
 def track_values(forest: Forest, table: Table, wanted: tuple[int, ...]) -> Floats:
@@ -33,10 +33,9 @@ def track_values(forest: Forest, table: Table, wanted: tuple[int, ...]) -> Float
 
 
 def side_by_side(forest: Forest, name: str, channel: int, places: Ints, slots: Ints) -> Floats | None:
-    """The samples of a channel of the bone of a name in slots of documents, which all have one; None where so few of
-    its tracks are asked for that they are better read alone.
-
-    A question that compares a bone with itself in other frames asks for all of its tracks, a slice of frames at a time.
+    """Return the samples of a channel of the bone with a name in slots of documents, which all have one; None if so few
+    of its tracks are needed that they are better read separately. A query that compares a bone with itself in other
+    frames needs all of its tracks, a slice of frames at a time.
     """
     if not forest.has_tracks(len(forest)):
         return None
@@ -58,7 +57,7 @@ def _one_channel(forest: Forest, table: Table, channel: int) -> Floats:
 
 @cache
 def _places(bits: int, wanted: tuple[int, ...]) -> tuple[Some, Some]:
-    """Where the channels that a track has stand among those that are wanted, and where in the track."""
+    """Return the indices of a track's channels among the requested ones, and in the track."""
     held = channels_of(bits)
     both = [(place, held.index(channel)) for place, channel in enumerate(wanted) if channel in held]
     here, there = np.array(both, np.int64).reshape(-1, 2).T

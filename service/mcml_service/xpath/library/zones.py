@@ -83,7 +83,7 @@ class Table:
         return self.places.nbytes + self.about.nbytes + self.least.nbytes + self.greatest.nbytes
 
     def columns(self) -> dict[str, Any]:
-        """As it is kept on disk."""
+        """Return the stored form."""
         return {name: getattr(self, name) for name in ("places", "about", "least", "greatest")}
 
     def __getitem__(self, which: Ints | slice) -> Table:
@@ -107,9 +107,9 @@ class Table:
         return np.asarray((self.places << 48) | (self.about[BONE] << 32) | self.about[CHUNK_NUMBER], np.int64)
 
     def facing(self, other: Table) -> Table:
-        """For each track of another table the one of the same frames, where there is none one without channels.
+        """Return for each track of another table the one with the same frames, or one without channels.
 
-        These are tracks of one bone a document.
+        These are tracks of one bone of each document.
         """
         keys, wanted = self.frames, other.frames
         index = np.searchsorted(keys, wanted)
@@ -123,8 +123,9 @@ class Table:
 
     @cached_property
     def frames(self) -> Ints:
-        """The stretch of frames of each track as one number (place << 32 | chunk); ascending where each document has
-        one bone."""
+        """The frame range of each track as one number (place << 32 | chunk); ascending where each document has one
+        bone.
+        """
         return np.asarray((self.places << 32) | self.about[CHUNK_NUMBER], np.int64)
 
     def ends(self, channel: int, frames: Ints) -> Interval:

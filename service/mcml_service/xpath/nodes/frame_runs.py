@@ -130,7 +130,7 @@ class LabelRuns(Stored):
         return np.asarray(self.lengths[self.run_of(frames)], np.int64)
 
     def of_frames(self, frames: Ints) -> list[tuple[str, ...]] | None:
-        """The motion names of each frame as they are stored, None where none has any."""
+        """Return the stored motion names of each frame, None if no frame has any."""
         runs = self.run_of(frames)
         if not self.lengths[runs].any():
             return None
@@ -249,7 +249,7 @@ class IdRuns(Stored):
         return np.asarray(self._keys[runs][source] + np.where(equal[runs], 0, within[runs])[source] + inner, np.int64)
 
     def numbers(self, nodes: Ints) -> tuple[Ints, dict[int, str]]:
-        """The id of each node's frame as an integer; by index, those that are other texts."""
+        """Return the id of each node's frame as an integer; and other texts, by index."""
         keys = nodes >> FRAME_SHIFT
         run = np.searchsorted(self._keys, keys, side="right") - 1
         within = keys - self._keys[run]

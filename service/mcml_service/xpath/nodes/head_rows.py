@@ -136,8 +136,9 @@ class HeadRows(Stored):
         return source, children[begin[source] + within]
 
     def leaves(self, rows: Ints) -> Bools:
-        """Which rows are elements with nothing but a text, as most of a head are: it stands behind the namespace node,
-        two rows on."""
+        """Tell which rows are elements with only a text, like most of a head: the text comes after the namespace
+        node, two rows later.
+        """
         return np.asarray(
             (self.ends[rows] == rows + 2) & (self.kinds[np.minimum(rows + 2, len(self.kinds) - 1)] == IS_TEXT)
         )

@@ -59,7 +59,7 @@ class Subtree:
 class Head:
     """Rows of the document node, `mcml` and all before the motion; then the motion without frames.
 
-    addresses: those of elements that somebody asked for, by row.
+    addresses: cached addresses of elements, by row.
     """
 
     part: Subtree

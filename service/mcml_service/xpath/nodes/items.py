@@ -55,7 +55,7 @@ class Items:
         return found, self.column[place]
 
     def positions(self) -> tuple[Floats, Floats]:
-        """Of each item its position in its sequence, from 1, and how many there are."""
+        """Return for each item its position in its sequence, from 1, and the size of the sequence."""
         counts = np.bincount(self.groups, minlength=self.count)
         within = np.arange(len(self)) - np.repeat(np.cumsum(counts) - counts, counts)
         return np.asarray(within + 1.0, np.float64), counts[self.groups].astype(np.float64)

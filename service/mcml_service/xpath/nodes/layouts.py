@@ -1,4 +1,4 @@
-"""Which frame_bones the frames of documents have and where their values lie: runs of frames of equal shape."""
+"""The frame_bones in the frames of documents and the place of their values: runs of frames with equal shape."""
 
 from __future__ import annotations
 
@@ -175,7 +175,7 @@ class ShapeRuns(Stored):
         return [_numbers_of(tuple(names), tuple(numbers)) for names, numbers in self.namings]
 
     def names_of(self, place: int) -> tuple[str, ...]:
-        """The names of the bones of a document by their numbers, as they are stored."""
+        """Return the stored names of the bones of a document by their numbers."""
         return self._names_by_number[int(self.naming_of[place])]
 
     @property
@@ -205,7 +205,7 @@ class ShapeRuns(Stored):
         return 32 * len(self.bones) + sum(array.nbytes for array in arrays) + 100 * len(self.naming_of)
 
     def numbers_of(self, name: str) -> Ints:
-        """The number of the bone of a stored name in each document, -1 where there is none."""
+        """Return the number of the bone with a stored name in each document, -1 if there is none."""
         if name not in self._numbers:
             by_naming = np.array([numbers.get(name, -1) for numbers in self._numbers_by_name], np.int64)
             self._numbers[name] = by_naming[self.naming_of]
@@ -228,14 +228,14 @@ class ShapeRuns(Stored):
         return found
 
     def run_of(self, nodes: Ints) -> Ints:
-        """The run in which each node's frame lies."""
+        """Return the run of each node's frame."""
         return np.asarray(np.searchsorted(self.keys, nodes >> FRAME_SHIFT, side="right") - 1)
 
     def shape_of(self, nodes: Ints) -> Ints:
         return np.asarray(self.shape[self.run_of(nodes)], np.int64)
 
     def slot_of(self, nodes: Ints) -> Ints:
-        """Where the values of each node's frame lie in its document."""
+        """Return the slot of each node's frame in its document."""
         runs = self.run_of(nodes)
         return np.asarray(self.slots[runs] + (nodes >> FRAME_SHIFT) - self.keys[runs], np.int64)
 

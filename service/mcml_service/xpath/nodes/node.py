@@ -29,9 +29,9 @@ class Run:
 
 
 def join_runs(runs: Iterable[Run]) -> Iterator[Run]:
-    """Runs in their order; one that goes on where the one before it ends is one with it.
+    """Join consecutive runs in their order.
 
-    An answer may have an order of its own (`mo:top`, a sequence): a run that lies before the one before it is another.
+    An answer may have its own order (`mo:top`, a sequence): a run before the previous one is separate.
     """
     waiting: Run | None = None
     for run in runs:

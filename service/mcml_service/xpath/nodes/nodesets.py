@@ -27,7 +27,7 @@ class NodeSets:
 
     @property
     def size(self) -> int:
-        """How many context nodes there are."""
+        """The number of context nodes."""
         return self.count if self.index is None else len(self.index)
 
     def spread(self, of_groups: np.ndarray) -> np.ndarray:

@@ -65,7 +65,7 @@ def documents_of(nodes: Ints) -> Ints:
 
 
 def frames_of(nodes: Ints) -> Ints:
-    """Positions of the frames that nodes are or lie in, 0 for the head."""
+    """Return the positions of the nodes' frames, 0 for the head."""
     return (nodes >> FRAME_SHIFT) & FRAME_MASK
 
 
@@ -116,7 +116,7 @@ def frame_kinds(slots: Ints) -> tuple[NDArray[np.int8], NDArray[np.int16]]:
     if not low.any():
         return kinds[place], names[place]
     small_kinds, small_names = _frame_slots()
-    # A motion_name's slots stand behind the frame's three in that table.
+    # A motion_name's slots come after the frame's three in that table.
     small = np.where(slots < NAMES_FROM, slots, 3 + (slots & (NAME_WIDTH - 1)))
     small = np.where(low, small, 0)
     return np.where(low, small_kinds[small], kinds[place]), np.where(low, small_names[small], names[place])

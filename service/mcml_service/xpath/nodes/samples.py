@@ -1,4 +1,4 @@
-"""Samples that are at hand: known as the numbers they are, not by the number of their node."""
+"""Loaded samples: identified by their values, not by the number of their node."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ from mcml_service.xpath.nodes.texts import Strings
 
 @dataclass(frozen=True, slots=True)
 class Samples:
-    """For each context a node set of one sample, or of none where `numbers` is NaN: nothing else is asked of it than
-    its value."""
+    """For each context a node set of one sample, or an empty one where `numbers` is NaN: only its value is used."""
 
     numbers: Floats
 

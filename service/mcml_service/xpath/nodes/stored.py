@@ -1,4 +1,4 @@
-"""Columns that can be kept outside of the process and had back as they were."""
+"""Columns that can be stored outside the process and restored."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Protocol, TypeVar
 
 
 class Columns(Protocol):
-    """Arrays, and lists of texts and numbers, by name; each is decoded when it is asked for."""
+    """Arrays, and lists of texts and numbers, by name; each is decoded on use."""
 
     def __getitem__(self, name: str) -> Any: ...
 

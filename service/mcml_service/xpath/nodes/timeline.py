@@ -32,14 +32,14 @@ class Timeline:
         return self._starts.nbytes + self._count.nbytes + self._first.nbytes
 
     def positions(self, places: Ints, slots: Ints) -> Ints:
-        """The position of the frame in each slot, 0 where no frame of the document lies any more."""
+        """Return the position of the frame in each slot, 0 for slots without a frame."""
         keys = (places << 32) | slots
         piece = np.searchsorted(self._starts, keys, side="right") - 1
         within = keys - self._starts[piece]
         return np.where(within < self._count[piece], self._first[piece] + within, 0)
 
     def here(self, places: Ints, chunks: Ints) -> Bools:
-        """(units, CHUNK): in which slots frames lie."""
+        """Return (units, CHUNK): mask of the slots with frames."""
         first = (places << 32) | (chunks * CHUNK)
         piece = np.searchsorted(self._starts, first, side="right") - 1
         within = first - self._starts[piece]

@@ -1,7 +1,7 @@
-"""Functions of bodies in motion for elementpath, which knows none of them and sees XML, in which no bodies are.
+"""Functions of bodies in motion for elementpath, which does not have them and sees only XML, without bodies.
 
-A call becomes a look into a table with a number for every frame, which columns work out as for any other question. The
-tables are variables of the request, so nothing is added to the document that an expression could see.
+A call becomes a lookup in a table with a number for every frame, computed by columns as for any other query. The tables
+are variables of the request, so nothing visible is added to the document.
 """
 
 from __future__ import annotations
@@ -52,13 +52,13 @@ Numbers: TypeAlias = NDArray[Any]
 Met: TypeAlias = dict[Call, dict[tuple[str, ...], None]]
 """Names in the variable arguments of a call."""
 _PREFIX = "$mo-"
-"""Of variables that are ours."""
+"""Prefix of internal variables."""
 _MISSED = uuid4().hex
 """Begins the error that a table lacks a name. No text of others holds it."""
 FEW = 100
-"""As many names, of joints or of pairs of them, are given at once, whether they are asked for or not."""
+"""Number of names, of joints or of pairs of them, up to which all are given at once, also unused ones."""
 ONE_BY_ONE = 4
-"""Of more, so many are learned one after the other, before all are given."""
+"""With more names, this many are added one after the other before all are given."""
 _MAPS, _ARRAYS = (f"Q{{http://www.w3.org/2005/xpath-functions/{kind}}}" for kind in ("map", "array"))
 # A column ends with the number for nodes outside frames. In 1.0-compatibility mode, sums are no integers.
 _FUNCTIONS = f"""let $mo-frames := array {{ /mcml/motion/frame }},
@@ -92,7 +92,10 @@ $mo-runs := function($nodes, $least, $between, $seconds) {{
 
 
 class BodyValues:
-    """Of the documents of some groups. limits: of the question; its elements are the most numbers of a document."""
+    """Values of bodies in the documents of some groups.
+
+    limits: of the query; its elements limit the numbers of a document.
+    """
 
     def __init__(self, tx: Transaction, caches: Caches, groups: Sequence[Group], limits: Limits) -> None:
         self._tx = tx
@@ -161,7 +164,7 @@ class _Asked:
         self.variables = {**variables, **self._numbers}
 
     def learns(self, refused: str) -> bool:
-        """Whether what the expression was refused for is mended when it is asked again."""
+        """Tell whether the expression can succeed when it is evaluated again."""
         missed = re.search(rf"{_MISSED} (\d+):([^;]*);", refused)
         if missed is None:
             return False
@@ -232,7 +235,7 @@ class _Asked:
 
     @property
     def _joints(self) -> list[str]:
-        """Those of the document, and no name, which stands for all others."""
+        """Return the joints of the document, and an empty name for all others."""
         return ["", *self._motions.bodies.facts().names[0]]
 
     def _name(self, found: WrittenCall, place: int) -> str:

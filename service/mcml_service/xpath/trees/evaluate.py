@@ -1,6 +1,6 @@
 """Expressions of XPath 3.1 on documents as trees of nodes, by elementpath.
 
-It runs wherever the question runs: in a server in a process that the operating system bounds (`query_worker`).
+It runs in the process of the query: in a server, one with limits of the operating system (`query_worker`).
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class Items:
-    """A page of a sequence: nodes and atomic values in its order. total: how many there are on all pages."""
+    """A page of a sequence: nodes and atomic values in its order. total: their number on all pages."""
 
     items: tuple[Found | Atomic, ...]
     total: int
@@ -169,7 +169,7 @@ class Addresses:
 
 
 def out_of_memory(memory: int) -> LimitError:
-    """The error of a query that takes more than so many bytes."""
+    """Return the error of a query that takes more than `memory` bytes."""
     return LimitError(
         f"The query needs more than {memory >> 20} MiB of memory.",
         remedy="Ask fewer documents, or narrow the expression by motion name, bone or position.",
@@ -178,4 +178,4 @@ def out_of_memory(memory: int) -> LimitError:
 
 
 NOTHING = b"<mcml/>"
-"""The document of an expression that asks none."""
+"""The document of an expression without documents."""

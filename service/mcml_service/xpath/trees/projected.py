@@ -52,7 +52,7 @@ class Xml:
 
 
 def runs_of_nodes(found: Iterable[tuple[Listed, Sequence[Node | Found]]]) -> Iterator[Run]:
-    """Maximal ranges of frames that nodes of documents are or lie in. QueryError for a node outside the frames."""
+    """Yield maximal ranges of the frames of documents' nodes. Raises QueryError for a node outside frames."""
     return join_runs(_frames_of_nodes(found))
 
 

@@ -26,7 +26,7 @@ from mcml_service.xpath.trees.evaluate import NOTHING, Found, Items, Tree
 from mcml_service.xpath.trees.projected import Xml, runs_of_nodes
 
 MOST = 1_000_000
-"""Values of an expression that asks no document."""
+"""Limit of values of an expression without documents."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ class Sequences:
         return Answer(items, nodes, single or None)
 
     def runs(self) -> Iterator[Run]:
-        """Maximal ranges of frames that nodes are or lie in."""
+        """Yield maximal ranges of the nodes' frames."""
         return runs_of_nodes(self._nodes_by_document())
 
     def _nodes_by_document(self) -> Iterator[tuple[Listed, Sequence[Node | Found]]]:
@@ -153,7 +153,7 @@ class Sequences:
 
 
 def value_of_nothing(query: Query) -> Items:
-    """The value of an expression that asks no document."""
+    """Return the value of an expression without documents."""
     assert query.constant is not None
     text, variables = query.constant.text, dict(query.constant.variables)
     return Tree([NOTHING]).items(text, variables=variables, offset=0, limit=MOST, compatible=query.compatible)

@@ -21,7 +21,7 @@ from mcml_service.xpath.nodes.numbering import Bools, Floats, Ints, frames_of
 
 NUMBERS = frozenset({"min", "max", "sum", "avg"})
 ONE_BY_ONE = 1024
-"""Frames of a window that are added one after the other, as they stand."""
+"""Limit of frames in a window that are added one after the other."""
 
 
 class Columns(Protocol):
@@ -55,8 +55,9 @@ class MotionWindows:
         return None
 
     def counts(self, expression: Expression, context: Context, *, only_frames: bool = False) -> Ints | None:
-        """Of a window with predicates, or a path from one: how many of its frames fulfil these, or lead to anything;
-        None for other expressions. only_frames: of a path nothing is told."""
+        """Count the frames of a window that fulfil its predicates, or from which a path reaches a node; None for
+        other expressions. only_frames: return None for paths.
+        """
         asked = _asked(expression)
         if asked is None or (only_frames and isinstance(expression, Path)):
             return None
@@ -112,7 +113,7 @@ def _is_window(expression: Expression | None) -> bool:
 
 
 def _is_plain(expression: Expression) -> bool:
-    """Whether it asks for nothing but the context node."""
+    """Tell whether it is only the context node."""
     return not free_variables(expression) and not depends_on_position(expression)
 
 

@@ -1,5 +1,6 @@
-"""Functions of bodies in motion (`mo:height('left_hand')`) for many frames at once: each is a column over all frames of
-the documents, worked out once, from which the frames asked for take their numbers."""
+"""Functions of bodies in motion (`mo:height('left_hand')`) for many frames at once: each is a column over all frames
+of the documents, computed once; the queried frames select their numbers from it.
+"""
 
 from __future__ import annotations
 
@@ -144,7 +145,7 @@ class Motions:
     def runs(self, sets: NodeSets, bounds: tuple[Expression, ...]) -> NodeSets:
         """The frames of runs in node sets. bounds: how long a run is at least, and a gap at most."""
         sets, _ = sets.flat()
-        sets = ordered(sets.groups, sets.nodes, sets.count)  # Nodes of a sequence have an order of their own.
+        sets = ordered(sets.groups, sets.nodes, sets.count)  # Nodes of a sequence keep the order of the sequence.
         least, gap = self.lengths(bounds)
         groups, first, last = closed_runs(sets, self.bodies.seconds, gap)
         seconds = self.bodies.seconds[documents_of(first)]
@@ -182,7 +183,7 @@ class Motions:
         return self.bodies.asked(*self._compared(call))
 
     def _distance(self, call: Call, context: Context) -> Floats:
-        """From a pose, or from a stretch of motion."""
+        """The distance to a pose, or to a motion."""
         column = self.bodies.distances(*self._compared(call))
         rows = self.bodies.rows(context.nodes)
         return np.where(rows >= 0, column[rows], np.nan) if len(column) else np.full(len(context), np.nan)
@@ -252,7 +253,7 @@ def closed_runs(sets: NodeSets, seconds: Floats, gap: float) -> tuple[Ints, Ints
 
 
 def most_between(gap: float, seconds: Floats) -> Floats:
-    """How many frames may lie between two runs that become one. gap: in seconds. seconds: a frame."""
+    """Return the limit of frames between two runs that become one. gap: in seconds. seconds: frame time."""
     return np.maximum(np.nan_to_num(gap / seconds + NEARLY, nan=0.0, posinf=0.0), 0.0)
 
 

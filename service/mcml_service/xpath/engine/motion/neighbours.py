@@ -50,7 +50,7 @@ class Neighbours:
         return self._asked[path].exists(nodes)
 
     def window(self, path: Path, frames: Ints) -> Ints:
-        """Of each frame how many frames of a window a path reaches that hold what the rest of the path asks for."""
+        """Return for each frame the number of frames in a window that match the rest of the path."""
         first, rest = path.steps[0], path.steps[1:]
         window = window_of(first)
         if path not in self._near and window is not None:

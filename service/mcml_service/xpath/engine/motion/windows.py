@@ -1,7 +1,7 @@
-"""Frames near a frame: how many of the next (or last) ones count, without listing them for each frame.
+"""Count matching frames near a frame, without listing them for each frame.
 
-`frame[following-sibling::frame[position() <= 9][motion_name="walk"]]` asks of n frames about 9 n others. But whether
-a frame counts is worked out once for each, and how many of a stretch do is a difference of two sums.
+`frame[following-sibling::frame[position() <= 9][motion_name="walk"]]` compares n frames with about 9 n others. But the
+match of each frame is computed once, and the count in a range is a difference of two sums.
 """
 
 from __future__ import annotations
@@ -19,8 +19,10 @@ from mcml_service.xpath.nodes.pairs import expand
 
 
 class Windows:
-    """The answer for one step. kept: which frames count. Asked for slices of context nodes, it looks at the frames of
-    the same documents only once."""
+    """The answer for one step.
+
+    kept: mask of matching frames. For slices of context nodes, the frames of the same documents are read only once.
+    """
 
     def __init__(self, forest: Forest, step: Step, window: Window, kept: Callable[[Ints], Bools]) -> None:
         self._forest = forest

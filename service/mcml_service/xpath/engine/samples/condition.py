@@ -62,7 +62,7 @@ class Condition:
 
     @property
     def is_presence(self) -> bool:
-        """Whether it only asks that a frame has a sample."""
+        """Whether it only requires that a frame has a sample."""
         return isinstance(self.tree, Call) and isinstance(self.tree.arguments[0], Sample)
 
     @cached_property
@@ -78,7 +78,7 @@ class Condition:
         return found
 
     def combining(self, function: Callable[[Expression], Expression]) -> Expression:
-        """Its tree, with others in the place of its leaves."""
+        """Return its tree with its leaves replaced."""
         return _with_leaves(self.tree, function)
 
     def judge(self, ends: Ends) -> Verdict:

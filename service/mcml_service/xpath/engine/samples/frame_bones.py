@@ -149,7 +149,7 @@ def _one_each(sets: NodeSets) -> Ints | None:
 
 
 def _reduced(bones: StackedBones, question: Asked, some: Some) -> tuple[Floats | Bools, Floats | Bools]:
-    """A number for each frame, and whether there is one."""
+    """Return a number for each frame, and whether it exists."""
     always = np.ones(len(some), bool)
     if question.condition is None:
         return np.full(len(some), float(some.stack.width)), always
@@ -163,7 +163,7 @@ def _reduced(bones: StackedBones, question: Asked, some: Some) -> tuple[Floats |
     if question.function in ("min", "max"):
         function = np.fmin if question.function == "min" else np.fmax
         return function.reduce(np.where(holds, samples, np.nan), axis=0), counts > 0
-    # One bone after the other, as they stand in the frame: in another order sums differ in their last digit.
+    # One bone after the other, in the order of the frame: in another order sums differ in their last digit.
     total = np.zeros(len(some))
     for row, which in zip(samples, holds, strict=True):
         total += np.where(which, row, 0.0)

@@ -59,7 +59,7 @@ class Some:
 
     @cached_property
     def units(self) -> Ints:
-        """Those that the columns lie in, ascending."""
+        """The units of the columns, ascending."""
         offsets, span = self.stack.offsets, self._span
         if span is None:
             return self._unit_of[0]
@@ -102,11 +102,11 @@ class StackedBones:
         self._verdicts: dict[Expression, Verdict] = {}
 
     def fits(self, *, coded: bool) -> bool:
-        """Whether samples of the group can be kept, as codes or as they are."""
+        """Tell whether samples of the group fit in the cache, as codes or exactly."""
         return not self.stacks.is_padded and self.forest.caches.samples.takes(self.stacks.size * (2 if coded else 8))
 
     def takes(self, condition: Condition) -> bool:
-        """Whether a condition asks for the samples of a frame_bone alone, and can be answered here."""
+        """Tell whether a condition depends only on the samples of a frame_bone, and can be evaluated here."""
         if any(sample.bone is not None for sample in condition.samples):
             return False
         return self.fits(coded=all(leaf.bound is not None for leaf in condition.leaves.values()))
@@ -193,7 +193,7 @@ class StackedBones:
         return found
 
     def _look_up(self, close: Bools, bound: tuple[Sample, str, float], some: Some, found: Bools) -> None:
-        """The samples that no code decides, compared as they are."""
+        """Compare the exact samples where codes do not decide."""
         bones, frames = np.nonzero(close)
         if not len(bones):
             return
@@ -232,7 +232,7 @@ class StackedBones:
         return codes
 
     def _read(self, channels: list[int], tracks: Ints) -> Iterator[tuple[int, list[tuple[int, Floats]]]]:
-        """Channels of tracks, some tracks at a time: (channel, (track, samples)) of those that have it."""
+        """Yield channels of tracks in batches: (channel, (track, samples)) of those that have it."""
         for at in range(0, len(tracks), TOGETHER):
             self._columns.check()
             some = tracks[at : at + TOGETHER]

@@ -77,8 +77,9 @@ def _unprefixed(found: re.Match[str]) -> str:
 
 
 def _check(token: Any) -> None:
-    """Refuses functions of bodies with arguments that they do not take, functions that there are not, and names in
-    namespaces, which MCML does not have."""
+    """Refuse functions of bodies with wrong arguments, unknown functions, and names in namespaces, which MCML does
+    not have.
+    """
     place = Place(column=token.span[0] + 1)
     if token.symbol == "Q{" and token[0].value and token[1].label not in ("function", "constructor function"):
         raise QueryError("MCML has no namespaces", at=place, remedy="Write Q{}, or leave it out.")
@@ -103,7 +104,7 @@ _OF_FOCUS |= {"base-uri", "document-uri", "generate-id"}
 
 
 def _parts(token: Any) -> Iterator[Any]:
-    """The tokens in a token, also those that elementpath does not list."""
+    """Yield the tokens in a token, also those that elementpath does not list."""
     yield from token
     yield from getattr(token, "_values", ()) if token.label == "map" else ()
     if token.label == "inline function":
@@ -137,7 +138,7 @@ def _reads_document(token: Any, *, is_outer: bool = True) -> bool:
 
 
 def _gives_nodes(token: Any) -> bool:
-    """Whether the value can only be nodes, as far as the syntax tells; asked where the value is empty."""
+    """Tell whether the value can only be nodes, by its syntax; used for empty values."""
     symbol, operands = token.symbol, list(token)
     if symbol in _NODE_OPERATORS or token.label in ("axis", "kind test", "name") or symbol in _STEPS:
         return True

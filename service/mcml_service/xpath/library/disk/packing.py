@@ -15,7 +15,7 @@ from pcodec import ChunkConfig, standalone
 FEW = 4096
 """Bytes that are not worth being compressed."""
 PAYS = 0.7
-"""Compressed to more than this share, an array is kept as it is: to read it takes no time then."""
+"""If compression gives more than this share, an array is stored uncompressed, which is read without decoding."""
 LEVEL = 2
 """Of pcodec: a higher one packs a tenth smaller and is read no faster."""
 _RAW, _ZSTD, _NUMBERS, _JSON = range(4)
@@ -33,7 +33,7 @@ def pack(columns: Mapping[str, Any]) -> bytes:
         else:
             way, data, kind, shape = _JSON, orjson.dumps(column), "", ()
         table.append((name, way, kind, shape, at, len(data)))
-        # From a multiple of eight on, so that arrays are read where they lie.
+        # Aligned to eight bytes, so that arrays are read in place.
         parts.append(data + bytes(-len(data) % 8))
         at += len(parts[-1])
     head = orjson.dumps(table)

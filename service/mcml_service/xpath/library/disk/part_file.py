@@ -113,7 +113,7 @@ def cleared(connection: sqlite3.Connection, whole_since: int) -> bool:
 def emptied(connection: sqlite3.Connection) -> None:
     """Remove all traces of deleted data from the files."""
     connection.execute("PRAGMA incremental_vacuum").fetchall()
-    # The log holds pages as they were.
+    # The log contains old pages.
     connection.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
 
 
@@ -141,7 +141,7 @@ def remove(path: Path) -> None:
 
 
 def checksum_of(held: bytes, name: str, mark: str, data: bytes) -> bytes:
-    """Of a row: a part that stands under another's name is wrong, too."""
+    """Return the checksum of a row, including its name: a part under another name is wrong, too."""
     summed = xxhash.xxh3_128(held + f"\0{name}\0{mark}\0".encode())
     summed.update(data)
     return summed.digest()

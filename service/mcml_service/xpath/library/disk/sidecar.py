@@ -22,7 +22,7 @@ from mcml_service.xpath.library.disk.part_file import FAULTS, checksum_of, opene
 from mcml_service.xpath.library.disk.writer import ROOM, Waiting, Writer
 
 DAY = 86_400
-"""When a part was used is told no more precisely: reading is no writing."""
+"""Precision of the time of use: reads should not write."""
 
 _PART = "SELECT mark, used, checksum, data FROM part WHERE held = ? AND name = ?"
 _NAMES = "SELECT name FROM part WHERE held = ?"
@@ -51,10 +51,11 @@ class _View:
 
 
 class Sidecar:
-    """path: of the file. limit: bytes of all parts. Threads and processes may share it.
+    """path: of the file.
 
-    trouble: why nothing is kept, "" while something can be. last_use: when queries last asked for a part of a name, for
-    parts that nobody asks for now; None: all are asked for now.
+    limit: bytes of all parts. Threads and processes may share it. trouble: the reason if nothing can be stored, else
+    "". last_use: returns the time when queries last used a part with a name, for parts built in advance; None: all
+    parts are for current queries.
     """
 
     def __init__(self, path: Path, limit: int) -> None:
@@ -88,7 +89,7 @@ class Sidecar:
         return made
 
     def read(self, tx: Transaction, key: tuple[bytes, str]) -> Packed | None:
-        """The columns of a part, None where it is not kept or not to be believed."""
+        """Return the columns of a part, None if it is missing or invalid."""
         view = self._view(tx)
         row = None if view is None else self._row(key)
         if view is None or row is None:
@@ -119,7 +120,7 @@ class Sidecar:
         return {name for (name,) in self._rows(_NAMES, (held,))}
 
     def last_uses(self) -> dict[str, int]:
-        """When queries last asked for a part of each name, in seconds since 1970; 0: never."""
+        """Return the time when queries last used a part with each name, in seconds since 1970; 0: never."""
         return dict(self._rows(_USES, ()))
 
     def room(self) -> int:

@@ -1,4 +1,4 @@
-"""The thread that writes parts beside the store: some time after questions, a few at a time, and never in their way."""
+"""The thread that writes parts beside the store: some time after queries, a few at a time, without delaying queries."""
 
 from __future__ import annotations
 
@@ -21,18 +21,19 @@ MOST_WAITING = 512 << 20
 """Limit of waiting columns in bytes; further columns are dropped."""
 NICE = 10
 REST = 2.0
-"""Seconds that parts wait at least: while others write to the store they are of no use a moment later."""
+"""Least waiting time of parts in seconds: while others write to the store, parts become useless soon."""
 ROOM = 0.9
-"""Of the limit that parts take where some had to go; SQLite needs a little beside them."""
+"""Share of the limit that parts use after some were removed; SQLite needs a little more."""
 
 Key: TypeAlias = tuple[bytes, str]
 
 
 @dataclass(frozen=True)
 class Waiting:
-    """A part to be written. mark, whole_since: of the transaction that it was read in. columns: gives them.
+    """A part to be written.
 
-    used: when a query last asked for it, in seconds since 1970.
+    mark, whole_since: of the transaction that it was read in. columns: returns them. used: time of the last use by a
+    query, in seconds since 1970.
     """
 
     mark: str
@@ -43,7 +44,10 @@ class Waiting:
 
 
 class Writer:
-    """open_: gives a connection. limit: bytes of all parts. failed: is told why nothing can be written."""
+    """open_: returns a connection.
+
+    limit: bytes of all parts. failed: called with the reason if nothing can be written.
+    """
 
     def __init__(
         self, open_: Callable[[], sqlite3.Connection], limit: int, failed: Callable[[Exception], None]
@@ -187,7 +191,7 @@ class Writer:
             try:
                 data = pack(part.columns())
             except (TypeError, ValueError):
-                # Texts that JSON cannot say.
+                # Texts that JSON cannot represent.
                 continue
             if len(data) <= self._limit // 4:
                 checksum = checksum_of(held, name, part.mark, data)
