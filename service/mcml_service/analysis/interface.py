@@ -31,16 +31,16 @@ class AnalysisError(McmlError):
 
 
 class Progress(Protocol):
-    """Told now and then how far the work is: a word for the stage and the share done, 0 to 1, of the whole.
+    """Called regularly with the progress of the work: a word for the stage and the finished share of the whole, 0 to 1.
 
-    Raises what ends the work when its user has cancelled it; an analysis lets that pass.
+    Raises an error if the user has cancelled the work; an analysis does not catch it.
     """
 
     def __call__(self, stage: str, share: float) -> None: ...
 
 
 def silent(stage: str, share: float) -> None:
-    """Progress that nobody watches."""
+    """Ignore progress."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Motion:
     frame_time: seconds. rotations: (F, J, 4) local, the identity is the rest pose. translations: (F, J, 3) from the
     parent in its axes (a root's and a marker's: in the world), in the clip's unit. present: (F, J), False where the
     source has no sample (the arrays hold the last value there); None: all are present.
-    metres: of the clip's unit of length, None where nobody said it. up: "X", "Y" or "Z" if stated.
+    metres: of the clip's unit of length, None if unknown. up: "X", "Y" or "Z" if stated.
     properties: name -> (text, unit). labels: (motion name, first, last), frames 0-based, both included.
     """
 

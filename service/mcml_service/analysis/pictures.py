@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 ACCENT, WARM, QUIET, LINE = "#0A7568", "#B8400F", "#738091", "#D3DAE3"
 INKS = ("#004555", "#C25600", "#26806A", "#A65E93", "#6068E8", "#4D3A00", "#78249D", "#8A4441")
-"""Of things that have names, such as clips: told apart with any sight of colours, on white."""
+"""Colours of named items, such as clips: distinguishable with any colour vision, on white."""
 
 STYLE: dict[Any, Any] = {
     "font.family": "sans-serif",
@@ -77,18 +77,18 @@ def say_more(axes: Axes, what: str) -> None:
 
 
 def empty(axes: Axes, what: str) -> None:
-    """Words in the place of a picture."""
+    """Draw text instead of a picture."""
     axes.set_axis_off()
     axes.text(0.5, 0.5, what, ha="center", va="center", color=QUIET, transform=axes.transAxes)
 
 
 def thin(count: int) -> slice:
-    """Every so many of `count` values, so that at most MOST_POINTS are drawn."""
+    """Return a slice that thins `count` values, so that at most MOST_POINTS are drawn."""
     return slice(None, None, max(1, -(-count // MOST_POINTS)))
 
 
 def picture_of_part(name: str, part: Part, description: str = "") -> Picture:
-    """A picture of one part by its kind, for analyses that draw none of their own."""
+    """Return a picture of one part by its kind, for analyses without their own pictures."""
 
     def draw(parts: Parts, figure: Figure) -> None:
         axes = figure.add_subplot()
@@ -163,7 +163,7 @@ def draw_table(axes: Axes, part: Part) -> None:
 
 
 def on_circle(number: int, count: int) -> tuple[float, float]:
-    """Where the nth of so many nodes stands, clockwise from the top."""
+    """Return the place of the nth node on a circle, clockwise from the top."""
     angle = np.pi / 2 - 2 * np.pi * number / max(1, count)
     return float(np.cos(angle)), float(np.sin(angle))
 

@@ -40,8 +40,9 @@ def spread_here(
 
 
 class ApartMotions(Sequence[Motion]):
-    """Clips of a job that several processors do: those who do pieces of the work read their clips by themselves, and
-    all are read here only when one is asked for."""
+    """Clips of a job that several processes share: each process reads the clips of its pieces, and all are read here
+    only if one is needed.
+    """
 
     @abstractmethod
     def each(self, function: Callable[..., Any], shared: Sequence[Any], told: Callable[[float], None]) -> list[Any]:
@@ -73,5 +74,5 @@ def each(
 
 
 def spread_of(motions: Sequence[Motion]) -> Spread | None:
-    """How pieces of the work on these clips are done; None: there is nobody else to do them."""
+    """Return the runner of pieces for these clips; None if there are no other processes."""
     return motions.spread if isinstance(motions, ApartMotions) else None

@@ -153,7 +153,7 @@ def reach(height: float, seconds: float, elevation: float, side: str = "Right") 
 
 
 def wave(height: float, seconds: float, beats: float) -> tuple[Array, dict[str, Array]]:
-    """(root, angles): the left arm is abducted, waves at so many beats a second, and comes down."""
+    """(root, angles): the left arm is abducted, waves at a number of beats a second, and is lowered."""
     time = np.arange(round(seconds * RATE)) / RATE
     u = np.clip(np.minimum(time, seconds - time) / 0.8, 0, 1)
     up = u**2 * (3 - 2 * u)

@@ -24,7 +24,7 @@ PREPARATION = 2.0
 
 _RANGES = np.array(
     [
-        # low, high: degrees, but for the shift of the weight (part of the height)
+        # low, high: degrees, except the shift of the weight (part of the height)
         (-25.0, 25.0),  # 0 turn of the trunk
         (-12.0, 12.0),  # 1 side bend
         (-5.0, 20.0),  # 2 forward bend
@@ -90,7 +90,9 @@ def dance_clip(
     jitter: float = 0.006,
     name: str = "dance",
 ) -> DanceClip:
-    """A clip and its truth. seed: which figures are danced, and how. dancer: which figures there are.
+    """Generate a clip and its truth.
+
+    seed: selects the danced figures and their variations. dancer: seed of the dancer's figures.
 
     tempo: beats a minute. height: cm. jitter: standard deviation of a beat's time, seconds.
     """
@@ -230,7 +232,7 @@ def _tremor(time: Array, seed: int) -> Array:
 
 
 def _pose(poses: Array, places: Array, height: float) -> tuple[Array, dict[str, Array]]:
-    """(root, angles) of poses; hips and legs such that the ankles stay where place and heading say."""
+    """(root, angles) of poses; hips and legs such that the ankles stay at the place and heading."""
     turn, side, forward, nod = poses[:, :4].T
     shift, bend = poses[:, _WEIGHT], np.maximum(poses[:, 11], 0.0)
     knee = np.radians(bend)

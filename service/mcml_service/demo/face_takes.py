@@ -138,7 +138,7 @@ def face_takes(
     labels, neutral = labels[::every_marker], neutral[::every_marker]
     takes = []
     for number, random in enumerate(np.random.SeedSequence(seed).spawn(repeats * len(expressions)), 1):
-        # Measurement has a stream of its own, so that noise and gaps leave the movement as it is.
+        # Measurement has a separate random stream, so that noise and gaps do not change the movement.
         movement, heads, measurement = (np.random.default_rng(part) for part in random.spawn(3))
         expression = expressions[(number - 1) % len(expressions)]
         amounts = _amounts(movement, expression, fps)
@@ -205,7 +205,7 @@ def _head(rng: np.random.Generator, time: Array, moves: bool) -> tuple[Array, Ar
 
 
 def _present(rng: np.random.Generator, shape: tuple[int, ...], gaps: float) -> NDArray[np.bool_]:
-    """(F, M) which samples are there: runs of 2 to 12 frames are not, and one of 20 to 40."""
+    """Return (F, M) the mask of existing samples: runs of 2 to 12 frames are missing, and one of 20 to 40."""
     present = np.ones(shape, dtype=bool)
     if gaps <= 0:
         return present

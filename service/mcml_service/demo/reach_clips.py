@@ -24,7 +24,7 @@ YOUNG, OLD = (5,) * 10 + (4,) * 12, (5,) * 11 + (4,) * 8
 """Trials of each person."""
 
 _JOINTS: tuple[tuple[str, str, tuple[float, float, float]], ...] = (
-    # name, parent, offset as part of the height; "L" and "R" stand for Biped's sides
+    # name, parent, offset as part of the height; "L" and "R" are Biped's sides
     ("", "", (0.0, 0.0, 0.0)),
     ("Pelvis", "", (0.0, 0.0, 0.0)),
     ("Spine", "Pelvis", (0.0, 0.045, 0.0)),
@@ -327,7 +327,7 @@ def _frames(drawn: _Drawn, postures: _Postures, times: Array, trial: int, time: 
 
 
 def _turn(start: Array, end: Array, share: Array) -> Array:
-    """(F, 4) `start` turned towards `end` about a constant axis, by a share that may leave 0 to 1."""
+    """Return (F, 4) `start` rotated towards `end` about a constant axis, by a share that may be outside 0 to 1."""
     way = multiply(inverse(start), end)
     way = way if way[3] >= 0 else -way
     size = float(np.linalg.norm(way[:3]))

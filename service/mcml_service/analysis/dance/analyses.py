@@ -93,7 +93,7 @@ def _clip(motion: Motion, parameters: BeatsParameters, shared: Tempo | None) -> 
 
 
 def run_beats(motions: Sequence[Motion], parameters: BeatsParameters, progress: Progress) -> Parts:
-    """Speed, candidates, beats, period and bars of each clip by itself."""
+    """Speed, candidates, beats, period and bars of each clip separately."""
     clips = _read(motions, parameters, progress, 0.95)
     parts = {
         "clips": tables.clips_table(clips),

@@ -29,8 +29,8 @@ _SUPPORTED = 3
 class Bars:
     """Beats of a clip and its bars, in frames or between them. beats: (n,). supported: (n,) whether there is a dip.
 
-    bars: (m, 4). source: which beats these are. entries, leaves: (m,) where the lead-in starts and the beat after
-    ends; they may lie outside the clip, which then stands still.
+    bars: (m, 4). source: the kind of beats. entries, leaves: (m,) start of the lead-in and end of the following beat;
+    they may be outside the clip, where a pose is held.
     """
 
     source: Literal["detected", "tracked"]
@@ -147,7 +147,7 @@ def track(strength: Array, period: float) -> Frames:
     before = np.zeros(frames, dtype=np.intp)
     for first in range(0, frames, shortest):
         last = min(frames, first + shortest)
-        # Row t - first holds C(t - longest) .. C(t - shortest); reversed, the shortest lag stands first.
+        # Row t - first holds C(t - longest) .. C(t - shortest); reversed, the shortest lag is first.
         earlier = sliding_window_view(score[first : last + longest - shortest], len(lags))[: last - first, ::-1]
         gains = earlier - penalty
         best = gains.argmax(axis=1)
@@ -163,6 +163,6 @@ def track(strength: Array, period: float) -> Frames:
 
 
 def find_held_frames(entries: Array, leaves: Array, frames: int) -> Array:
-    """(m,) frames of each bar's lead-in and leave that lie outside the clip, where a pose is held."""
+    """Return (m,) frames of each bar's lead-in and leave outside the clip, where a pose is held."""
     held: Array = np.maximum(0, -entries) + np.maximum(0, leaves - (frames - 1))
     return held

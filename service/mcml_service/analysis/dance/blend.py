@@ -1,6 +1,6 @@
-"""Where bars stand on the floor, and the transition from one to the next.
+"""Place bars on the floor, and make transitions from one to the next.
 
-Kovar, Gleicher, Pighin (2002), sect. 3.2: the weight; Choi (2024): the last pose of the first motion holds, so that
+Kovar, Gleicher, Pighin (2002), sect. 3.2: the weight; Choi (2024): the last pose of the first motion is held, so that
 its beat stays. Y is up.
 """
 

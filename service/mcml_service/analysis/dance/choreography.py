@@ -35,7 +35,7 @@ Strategy = Literal["beam", "random"]
 
 @dataclass(frozen=True)
 class Wish:
-    """Which bars may stand at a position (from 0; None: at all). bars: from 0. document, label: of the source."""
+    """The bars allowed at a position (from 0; None: everywhere). bars: from 0. document, label: of the source."""
 
     position: int | None = None
     bars: tuple[int, ...] = ()
@@ -88,7 +88,7 @@ def check_pulse(music_bars: int, pulse: Fraction) -> None:
 
 
 def plan_dance(clips: Sequence[Clip], graph: BarGraph, grid: Array, choice: Choice) -> Plan:
-    """A path for a grid of music beats (4 N + 1,). Raises AnalysisError where there is none."""
+    """A path for a grid of music beats (4 N + 1,). Raises AnalysisError if there is none."""
     bars = graph.bars
     music_bars = (len(grid) - 1) // 4
     beat = float(np.median(np.diff(grid)))
@@ -185,7 +185,7 @@ def _no_edges(graph: BarGraph) -> AnalysisError:
 def find_allowed_bars(
     clips: Sequence[Clip], bars: AllBars, kept: NDArray[np.bool_], length: int, wishes: Sequence[Wish]
 ) -> NDArray[np.bool_]:
-    """(length, B) bars that may stand at each position. A bar has a label that covers at least half of it."""
+    """Return (length, B) the bars allowed at each position. A bar has a label that covers at least half of it."""
     allowed = np.tile(kept, (length, 1))
     for wish in wishes:
         fits = np.ones(len(bars), dtype=bool)

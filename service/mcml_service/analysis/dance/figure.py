@@ -144,12 +144,12 @@ def check_finite(motion: Motion) -> None:
 
 
 def upright(motion: Motion) -> Motion:
-    """The motion with Y up: its whole frame of reference turned, rest pose included. The same where Y is up already."""
+    """Rotate a motion to Y up, including its rest pose. Returns the same motion if Y is up already."""
     return _turn(motion, _TURNS.get((motion.up or "Y").upper()), "Y")
 
 
 def lay_back(motion: Motion, up: str | None) -> Motion:
-    """A motion with Y up, turned back to another axis up: the inverse of `upright`."""
+    """Rotate a motion with Y up back to another up axis: the inverse of `upright`."""
     turn = _TURNS.get((up or "Y").upper())
     return _turn(motion, None if turn is None else -turn, up)
 

@@ -18,7 +18,7 @@ SIGMA = 0.05
 """Seconds; AIST++ uses 3 frames at 60 a second."""
 NEAR = 0.07
 MARGIN = 0.1
-"""Seconds off either end of a transition in which its two beats lie."""
+"""Seconds at each end of a transition that contain its two beats."""
 LOW = 0.02
 
 
@@ -80,7 +80,7 @@ def rotation_speed(rotations: Array, fps: float) -> Array:
 
 
 def foot_speed(feet: Array, fps: float, size: float) -> Array:
-    """(F,) mean horizontal speed, sizes a second, of feet near the ground; NaN where there is none. feet: (F, N, 3).
+    """(F,) mean horizontal speed, sizes a second, of feet near the ground; NaN without any. feet: (F, N, 3).
 
     Near: lower than 0.02 size above the 2 % quantile of that joint's own height.
     """
@@ -113,7 +113,7 @@ def nearest(times: Array, others: Array) -> Array:
 
 
 def inside(time: Array, transitions: Sequence[Transition]) -> NDArray[np.bool_]:
-    """(F,) whether a time lies in a transition."""
+    """Return (F,) whether a time is in a transition."""
     within = np.zeros(len(time), dtype=bool)
     for transition in transitions:
         within |= (time > transition.start) & (time < transition.end)
@@ -142,7 +142,10 @@ def mean_or_none(values: Array) -> float | None:
 
 
 def grid_metrics(watched: Watched, grid: Array) -> dict[str, float]:
-    """How dance and grid meet. grid: motion beats, seconds; its two ends, where no minimum can be, are left out."""
+    """Measure the match of dance and grid.
+
+    grid: motion beats, seconds; its two ends, where no minimum can be, are left out.
+    """
     inner = grid[1:-1]
     lows = minima(watched.speed) / watched.fps
     hits = {"grid_hits_frame": 1.0 / watched.fps, "grid_hits_70ms": NEAR}

@@ -166,12 +166,12 @@ def refine(speed: Array, fps: float, k2: float = 2 / 15, k3: float = 1.0) -> Can
 
 
 def locate(speed: Array, beats: Frames, fps: float) -> Array:
-    """Beats (n,), between frames, where the movement rests: midway between where its two flanks come to a stand.
+    """Return beats (n,), between frames, at the rests of the movement: midway between the zeros of its two flanks.
 
-    Smoothing draws a minimum towards the side on which the body moves less, by up to half the Gaussian's width, and
-    in a rest it lies anywhere. The flanks keep their place: each is the line through 0.2 and 0.5 of the way from the
-    minimum to the lower of the two crests within w frames, followed down to 0, but no further than 0.05 s below the
-    minimum. A beat without crests is the vertex of the parabola through its three frames. None moves more than w / 4.
+    Smoothing shifts a minimum towards the side with less movement, by up to half the Gaussian's width, and within a
+    rest it is arbitrary. The flanks keep their place: each is the line through 0.2 and 0.5 of the way from the minimum
+    to the lower of the two crests within w frames, followed down to 0, but no further than 0.05 s below the minimum. A
+    beat without crests is the vertex of the parabola through its three frames. None moves more than w / 4.
     """
     if not len(beats):
         return np.empty(0)

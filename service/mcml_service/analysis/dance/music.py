@@ -44,7 +44,7 @@ class Tempo:
 
     @property
     def even(self) -> bool:
-        """Whether the line stands for the beats."""
+        """Whether the line represents the beats."""
         return self.residual <= EVEN
 
 

@@ -20,7 +20,7 @@ RATIOS = tuple(Fraction(text) for text in ("1", "2", "1/2", "3", "1/3", "3/2", "
 NEAR = 0.07
 """Seconds within which what is heard belongs to a beat, at most an eighth of a beat."""
 CLEAR = 1.5
-"""How many times as well as any other the best tempo fits where it is told without a doubt."""
+"""Ratio of the best tempo's strength to any other from which the tempo is clear."""
 USUAL, WIDTH = 120.0, 1.2
 """Beats a minute that are usual, and octaves around it: of tempi that fit as well the more usual one is taken."""
 METERS = (4, 3)
@@ -51,7 +51,7 @@ class Rival:
 
 @dataclass(frozen=True)
 class Meter:
-    """Beats of a bar. strength: how regularly accents come again after so many, from 0 to 1."""
+    """Beats of a bar. strength: regularity of accents after this number of beats, from 0 to 1."""
 
     beats: int
     strength: float
@@ -66,7 +66,7 @@ def rivals_of(bpm: float, track: Track, heard: Heard, slowest: float, fastest: f
             beats = track(other)
             if len(beats) >= 4:
                 own = 60.0 / _period(beats)
-                # A tracker that goes its own way tells nothing of this tempo.
+                # A tracker with independent beats has no evidence for this tempo.
                 if abs(np.log2(own / other)) < 0.2:
                     rivals.append(Rival(own, ratio, _fits(beats, heard), beats))
     return sorted(rivals, key=lambda rival: -rival.strength * _usual(rival.bpm))

@@ -73,7 +73,9 @@ def draw_bar_graph(parts: Parts, figure: Figure) -> None:
 
 
 def _circle(axes: Axes, part: Part, names: dict[str, str]) -> None:
-    """Bars on a circle, clip by clip, filled where a dance can go on for ever; a line a jump, the darker the nearer."""
+    """Draw bars on a circle, clip by clip, filled if a dance can continue without end; one line for each jump, the
+    darker the nearer.
+    """
     nodes = part.data["nodes"]
     edges, limit = part.data["edges"], part.data["threshold"] or 1.0
     axes.set_title(f"{len(nodes)} bars, {part.data['kept']} joined; {part.data['edges_in_all']:,} ways on")

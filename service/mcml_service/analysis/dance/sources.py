@@ -189,7 +189,10 @@ def _fit(first: Clip, clip: Clip, warnings: list[str]) -> Clip:
 
 
 def _order(first: Motion, other: Motion) -> NDArray[np.intp]:
-    """(J,) where each joint of the first skeleton stands in the other. Raises AnalysisError `skeletons-differ`."""
+    """Return (J,) the index of each joint of the first skeleton in the other.
+
+    Raises AnalysisError `skeletons-differ`.
+    """
     place = {name: index for index, name in enumerate(other.skeleton.names)}
     order = []
     for joint in first.skeleton.joints:

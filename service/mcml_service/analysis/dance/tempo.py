@@ -64,7 +64,7 @@ class Tempo:
 
     @property
     def clear(self) -> bool:
-        """Whether one tempo is far above what chance and other motion show, so that it may be told without a doubt."""
+        """Whether one tempo is far above chance and other motion, so that it is certain."""
         least = max(_LEAST, _STRENGTH / min(self.seconds, _LONG))
         told = self.rival <= _RIVAL and self.peaks[0].strength >= least
         return told and self.steady >= _AGREED and self.seconds / self.period >= _BEATS

@@ -50,7 +50,7 @@ def choose_pulse(music_beat: float, own_beat: float, bars: int) -> Fraction:
 
 
 def divides(pulse: Fraction, bars: int) -> bool:
-    """Whether so many bars of music are whole bars of motion."""
+    """Tell whether a number of bars of music are whole bars of motion."""
     return (bars / pulse).denominator == 1
 
 

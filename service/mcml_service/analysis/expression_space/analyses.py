@@ -85,7 +85,7 @@ def run(motions: Sequence[Motion], parameters: ExpressionParameters, progress: P
 
 
 def points(space: Stored, choice: ExpressionStride) -> Answer:
-    """Where every so many frames lie on the map."""
+    """Return the places of every n-th frame on the map."""
     chosen = slice(None, None, choice.stride)
     plane = space.ground.plane[chosen]
     names = space.values["names"]

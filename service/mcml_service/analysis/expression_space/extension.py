@@ -1,4 +1,4 @@
-"""Takes added to a space that is there, without building it again."""
+"""Add takes to an existing space, without building it again."""
 
 from __future__ import annotations
 
@@ -230,7 +230,7 @@ def _more_values(data: Mapping[str, Any], motions: Sequence[Motion], count: int,
 
 
 def _more_members(part: Part, new: Array, old: int, values: Mapping[str, Any]) -> Part:
-    """Memberships of new frames with the centres as they are (5.2), and the candidate nearest to each."""
+    """Return memberships of new frames with unchanged centres (5.2), and the candidate nearest to each."""
     arrays, points = dict(part.arrays), new[:, : values["cluster_dimensions"]]
     first = np.asarray(arrays["first"])
     if first[-1] - first[-2] == old:

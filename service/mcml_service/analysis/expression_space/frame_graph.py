@@ -1,4 +1,4 @@
-"""The graph of frames: which expression one may go to from which."""
+"""The graph of frames: possible transitions between expressions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mcml_service.analysis.expression_space.states import SAME
 
 Places = NDArray[np.int32]
 TINY = 1e-9
-"""Length of an edge between equal frames: a stored zero would mean that there is none."""
+"""Length of an edge between equal frames: a stored zero would mean no edge."""
 HUBS_OF_A_FRAME = 4
 
 
@@ -37,7 +37,7 @@ class FrameGraph:
         rows, columns = np.concatenate([self.first, self.second]), np.concatenate([self.second, self.first])
         square = (self.frames, self.frames)
         edges = scipy.sparse.coo_array((np.concatenate([length, length]), (rows, columns)), shape=square).tocsr()
-        # Dijkstra of SciPy copies a graph with 64-bit indices each time it is asked.
+        # Dijkstra of SciPy copies a graph with 64-bit indices at each call.
         edges.indices, edges.indptr = edges.indices.astype(np.int32), edges.indptr.astype(np.int32)
         return edges
 
@@ -149,7 +149,7 @@ def closest_bridges(states: Array, labels: NDArray[np.int32]) -> tuple[NDArray[n
     labels = labels.copy()
     pairs, lengths = [], []
     while len(counts := np.bincount(labels)[np.unique(labels)]) > 1:
-        # The closest pair that leaves any part belongs to the tree; the smallest part is the cheapest to ask.
+        # The closest pair that leaves any part belongs to the tree; the smallest part is the cheapest to search.
         smallest = np.unique(labels)[counts.argmin()]
         inside, outside = np.flatnonzero(labels == smallest), np.flatnonzero(labels != smallest)
         distances, near = (column[:, 0] for column in nearest(states[outside], states[inside]))

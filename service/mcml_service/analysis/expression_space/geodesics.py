@@ -16,8 +16,8 @@ BLOCK = 24
 def floyd(weights: Array) -> Array:
     """All shortest distances. Floyd (1962), in blocks of frames; blocks that cannot shorten anything are skipped.
 
-    weights: (n, n) symmetric, infinite where there is no edge. Returns (n, n). The order of the frames does not matter,
-    but consecutive ones should be near each other: a block of them then stands for one place.
+    weights: (n, n) symmetric, infinite without an edge. Returns (n, n). The order of the frames does not matter,
+    but consecutive ones should be near each other: a block of them then represents one place.
     """
     n = len(weights)
     paths = np.array(weights, dtype=float)
@@ -72,7 +72,7 @@ def from_sources(matrix: scipy.sparse.csr_array, sources: Any) -> Array:
 
 
 def search(matrix: scipy.sparse.csr_array, source: int) -> tuple[Array, NDArray[np.int32]]:
-    """Shortest distances (n,) from a frame, and the frame before each on the way, negative where there is none."""
+    """Shortest distances (n,) from a frame, and the previous frame of each on the path, negative without one."""
     distance, before = scipy.sparse.csgraph.dijkstra(matrix, directed=True, indices=[source], return_predecessors=True)
     return distance[0], before[0]
 

@@ -29,7 +29,7 @@ class Basis:
     def reduce(self, positions: Array) -> Array:
         """States of positions (n, M, 3), NaN where missing, as coordinates (n, d). Never n x P at once.
 
-        Pairs of markers that are not seen are left out of a least-squares fit.
+        Pairs of invisible markers are left out of a least-squares fit.
         """
         reduced = np.empty((len(positions), len(self.components)))
         for start in range(0, len(positions), BLOCK):
@@ -46,7 +46,7 @@ class Basis:
 def basis_of(positions: Array, seed: int) -> Basis:
     """From 1,500 random frames, as many components as hold 99.9 % of the variance, at most 16.
 
-    positions: (n, M, 3). Frames with missing markers are used only where there are not enough others.
+    positions: (n, M, 3). Frames with missing markers are used only if there are not enough others.
     """
     whole = np.flatnonzero(~np.isnan(positions[..., 0]).any(axis=1))
     random = np.random.default_rng(seed)

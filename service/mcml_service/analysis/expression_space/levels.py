@@ -1,4 +1,4 @@
-"""Levels of detail: which frames stand for all others."""
+"""Levels of detail: the frames that represent all others."""
 
 from __future__ import annotations
 
@@ -18,10 +18,13 @@ Places = NDArray[np.int32]
 
 @dataclass(frozen=True)
 class Level:
-    """candidates: (c,) frames, all different. wanted: how many were. unique: different frames nearest to centres,
-    before filling up. coverage: greatest distance of a frame to its nearest candidate, map units. objective: J of
-    each iteration. members, shares: (n, 3) candidates, by their places in `candidates`, and memberships. nearest: (n,)
-    the candidate nearest to each frame. centres: (k, p) map; stands: (k,) the candidate that stands for each."""
+    """candidates: (c,) frames, all different.
+
+    wanted: the requested number. unique: different frames nearest to centres, before filling up. coverage: greatest
+    distance of a frame to its nearest candidate, map units. objective: J of each iteration. members, shares: (n, 3)
+    candidates, by their indices in `candidates`, and memberships. nearest: (n,) the candidate nearest to each frame.
+    centres: (k, p) map; stands: (k,) the candidate that represents each.
+    """
 
     candidates: Places
     wanted: int
@@ -136,7 +139,7 @@ def _level(
     near: Places,
 ) -> Level:
     which, share = top_memberships(points, centres, options.fuzziness)
-    # Several centres may have one nearest frame: which candidate stands for each centre.
+    # Several centres may have one nearest frame: the candidate that represents each centre.
     place = {frame: number for number, frame in enumerate(candidates.tolist())}
     stands = np.array([place[frame] for frame in near.tolist()], dtype=np.int32)
     apart, owner = (column[:, 0] for column in nearest(points[candidates], points))

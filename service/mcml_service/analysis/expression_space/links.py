@@ -1,4 +1,4 @@
-"""Links: between which candidates one may move directly."""
+"""Links: pairs of candidates with a direct transition."""
 
 from __future__ import annotations
 
@@ -135,7 +135,7 @@ def paper_links(graph: FrameGraph, candidates: Places, plane: Array, rho: float)
 
 
 def _near(plane: Array, candidates: Places, rho: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """For each frame, how many candidates lie within rho, and the sum of their numbers."""
+    """Return for each frame the number of candidates within rho, and the sum of their numbers."""
     count, total = np.zeros(len(plane), dtype=np.int64), np.zeros(len(plane), dtype=np.int64)
     for number, frame in enumerate(candidates.tolist()):
         near = np.linalg.norm(plane - plane[frame], axis=1) <= rho

@@ -123,7 +123,7 @@ def shortest_walk(ground: Ground, first: int, last: int) -> list[int]:
         near = matrix.indices[part]
         way = row[near] + matrix.data[part]
         order = np.flatnonzero(way <= way.min() * (1 + 1e-6) + 1e-6)
-        # Of equal ways the one that leads farthest back; single precision leaves room for a few.
+        # Among equal paths the one that leads farthest back; in single precision there may be a few.
         order = order[np.lexsort((near[order], row[near[order]]))]
         step = next((int(frame) for frame in near[order] if int(frame) not in seen), None)
         if step is None:
@@ -159,7 +159,7 @@ def walk_over(ground: Ground, keys: Sequence[int]) -> Walk:
 
 
 def link_keys(ground: Ground, level: int, keys: Sequence[int], *, auto_route: bool) -> list[int]:
-    """Keys that may follow each other at a level (7.1): as they are, or with the candidates between them put in.
+    """Return keys that may follow each other at a level (7.1): unchanged, or with candidates inserted between them.
 
     Raises AnalysisError `too-few-keys`, `repeated-key`, `not-a-candidate`, `not-linked` (details: suggestion, frames),
     `unreachable`.
@@ -198,7 +198,7 @@ def _in_a_row(keys: Sequence[int]) -> None:
 
 
 def _chain(ground: Ground, level: int, first: int, last: int) -> list[int]:
-    """Shortest way over links, by places of candidates; a direct link is one, however long."""
+    """Return the shortest path over links, by indices of candidates; a direct link is one step, of any length."""
     graph = ground.link_graph(level)
     if last in graph.indices[graph.indptr[first] : graph.indptr[first + 1]]:
         return [first, last]

@@ -10,7 +10,7 @@ from mcml_service.analysis.interface import AnalysisError
 MARKER_MM = 2.3
 """The paper's threshold of 230 mm for each of its 100 markers: mm root mean square per pair of markers."""
 FULL_FRAMES = 5000
-"""Up to so many frames all distances are kept; above, landmarks are used."""
+"""Limit of frames for which all distances are stored; above, landmarks are used."""
 FLOYD_FRAMES = 3000
 FEWEST_MARKERS = 4
 MOST_FRAMES = 100_000
@@ -56,7 +56,7 @@ _PAPER = Options("paper", 0.0, "published", "largest", 2, "fcm", "paper")
 
 
 def options_of(method: Literal["paper", "robust"] = "robust", **stated: Any) -> Options:
-    """The values of a method, with those stated (not None) in place of its own."""
+    """Return the values of a method, overridden by the stated ones (not None)."""
     base = _ROBUST if method == "robust" else _PAPER
     return replace(base, **{name: value for name, value in stated.items() if value is not None})
 

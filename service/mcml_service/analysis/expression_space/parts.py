@@ -48,7 +48,7 @@ def parts_of(space: Space) -> Parts:
 
 
 def plain(value: float | None) -> float | None:
-    """A number as JSON has it: null where there is none."""
+    """Return a number for JSON: null without one."""
     return float(value) if value is not None and math.isfinite(value) else None
 
 
@@ -144,7 +144,9 @@ def _arrays(space: Space) -> Arrays:
 
 
 def _map(space: Space) -> Part:
-    """Where the frames lie: coordinates (n, p) mm, the first two of them to look at; take and frame (0-based)."""
+    """Return the map of the frames: coordinates (n, p) mm, the first two of them for display; take and frame
+    (0-based).
+    """
     frames = space.frames
     data = {
         "documents": [take.document for take in frames.takes],
@@ -196,7 +198,7 @@ def _levels(space: Space) -> Part:
 
 
 def _columns(values: NDArray[Any]) -> list[int]:
-    """Three columns of memberships, also where there are but two clusters: the last is repeated."""
+    """Three columns of memberships, also with only two clusters: the last is repeated."""
     return [min(column, values.shape[1] - 1) for column in range(3)]
 
 

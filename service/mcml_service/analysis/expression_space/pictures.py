@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 MOST_CANDIDATES = 120
 """Of the level that is drawn: the finest that a page can show."""
 MOST_TAKES = 8
-"""Told apart by colour."""
+"""Limit of takes with separate colours."""
 
 
 def draw_map(parts: Parts, figure: Figure) -> None:

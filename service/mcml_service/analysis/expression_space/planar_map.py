@@ -20,9 +20,11 @@ NEIGHBOURS = 10
 
 @dataclass(frozen=True)
 class Scaling:
-    """coordinates: (n, p) mm, columns by falling eigenvalue, zeros where there are fewer positive ones. eigenvalues:
-    (p,). mean: (n,) mean of the squared distances to each frame. negative: share of the negative eigenvalues in the sum
-    of absolute ones, found on every k-th frame where there are more than 600."""
+    """coordinates: (n, p) mm, columns by falling eigenvalue, zeros if there are fewer positive ones.
+
+    eigenvalues: (p,). mean: (n,) mean of the squared distances to each frame. negative: share of the negative
+    eigenvalues in the sum of absolute ones, computed on every k-th frame if there are more than 600.
+    """
 
     coordinates: Array
     eigenvalues: Array
@@ -77,7 +79,7 @@ def _largest(b: Array, count: int) -> tuple[Array, Array]:
     if len(b) <= max(3 * count, 40):
         values, vectors = np.linalg.eigh(b)
         return values[::-1][:count], vectors[:, ::-1][:, :count]
-    # Not the constant vector: that is an eigenvector of its own, with eigenvalue 0.
+    # Not the constant vector: that is another eigenvector, with eigenvalue 0.
     values, vectors = scipy.sparse.linalg.eigsh(b, k=count, which="LA", v0=np.cos(1.0 + np.arange(len(b))), tol=0)
     order = np.argsort(-values, kind="stable")
     return values[order], vectors[:, order]
@@ -131,9 +133,8 @@ def _agreement(pairs: Iterator[tuple[Array, Array]], dimensions: int) -> Agreeme
 
 
 def neighbourhoods(apart: Array, coordinates: Array) -> tuple[float, float]:
-    """Trustworthiness and continuity of a map: how far frames near on it are near, and near ones stay so; 1 at best.
-
-    Venna and Kaski (2001), over the 10 nearest of each (fewer where there are under 40 frames).
+    """Return trustworthiness and continuity of a map: whether frames near on it are near, and near ones stay near; 1 at
+    best. Venna and Kaski (2001), over the 10 nearest of each (fewer with under 40 frames).
     apart: (n, n). coordinates: (n, p).
     """
     n = len(apart)

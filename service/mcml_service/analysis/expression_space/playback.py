@@ -19,8 +19,10 @@ SMOOTHING = 2.0
 
 @dataclass(frozen=True)
 class Samples:
-    """first, second: (S,) frames that a sample lies between. alpha: (S,) how far, 0 at first. position: (S,) mm along
-    the walk. speed: mm/s."""
+    """first, second: (S,) frames before and after a sample.
+
+    alpha: (S,) its relative position, 0 at first. position: (S,) mm along the path. speed: mm/s.
+    """
 
     first: NDArray[np.int32]
     second: NDArray[np.int32]
@@ -66,9 +68,9 @@ def sample(
 
 
 def markers_of(samples: Samples, positions: Array, *, smooth: bool = False) -> Array:
-    """(S, M, 3) markers mm, NaN where missing in both frames; where one has a marker, its place there.
+    """Return (S, M, 3) markers in mm, NaN where missing in both frames; if one frame has a marker, its position there.
 
-    positions: (n, M, 3) of all frames, laid on the neutral one. smooth: Gaussian over 2 samples, ends as they are.
+    positions: (n, M, 3) of all frames, aligned to the neutral one. smooth: Gaussian over 2 samples, ends unchanged.
     """
     a, b = positions[samples.first].astype(float), positions[samples.second].astype(float)
     a, b = np.where(np.isnan(a), b, a), np.where(np.isnan(b), a, b)

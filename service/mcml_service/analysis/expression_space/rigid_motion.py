@@ -10,10 +10,10 @@ BLOCK = 4000
 
 
 def align(positions: Array, reference: Array) -> Array:
-    """Frames turned and shifted, each by itself, closest to a reference in the least squares of the markers both have.
+    """Rotate and shift each frame separately, closest to a reference in the least squares of common markers.
 
-    positions: (F, M, 3), NaN where missing. reference: (M, 3), NaN where missing. Returns (F, M, 3). A frame that
-    shares fewer than three markers with the reference stays as it is.
+    positions: (F, M, 3), NaN where missing. reference: (M, 3), NaN where missing. Returns (F, M, 3). A frame with fewer
+    than three common markers is unchanged.
     """
     aligned = np.empty_like(positions)
     for start in range(0, len(positions), BLOCK):

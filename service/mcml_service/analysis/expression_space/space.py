@@ -295,7 +295,9 @@ def _connect(
     options: Options,
     connecting: float,
 ) -> tuple[FrameGraph, NDArray[np.bool_], tuple[int, ...], list[tuple[str, str]]]:
-    """The graph made whole as the options say (2.4), the frames that stay, the sizes of its parts before, warnings."""
+    """Connect the graph as the options require (2.4); return it, the remaining frames, the sizes of its parts
+    before, and warnings.
+    """
     sizes = np.bincount(graph.components())
     before = tuple(sorted((int(size) for size in sizes), reverse=True))
     whole = np.ones(graph.frames, dtype=bool)

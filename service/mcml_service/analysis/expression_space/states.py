@@ -31,9 +31,10 @@ def state_vectors(positions: Array) -> Array:
 
 
 def distances(states: Array, others: Array | None = None) -> Array:
-    """Euclidean distances of states, (n, k) mm; with themselves where there are no others, then (n, n).
+    """Euclidean distances of states, (n, k) mm; with themselves without others, then (n, n).
 
-    Pairs of markers seen in both frames count, scaled by sqrt(all / seen); below half of them the distance is infinite.
+    Pairs of markers visible in both frames are used, scaled by sqrt(all / seen); below half of them the distance is
+    infinite.
     """
     square = others is None
     right = states if others is None else others

@@ -150,7 +150,10 @@ def _links(part: Part, about: Mapping[str, Any]) -> Links:
 
 
 def _path(space: Stored, kept: Mapping[str, Any]) -> Path:
-    """The path over the kept keys. Keys that the space does not have (any more) are left out, and said to be."""
+    """Return the path over the remaining keys.
+
+    Keys that the space does not have (any more) are left out and reported.
+    """
     keys: list[int] = []
     lost: list[str] = []
     for document, frame in kept["keys"]:

@@ -105,8 +105,9 @@ def frames_of(motions: Sequence[Motion], options: Options) -> Frames:
 def more_frames(
     motions: Sequence[Motion], markers: Sequence[str], neutral: Array, options: Options
 ) -> tuple[Array, list[NDArray[np.intp]], list[tuple[int, int, str]]]:
-    """Usable frames (q, M, 3) of further takes, laid on the neutral frame (M, 3) of a space; which of each take these
-    are; and those left out. Raises AnalysisError `marker-sets-disjoint`, `not-finite`."""
+    """Usable frames (q, M, 3) of further takes, aligned to the neutral frame (M, 3) of a space; their indices in
+    each take; and the excluded ones. Raises AnalysisError `marker-sets-disjoint`, `not-finite`.
+    """
     for motion in motions:
         lacking = [name for name in markers if name not in motion.skeleton.names]
         if lacking:
@@ -124,8 +125,10 @@ def more_frames(
 def _usable(
     raw: list[Array], reference: Array, rates: Sequence[float], options: Options
 ) -> tuple[list[Array], list[NDArray[np.intp]], list[tuple[int, int, str]]]:
-    """Takes prepared, without frames that lack over 30 % of the markers; which frames stay; which do not. `raw` is
-    emptied, since large spaces have no room for two copies."""
+    """Takes prepared, without frames that lack over 30 % of the markers; the remaining frames; the excluded ones.
+
+    `raw` is emptied, because large spaces do not fit in memory twice.
+    """
     tracks, kept, excluded = [], [], []
     for number, fps in enumerate(rates):
         prepared = prepare(raw[number], reference, fps, options)
@@ -159,8 +162,9 @@ def prepare(track: Array, reference: Array, fps: float, options: Options) -> Arr
 
 
 def fill_gaps(track: Array, longest: int) -> Array:
-    """Gaps of at most `longest` frames inside a take filled by the cubic through two samples on either side, linearly
-    where these are not there. track: (F, M, 3), NaN where missing. Returns a copy."""
+    """Gaps of at most `longest` frames inside a take filled by the cubic through two samples on either side,
+    linearly if these are missing. track: (F, M, 3), NaN where missing. Returns a copy.
+    """
     filled = track.copy()
     missing = np.isnan(track[..., 0])
     for marker in np.flatnonzero(missing.any(axis=0) & ~missing.all(axis=0)):
@@ -186,8 +190,10 @@ def lagrange(support: NDArray[np.intp], at: NDArray[np.intp]) -> Array:
 
 
 def smooth(track: Array, deviation: float) -> Array:
-    """Gaussian mean in time over the samples that are there. track: (F, M, 3), NaN where missing and after that too.
-    deviation: frames; 0 changes nothing."""
+    """Gaussian mean in time over the existing samples.
+
+    track: (F, M, 3), NaN where missing and after that too. deviation: frames; 0 changes nothing.
+    """
     if deviation <= 0 or len(track) < 2:
         return track
     here = ~np.isnan(track[..., :1])
@@ -199,7 +205,7 @@ def smooth(track: Array, deviation: float) -> Array:
 
 
 def smooth_takes(frames: Frames, seconds: float) -> Array:
-    """(n, M, 3) positions smoothed in time, each take by itself."""
+    """(n, M, 3) positions smoothed in time, each take separately."""
     parts = [
         smooth(frames.positions[frames.take == number], seconds * take.fps) for number, take in enumerate(frames.takes)
     ]
@@ -259,7 +265,7 @@ def _enough(names: Sequence[str], dropped: Sequence[tuple[str, str]]) -> None:
 
 
 def _millimetres(motions: Sequence[Motion], names: Sequence[str]) -> tuple[list[float], list[tuple[str, str]]]:
-    """Millimetres of each take's unit; one guess for all takes that do not say."""
+    """Return the millimetres of each take's unit; one guess for all takes without a stated unit."""
     silent = [motion for motion in motions if motion.metres is None]
     guess = 1.0
     warnings = []
@@ -276,7 +282,7 @@ def _millimetres(motions: Sequence[Motion], names: Sequence[str]) -> tuple[list[
 
 
 def _marker_track(motion: Motion, names: Sequence[str], factor: float) -> Array:
-    """(F, M, 3) mm, NaN where there is no sample."""
+    """Return (F, M, 3) in mm, NaN without a sample."""
     place = {name: index for index, name in enumerate(motion.skeleton.names)}
     columns = [place[name] for name in names]
     track = motion.translations[:, columns] * factor

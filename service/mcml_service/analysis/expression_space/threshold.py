@@ -30,8 +30,8 @@ class Chosen:
 def choose(trials: Trials, tried: Sequence[Tried], rule: TauRule, markers: int) -> Chosen:
     """The threshold of a rule.
 
-    published: 2.3 mm for each marker. best: largest r (the paper's search; on a chain of frames r is 1, so it says
-    little). unbroken: with a margin, the smallest at which near frames are near on the graph.
+    published: 2.3 mm for each marker. best: largest r (the paper's search; on a chain of frames r is 1, so it has
+    little meaning). unbroken: with a margin, the smallest at which near frames are near on the graph.
     """
     published = MARKER_MM * markers
     if rule == "published":

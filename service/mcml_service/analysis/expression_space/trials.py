@@ -19,7 +19,7 @@ Places = NDArray[np.intp]
 SPREAD = 450
 SPREAD_RADIUS = 0.02
 COVER = 12
-"""On the way between sampled frames, a frame that lies within tau / 12 of another may be left out."""
+"""On paths between sampled frames, a frame within tau / 12 of another may be left out."""
 NEAR = (0.05, 0.10, 0.15)
 FEWEST_PAIRS = 30
 SHORTER = 2 / 3
@@ -75,7 +75,7 @@ class Trials:
 
     @cached_property
     def spread(self) -> Places:
-        """At most 450 frames, each the farthest from those before it, until all lie within 0.02 `far`; sorted."""
+        """At most 450 frames, each the farthest from those before it, until all are within 0.02 `far`; sorted."""
         chosen = [int(np.where(np.isfinite(self.apart), self.apart, 0.0).sum(axis=1).argmin())]
         nearest = self.apart[chosen[0]].copy()
         while len(chosen) < SPREAD and nearest[farthest := int(nearest.argmax())] > SPREAD_RADIUS * self.far:
@@ -161,7 +161,7 @@ def _paths(apart: Array, tau: float, hubs: Places, sample: Places) -> Array:
     weights = apart[np.ix_(hubs, hubs)]
     near = weights <= tau
     place = np.searchsorted(hubs, sample)
-    # Where the graph is sparse and few sources are asked for, one search from each is quicker.
+    # If the graph is sparse and there are few sources, one search from each is faster.
     if 15.0 * len(sample) * np.count_nonzero(near) > float(len(hubs)) ** 3:
         return floyd(np.where(near, weights, np.inf))[np.ix_(place, place)]
     graph = scipy.sparse.csr_array(np.where(near, np.maximum(weights, TINY), 0.0))

@@ -57,7 +57,7 @@ def errors_of(
 ) -> Errors:
     """Errors of motions in a space against measured ones.
 
-    vectors: the motion vectors (n, D) of a slice of the clips, made when asked for. rows: (N,) which clips count.
+    vectors: the motion vectors (n, D) of a slice of the clips, computed on use. rows: (N,) mask of used clips.
     """
     degrees = own = hand = 0.0
     count = 0

@@ -60,7 +60,7 @@ def options_from(parameters: ReachParameters) -> Options:
     stated["times"] = {name: (times.t1, times.t2, times.end) for name, times in parameters.times.items()}
     if parameters.knots is not None and not 0 < parameters.knots[0] < parameters.knots[1] < parameters.knots[2]:
         raise AnalysisError("knot-order", "The knots are not in order.", remedy="Give knots with 0 < t1 < t2 < end.")
-    # None is a value of this one: nobody is told apart.
+    # None is a valid value here: people are not distinguished.
     return options_of(parameters.method, **stated, subject=parameters.subject or "")
 
 

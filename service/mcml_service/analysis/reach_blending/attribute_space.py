@@ -14,7 +14,7 @@ from mcml_service.analysis.reach_blending.principal_components import signs_of
 Scaling = Literal["rotate", "zscore", "whiten"]
 
 SMALLEST = 1e-6
-"""Of the largest component: attributes lie on a plane below this."""
+"""Relative to the largest component: below this, attributes are on a plane."""
 
 
 @dataclass(frozen=True)
@@ -35,13 +35,13 @@ class AttributeSpace:
         return mapped
 
     def attributes(self, coordinates: Array) -> Array:
-        """(n, A): the attributes, among those that the examples span, that have these coordinates (n, d)."""
+        """Return (n, A): the attributes in the span of the examples with these coordinates (n, d)."""
         # In deviations the kept axes are orthogonal, so that the pseudoinverse stays in their plane.
         back: Array = self.mean + coordinates @ np.linalg.pinv(self.scale[:, None] * self.matrix) * self.scale
         return back
 
     def off_plane(self, attributes: Array) -> Array:
-        """(n,) how far attributes lie from those that the examples span, in deviations of the examples."""
+        """Return (n,) the distance of attributes from the span of the examples, in deviations of the examples."""
         varied = self.scale > 0
         missed = (attributes - self.attributes(self.coordinates(attributes)))[:, varied] / self.scale[varied]
         distance: Array = np.linalg.norm(missed, axis=1)
@@ -88,7 +88,7 @@ def gaps(values: Array, share: float = 0.15) -> list[tuple[float, float]]:
 
 
 def duplicates(coordinates: Array, tolerance: float = 1e-9) -> list[list[int]]:
-    """Groups of rows (n, d) that lie within a tolerance of their first, in order; single rows are left out."""
+    """Return groups of rows (n, d) within a tolerance of their first, in order; single rows are left out."""
     groups: dict[int, list[int]] = {}
     order = np.lexsort(coordinates.T[::-1]) if coordinates.shape[1] else np.arange(len(coordinates))
     taken = np.zeros(len(coordinates), dtype=bool)

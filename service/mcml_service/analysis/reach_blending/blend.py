@@ -95,7 +95,7 @@ class Inverse:
 
 
 def invert(x: Array, s: float, lam: float, degree: int) -> Inverse:
-    """The inverse for centres (n, d); a condition of infinity, and no numbers, where there is none."""
+    """The inverse for centres (n, d); an infinite condition, and no numbers, if there is none."""
     matrix = saddle(x, s, lam, degree)
     try:
         # numpy's: scipy's warns of every ill-conditioned matrix, and the condition is checked anyway.

@@ -49,7 +49,7 @@ class Clip:
     places: NDArray[np.intp]
 
     def tracks(self) -> tuple[Array, Array]:
-        """Root (F, 3) and continuous rotations (F, J, 4): made when asked for, as thousands of clips have many."""
+        """Root (F, 3) and continuous rotations (F, J, 4): computed on use, because thousands of clips have many."""
         rotations, translations, _ = _fill(self.motion, self.places)
         return translations[:, 0], continuous(unit(rotations))
 

@@ -19,7 +19,7 @@ LeftOut = Literal["clip", "subject"]
 
 @dataclass(frozen=True)
 class Prediction:
-    """Errors of one way to predict clips that were left out.
+    """Errors of one method of predicting left-out clips.
 
     times: (3,) mean absolute differences of t1, t2, end, in frames at base_fps.
     """
@@ -36,7 +36,7 @@ def reconstruction(fitted: Fitted) -> Errors:
 
 
 def predictions(fitted: Fitted) -> list[Prediction]:
-    """Errors for each clip, and each subject's clips where subjects are told apart, when left out.
+    """Return the errors for each clip, and for each subject's clips if subjects are known, when left out.
 
     The components stay those of all clips; a full refit is about 4 % higher.
     """

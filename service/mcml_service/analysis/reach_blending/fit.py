@@ -242,7 +242,7 @@ def scarcity(names: Sequence[str], attributes: Array, subjects: Sequence[str] | 
 
 @contextmanager
 def _explain(scarce: Sequence[tuple[str, str]]) -> Iterator[None]:
-    """Where examples are too few since they show so little, the error says that, and not that clips are few."""
+    """Explain too few examples by their small variety, not by the number of clips, if that is the cause."""
     try:
         yield
     except AnalysisError as error:

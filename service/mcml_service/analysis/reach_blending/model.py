@@ -30,7 +30,7 @@ class Model:
     """N clips, n examples (clips of equal attributes may be one), A attributes, d coordinates, K components.
 
     skeleton: joints, channels, names. offsets: (N, J, 3) and tips (N, T, 3): each clip's body. metres: of the unit of
-    length, None if nobody said. names, units: (A,) of the attributes. attributes: (N, A). example_of: (N,) each clip's
+    length, None if unknown. names, units: (A,) of the attributes. attributes: (N, A). example_of: (N,) each clip's
     example. gaps: by attribute, intervals without examples. neighbour: mean distance to the nearest example.
     mean: (D,). basis: (K, D). coefficients: of x (q, d) the K coefficients. times: of x the three times, as logarithms
     of durations where log_times is set; frames at base_fps. cardinal: (n, n + m), see `Inverse`.

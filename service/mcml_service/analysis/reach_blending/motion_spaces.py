@@ -156,7 +156,7 @@ def from_poses(rows: Array) -> tuple[Array, Array]:
     """Roots (..., 3) and rotations (..., J, 4), made of unit length, of poses (..., 3 + 4 J)."""
     rotations = rows[..., 3:].reshape(*rows.shape[:-1], -1, 4)
     norms = np.linalg.norm(rotations, axis=-1, keepdims=True)
-    # A blend of opposite rotations has no direction of its own; the identity is as good as any.
+    # A blend of opposite rotations has no direction; the identity is as good as any.
     lost = norms < 1e-12
     return rows[..., :3], np.where(lost, [0.0, 0.0, 0.0, 1.0], rotations / np.where(lost, 1.0, norms))
 

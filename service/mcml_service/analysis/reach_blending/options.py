@@ -17,13 +17,14 @@ Duplicates = Literal["error", "mean", "keep"]
 
 @dataclass(frozen=True)
 class Options:
-    """How a model is fitted.
+    """Options for fitting a model.
 
-    attributes: names of the clips' properties. subject: name of the property that tells people apart, None: none does.
-    phase_joint: whose speed tells the phases. hand_joint: whose place is compared; None: the hand below phase_joint.
-    times: (t1, t2, end) by document, in frames since the first, set by a person. knots: None: rounded means.
-    components: K at most; variance: instead, the share that K must hold. s, lam: None: by cross-validation.
-    duplicates: of attributes; None: averaged where lam is 0, else kept. log_times: times as logarithms of durations.
+    attributes: names of the clips' properties. subject: name of the property that identifies people, None: none.
+    phase_joint: the joint whose speed decides the phases. hand_joint: the joint whose position is compared; None: the
+    hand below phase_joint. times: (t1, t2, end) by document, in frames since the first, set by a person. knots: None:
+    rounded means. components: K at most; variance: instead, the share that K must explain. s, lam: None: by
+    cross-validation. duplicates: of attributes; None: averaged where lam is 0, else kept. log_times: times as
+    logarithms of durations.
     """
 
     method: Method = "robust"

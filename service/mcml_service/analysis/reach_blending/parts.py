@@ -46,7 +46,7 @@ def parts_of(fitted: Fitted, options: Options) -> Parts:
 
 
 def plain(value: float) -> float | None:
-    """A number as JSON has it: null where there is none."""
+    """Return a number for JSON: null without one."""
     return float(value) if math.isfinite(value) else None
 
 
@@ -130,7 +130,7 @@ def _name_values(measures: Sequence[float | None]) -> dict[str, float | None]:
 
 
 def _clips(fitted: Fitted) -> Part:
-    """Every clip given: used ones with phases, then those left out with reasons."""
+    """List every clip: used ones with phases, then excluded ones with reasons."""
     model = fitted.model
     columns = [
         *(("document", ""), ("revision", ""), ("name", ""), ("subject", ""), ("used", ""), ("reason", ""), ("why", "")),
@@ -161,7 +161,7 @@ def _clips(fitted: Fitted) -> Part:
 
 
 def _speed(fitted: Fitted) -> Part:
-    """Speeds of all clips end to end, those left out too; `first` says where each begins."""
+    """Return the speeds of all clips end to end, including excluded ones; `first` has the start of each."""
     speeds = [clip.speed for clip in fitted.clips] + [left.speed for left in fitted.excluded]
     arms = [clip.arm for clip in fitted.clips] + [np.zeros((len(left.speed), 3)) for left in fitted.excluded]
     documents = [clip.motion.document for clip in fitted.clips] + [left.motion.document for left in fitted.excluded]
@@ -211,7 +211,9 @@ def _list_trials(choice: Choice | None) -> Sequence[tuple[float, float, float, f
 
 
 def _attributes(fitted: Fitted) -> Part:
-    """Where the clips lie: attributes (N, A), coordinates (N, d), and the coefficients (N, K) of their motions."""
+    """Return the places of the clips: attributes (N, A), coordinates (N, d), and the coefficients (N, K) of their
+    motions.
+    """
     model = fitted.model
     data = {
         "names": list(model.names),

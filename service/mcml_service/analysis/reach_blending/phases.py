@@ -116,7 +116,7 @@ def _paper_times(speed: Array, peak: int) -> tuple[float, float]:
     minima = [f for f in range(1, peak) if speed[f] < speed[f - 1] and speed[f] < speed[f + 1]]
     below = np.flatnonzero(speed[peak + 1 :] < PAPER_SETTLED * speed[peak])
     t2 = peak + 1 + (int(below[0]) if len(below) else int(np.argmin(speed[peak + 1 :])))
-    # The last frame has to lie beyond t2, or the settling phase has no length.
+    # The last frame must be after t2, or the settling phase has no length.
     return float(minima[-1] if minima else 0), float(min(t2, len(speed) - 2))
 
 

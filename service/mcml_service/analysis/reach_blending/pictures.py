@@ -101,7 +101,7 @@ def _attributes(axes: Axes, parts: Parts) -> None:
 
 
 def _errors(axes: Axes, parts: Parts) -> None:
-    """Mean error of joints for clips left out of the fit, beside the two simple predictors."""
+    """Draw the mean error of joints for clips left out of the fit, with the two simple predictors."""
     axes.set_title("Error for clips left out")
     rows = [row for row in columns_of(parts["errors"]) if row["joint"] is not None and row["left_out"] != "nothing"]
     groups = list(dict.fromkeys(row["left_out"] for row in rows))

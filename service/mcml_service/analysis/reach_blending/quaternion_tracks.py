@@ -68,7 +68,7 @@ def mean_rotations(moments: Array) -> Array:
 
 
 def align_tracks(rotations: Array, reference: Array) -> Array:
-    """Tracks (F, J, 4), those of joints turned to their opposites that lie on the far side of the reference (J, 4)."""
+    """Return tracks (F, J, 4), negated for joints on the far side of the reference (J, 4)."""
     sides = np.einsum("fjc,jc->j", rotations, reference)
     turned: Array = rotations * np.where(sides < 0, -1.0, 1.0)[:, None]
     return turned

@@ -81,7 +81,7 @@ def examples_needed(attributes: Array, options: Options, reasons: Sequence[str])
             f"least.{why}",
             remedy="Add clips, or use fewer attributes, or degree 0.",
         )
-    # Whitening leaves such directions out by itself; without the linear terms they do no harm.
+    # Whitening excludes such directions automatically; without the linear terms they do no harm.
     if options.degree and options.scaling != "whiten" and attribute_space(attributes, "whiten").dropped:
         raise AnalysisError(
             "degenerate-attributes",
@@ -113,7 +113,7 @@ def select(
     alone = leavable(centres, options.degree, _alone(centres))
     subjects = None
     if labels is not None:
-        # An example of several people's clips stands for all of them.
+        # An example of several people's clips represents all of them.
         names = ["+".join(sorted({labels[row] for row in rows})) for rows in groups]
         subjects = leavable(centres, options.degree, groups_of(names)) or None
     neighbours = nearest_distances(np.unique(np.round(centres, 9), axis=0))

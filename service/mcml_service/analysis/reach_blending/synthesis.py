@@ -94,7 +94,7 @@ def synthesize(model: Model, wish: Wish) -> Made:
     clip, times = _motion(model, x, wish, template)
     weights = model.weights(x)
     first_clip = {int(example): place for place, example in reversed(list(enumerate(model.example_of)))}
-    # Clamped requests were outside of the examples too: the answer says so by used attributes.
+    # Clamped requests were outside of the examples too: the answer shows it in the used attributes.
     hull = inside or wish.clamp
     return Made(
         clip=replace(clip, properties=_properties(model, asked)),
@@ -161,7 +161,7 @@ def _template(model: Model, wish: Wish, nearest: int) -> int:
 
 
 def _motion(model: Model, x: Array, wish: Wish, template: int) -> tuple[MadeClip, tuple[float, float, float]]:
-    """Frames at the rate asked for: frame i is shown at i / fps seconds."""
+    """Return frames at the requested rate: frame i is shown at i / fps seconds."""
     times = model.phase_times(x)
     root, rotations = model.samples(x)
     fps = wish.fps or model.base_fps
