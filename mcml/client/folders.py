@@ -10,12 +10,12 @@ from mcml.answers import UploadError
 from mcml.client.client import Client
 from mcml.errors import UnsupportedError
 from mcml.files.on_disk import name_of, opened_files
-from mcml.formats import FORMATS
+from mcml.formats import READERS
 from mcml_schemas.documents import UploadResult
 
 ARCHIVES = {".zip", ".gz", ".tgz", ".tar"}
 EXTENSIONS = {".mcml", ".xml", *ARCHIVES}.union(
-    extension for format_ in FORMATS.values() for part in format_.parts for extension in part.extensions
+    extension for format_ in READERS.values() for part in format_.parts for extension in part.extensions
 )
 """Of files that are looked for in folders."""
 

@@ -186,6 +186,8 @@ class Operations:
         frame_time: str | float | None = ...,
         skeleton: str | None = ...,
         on_duplicate: Literal["new", "skip"] | None = ...,
+        take: str | None = ...,
+        rate: float | None = ...,
         repair: list[str] | None = ...,
         strict_names: bool | None = ...,
         movements: float | None = ...,
@@ -201,6 +203,8 @@ class Operations:
         last: int | None = ...,
         step: int | None = ...,
         encoding: str | None = ...,
+        take: str | None = ...,
+        rate: float | None = ...,
         repair: list[str] | None = ...,
         progress: FileProgress | None = None,
     ) -> InspectResult:

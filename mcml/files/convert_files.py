@@ -7,9 +7,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 
-from mcml.errors import FormatError, Notice, UnsupportedError
+from mcml.errors import Notice, UnsupportedError
 from mcml.files.check_names import check_frame_time
-from mcml.files.gather_files import gathered
+from mcml.files.gather_files import gathered, several_motions
 from mcml.files.import_options import ImportOptions
 from mcml.files.limits import FileLimits
 from mcml.files.open_clip import open_clip
@@ -40,11 +40,14 @@ def convert_files(
     names: str | None = None,
     unit: str | None = None,
     up: str | None = None,
+    take: str | None = None,
+    rate: float | None = None,
     stem: str = "motion",
 ) -> Iterator[Converted]:
     """Convert the only clip among the files to another format. Raises the errors of readers and writers.
 
-    frame_time, unit, up: values that the files do not state; nothing is scaled or rotated.
+    frame_time, unit, up: what the files do not say of themselves; nothing is scaled or turned. take: which motion of a
+    file that holds several. rate: frames a second at which its keys are sampled.
     """
     known = targets()
     if target not in known or target == "csv":
@@ -52,14 +55,12 @@ def convert_files(
             f"Unknown format {target!r}.", remedy=f"Use one of: {', '.join(sorted(set(known) - {'csv'}))}."
         )
     frame_time = None if frame_time is None else check_frame_time(frame_time)
-    options = ImportOptions(encoding=encoding, frame_time=frame_time, unit=unit, up=up)
-    with gathered(files, limits) as found:
+    options = ImportOptions(encoding=encoding, frame_time=frame_time, unit=unit, up=up, take=take, rate=rate)
+    with gathered(files, limits, options=options) as found:
         for _, error in found.problems:
             raise error
         if len(found.clips) != 1:
-            raise FormatError(
-                f"The files hold {len(found.clips)} motions, not one.", remedy="Convert one motion at a time."
-            )
+            raise several_motions(found)
         opened = open_clip(found.clips[0], options, limits)
         stream = opened.stream
         head = to_head(opened.document, frame_time or stream.head.frame_time)

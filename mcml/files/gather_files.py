@@ -7,15 +7,18 @@ import posixpath
 import re
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
-from mcml.errors import FormatError, McmlError, Place
+from mcml.errors import FormatError, McmlError, NotFoundError, Place
+from mcml.files.check_names import name_of_file
+from mcml.files.import_options import ImportOptions
 from mcml.files.limits import FileLimits
 from mcml.files.unpack import unpacked
-from mcml.formats import FORMATS, find_format
-from mcml.formats.format import SourceFile
-from mcml.formats.other_formats import refuse_other_xml
+from mcml.formats import READERS, find_format
+from mcml.formats.format import SourceFile, TakesReader
+from mcml.formats.gltf.document import BUFFER, find_uris
+from mcml.formats.other_formats import refuse_other_xml, root_of
 from mcml.formats.text.lines import utf16_codec
 
 SNIFF_BYTES = 4096
@@ -23,15 +26,43 @@ SNIFF_BYTES = 4096
 
 @dataclass
 class Clip:
-    """The files of one document to be. format: catalogue name, or "mcml". files: by part of the format."""
+    """The files of one document to be.
+
+    format: catalogue name, or "mcml". files: by part of the format. take: which motion, where the files hold several.
+    """
 
     format: str
     files: dict[str, SourceFile]
+    take: str | None = None
 
     @property
     def name(self) -> str:
-        """The name of the file that holds the motion."""
-        return list(self.files.values())[-1].name
+        """The name of the file that holds the motion, with the take where there are several."""
+        name = list(self.files.values())[-1].name
+        return name if self.take is None else f"{name}#{self.take}"
+
+    @property
+    def file_name(self) -> str:
+        """The name without folders."""
+        name = posixpath.basename(list(self.files.values())[-1].name)
+        return name if self.take is None else f"{name}#{self.take}"
+
+    @property
+    def document_name(self) -> str:
+        """The name that a document of it gets."""
+        name = name_of_file(list(self.files.values())[-1].name)
+        return name if self.take is None else f"{name}#{self.take}"
+
+    @property
+    def kept_files(self) -> dict[str, SourceFile]:
+        """The files by the names of parts that a store keeps them under: `fbx`, or `fbx#Walk` for a take."""
+        return {part if self.take is None else f"{part}#{self.take}": file for part, file in self.files.items()}
+
+    @classmethod
+    def of_kept(cls, format_name: str, files: dict[str, SourceFile]) -> Clip:
+        """The clip of files under the names that `kept_files` gives them."""
+        takes = {part.partition("#")[2] for part in files}
+        return cls(format_name, {part.partition("#")[0]: file for part, file in files.items()}, takes.pop() or None)
 
 
 @dataclass
@@ -42,28 +73,98 @@ class Gathered:
     problems: list[tuple[str, McmlError]] = field(default_factory=list)
 
 
+def several_motions(found: Gathered) -> FormatError:
+    """The error for files that hold no motion, or several, where one is wanted."""
+    takes = [clip.take for clip in found.clips if clip.take is not None]
+    remedy = f"Say which, with `take`: {', '.join(takes[:60])}." if takes else "Give one motion at a time."
+    return FormatError(f"The files hold {len(found.clips)} motions, not one.", remedy=remedy)
+
+
 SkeletonLookup: TypeAlias = Callable[[], SourceFile | None]
 
 
 @contextmanager
-def gathered(files: list[SourceFile], limits: FileLimits, lookup: SkeletonLookup | None = None) -> Iterator[Gathered]:
-    """Group the files into clips. lookup: finds the stored skeleton for a motion without one."""
+def gathered(
+    files: list[SourceFile],
+    limits: FileLimits,
+    lookup: SkeletonLookup | None = None,
+    options: ImportOptions | None = None,
+) -> Iterator[Gathered]:
+    """Clips among the files, one for each motion of a file that holds several.
+
+    lookup: finds the stored skeleton that motion without one shall use. options: `take` and `rate` of them are heeded.
+    """
+    options = options or ImportOptions()
     result = Gathered()
     with ExitStack() as stack:
         parts: dict[str, dict[str, list[SourceFile]]] = {}
+        buffers: list[SourceFile] = []
         for file in unpacked(files, limits, stack, result.problems):
+            if file.name.lower().endswith(BUFFER):
+                buffers.append(file)
+                continue
             try:
                 format_name, part = recognise(file)
             except McmlError as error:
                 result.problems.append((file.name, error.in_file(file.name)))
                 continue
-            if format_name == "mcml" or len(FORMATS[format_name].parts) == 1:
+            if format_name == "mcml" or len(READERS[format_name].parts) == 1:
                 result.clips.append(Clip(format_name, {part: file}))
             else:
                 parts.setdefault(format_name, {}).setdefault(part, []).append(file)
         for format_name, by_part in parts.items():
             _pair(format_name, by_part, result, lookup)
+        _attach_buffers(buffers, result)
+        result.clips = [each for clip in result.clips for each in _split_takes(clip, limits, options, result)]
         yield result
+
+
+def _attach_buffers(buffers: list[SourceFile], result: Gathered) -> None:
+    """Give the buffers of glTF files to those that name them; the others are problems."""
+    used: set[int] = set()
+    for clip in result.clips:
+        if clip.format != "glb" or not buffers:
+            continue
+        file = clip.files["glb"]
+        wanted = find_uris(file.stream)
+        near = [each for each in buffers if posixpath.basename(each.name) in wanted]
+        near.sort(key=lambda each: posixpath.dirname(each.name) != posixpath.dirname(file.name))
+        chosen = {posixpath.basename(each.name): each for each in reversed(near)}
+        used |= {id(each) for each in chosen.values()}
+        # The file with the motion comes last.
+        clip.files = {f"buffer{number}": each for number, each in enumerate(chosen.values(), 1)} | clip.files
+    for each in buffers:
+        if id(each) not in used:
+            error = FormatError(
+                "the file holds numbers that no glTF file sent with it names",
+                at=Place(file=each.name),
+                remedy="Send it together with its .gltf.",
+            )
+            result.problems.append((each.name, error))
+
+
+def _split_takes(clip: Clip, limits: FileLimits, options: ImportOptions, result: Gathered) -> Iterator[Clip]:
+    """The clip once for each of its takes, or for the one that is asked for."""
+    reader = READERS.get(clip.format)
+    if not isinstance(reader, TakesReader):
+        yield clip
+        return
+    try:
+        takes = reader.takes(clip.files, options.for_reader(limits))
+    except McmlError as error:
+        result.problems.append((clip.name, error.in_file(clip.name)))
+        return
+    if options.take is None and len(takes) == 1:
+        yield clip
+    elif options.take is None or options.take in takes:
+        yield from (replace(clip, take=take) for take in takes if options.take in (None, take))
+    else:
+        missing = NotFoundError(
+            f"the file has no take {options.take!r}",
+            at=Place(file=clip.name),
+            remedy=f"It has: {', '.join(takes[:60])}.",
+        )
+        result.problems.append((clip.name, missing))
 
 
 def recognise(file: SourceFile) -> tuple[str, str]:
@@ -73,6 +174,9 @@ def recognise(file: SourceFile) -> tuple[str, str]:
     file.stream.seek(0)
     text = _xml(head)
     if text is not None:
+        xml = next((name for name, reader in READERS.items() if reader.sniff(file.name, text)), None)
+        if xml is not None and root_of(text) == xml.encode():
+            return xml, READERS[xml].parts[0].name
         refuse_other_xml(file.name, text)
         return "mcml", "mcml"
     format_, part = find_format(file.name, head)
@@ -95,7 +199,7 @@ def _xml(head: bytes) -> bytes | None:
 def _pair(
     format_name: str, by_part: dict[str, list[SourceFile]], result: Gathered, lookup: SkeletonLookup | None
 ) -> None:
-    skeleton_part, motion_part = (part.name for part in FORMATS[format_name].parts)
+    skeleton_part, motion_part = (part.name for part in READERS[format_name].parts)
     skeletons = by_part.get(skeleton_part, [])
     used: set[int] = set()
     stored: SourceFile | None = None
@@ -121,8 +225,8 @@ def _pair(
 def _without_skeleton(
     format_name: str, motion: SourceFile, skeletons: list[SourceFile], result: Gathered
 ) -> FormatError:
-    """Return the error for a motion whose skeleton is missing, unreadable, or ambiguous."""
-    skeleton_part, motion_part = FORMATS[format_name].parts
+    """The error for a motion whose skeleton is not there, cannot be read, or cannot be told among several."""
+    skeleton_part, motion_part = READERS[format_name].parts
     refused = [name for name, _ in result.problems if name.lower().endswith(skeleton_part.extensions)]
     names = ", ".join(sorted(file.name for file in skeletons)) or "none"
     word = f".{skeleton_part.name}"

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mcml.errors import DocumentError, RequestError
+from mcml.files.limits import FileLimits
+from mcml.formats.format import Limits, ReadOptions
 from mcml.formats.repairs import REPAIRS
 
 
@@ -27,10 +29,11 @@ class ImportOptions:
     frame_time: seconds, as `check_frame_time` takes them.
     skeleton: uuid of a stored document whose skeleton is used for motion without one.
     aliases: (name in files, MCML's name) that the project adds; `import_files` looks them up.
-    movements: label anatomical movements that are recognised in the motion with at least this confidence, 0 to 1.
-    repair: repairs of text files before they are read (`formats.repairs`).
-    on_duplicate: "new" (store again, and name the existing document in the receipt) or "skip" (return the existing
-    document).
+    movements: name anatomical movements that are found in the motion with at least this confidence, 0 to 1.
+    repair: repairs of text files that are made before they are read (`formats.repairs`).
+    take: which motion of files that hold several; all of them where it is None. rate: frames a second at which keys are
+    sampled, where a file has no rate or another is wanted.
+    on_duplicate: "new" (store again, name the twin in the receipt) or "skip" (answer the stored twin).
     """
 
     project: str = "default"
@@ -49,6 +52,18 @@ class ImportOptions:
     movements: float | None = None
     aliases: tuple[tuple[str, str], ...] = ()
     repair: tuple[str, ...] = ()
+    take: str | None = None
+    rate: float | None = None
+
+    def for_reader(self, limits: FileLimits, take: str | None = None) -> ReadOptions:
+        """What a reader is told. take: of the clip, where its file holds several."""
+        return ReadOptions(
+            encoding=self.encoding,
+            translation=self.translation,
+            take=take,
+            rate=self.rate,
+            limits=Limits(joints=limits.joints, frames=limits.frames, values=limits.values),
+        )
 
 
 def checked_repairs(names: Sequence[str]) -> tuple[str, ...]:

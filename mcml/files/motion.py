@@ -11,10 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from mcml.errors import FormatError
 from mcml.files.check_names import check_frame_time
 from mcml.files.convert_files import Converted, convert_files, files_to_write, format_of
-from mcml.files.gather_files import gathered
+from mcml.files.gather_files import gathered, several_motions
 from mcml.files.import_options import ImportOptions
 from mcml.files.limits import FileLimits
 from mcml.files.on_disk import Files, check_free, opened_files, paths_of, write_file
@@ -135,24 +134,27 @@ def read(
     frame_time: str | float | Fraction | None = None,
     unit: str | None = None,
     up: str | None = None,
+    take: str | None = None,
+    rate: float | None = None,
 ) -> Motion:
     """Read the motion in a file, or in several files that belong together (ASF and AMC).
 
     encoding: of their text, if it is not UTF-8. frame_time: seconds a frame, as a number or a text such as "1/120".
-    unit: of its lengths, such as "cm"; up: "X", "Y" or "Z". These set values that the files do not state; nothing is
-    converted. Raises Error, with the problem, the line and the remedy.
+    unit: of its lengths, such as "cm"; up: "X", "Y" or "Z". They state what files do not say; nothing is converted.
+    take: which motion of a file that holds several. rate: frames a second at which keys are sampled, where the file has
+    no rate or another is wanted. Raises Error: what is wrong, in which line, and how to mend it.
 
     >>> read("walk.bvh").frames("Root", space="positions").shape
     (240, 1, 3)
     """
     seconds = None if frame_time is None else check_frame_time(frame_time)
-    options = ImportOptions(encoding=encoding, frame_time=seconds, unit=unit, up=up)
+    options = ImportOptions(encoding=encoding, frame_time=seconds, unit=unit, up=up, take=take, rate=rate)
     limits = FileLimits()
-    with opened_files(files) as sources, gathered(sources, limits) as found:
+    with opened_files(files) as sources, gathered(sources, limits, options=options) as found:
         for _, error in found.problems:
             raise error
         if len(found.clips) != 1:
-            raise FormatError(f"The files hold {len(found.clips)} motions, not one.", remedy="Read one at a time.")
+            raise several_motions(found)
         opened = open_clip(found.clips[0], options, limits)
         head = to_head(opened.document, seconds or opened.stream.head.frame_time)
         return Motion(Path(found.clips[0].name).stem, opened.stream.with_head(head))
@@ -163,9 +165,9 @@ def convert(
 ) -> list[Path]:
     """Write a motion in another format; return the written files (two for ASF/AMC).
 
-    to: the format, if the name of the target does not decide it. force: replace existing files.
-    options: frame_time, encoding, unit, up, and names (of joints: mcml, bvh1, bvh2, asf or htr).
-    Raises Error for files that cannot be read or written, or that exist.
+    to: the format, where the name of the target does not say. force: replace files that are there.
+    options: frame_time, encoding, unit, up, take, rate, and names (of joints: mcml, bvh1, bvh2, asf or htr).
+    Raises Error: what cannot be read or written, or a file that is there.
 
     >>> convert("walk.bvh", "walk.mcml")
     [PosixPath('walk.mcml')]

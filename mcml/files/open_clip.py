@@ -15,8 +15,7 @@ from mcml.files.gather_files import Clip
 from mcml.files.import_options import ImportOptions
 from mcml.files.limits import FileLimits
 from mcml.files.shared_skeleton import SharedSkeleton, shared_skeleton
-from mcml.formats import FORMATS
-from mcml.formats.format import Limits, ReadOptions
+from mcml.formats import READERS
 from mcml.formats.repairs import offers, repaired
 from mcml.language.dtd import validate_often
 from mcml.language.elements import Element, mcml_element, to_head, write_header
@@ -64,7 +63,7 @@ def open_clip(clip: Clip, options: ImportOptions, limits: FileLimits) -> OpenCli
     repairs: list[str] = []
     if options.repair:
         files, repairs = repaired(clip.files, options.repair)
-        clip = Clip(clip.format, files)
+        clip = replace(clip, files=files)
     opened = _opened(clip, options, limits)
     opened.stream.notices += [notice for file in clip.files.values() for notice in file.notices]
     opened.stream.notices += [Notice("repair", words) for words in repairs]
@@ -94,10 +93,9 @@ def _opened(clip: Clip, options: ImportOptions, limits: FileLimits) -> OpenClip:
             up=options.up,
         )
         return OpenClip(document, read.clip.with_head(to_head(document, read.clip.head.frame_time)))
-    reader = ReadOptions(encoding=options.encoding, translation=options.translation, limits=_limits(limits))
-    stream = FORMATS[clip.format].read(clip.files, reader)
+    stream = READERS[clip.format].read(clip.files, options.for_reader(limits, clip.take))
     shared = shared_skeleton(stream, options.aliases)
-    fields = {"filename": clip.name.rsplit("/", 1)[-1]} | stream.head.fields
+    fields = {"filename": clip.file_name} | stream.head.fields
     if options.unit:
         fields["calibration_unit"] = checked_unit(options.unit)
     if options.up:
@@ -107,17 +105,9 @@ def _opened(clip: Clip, options: ImportOptions, limits: FileLimits) -> OpenClip:
         skeleton=shared.skeleton,
         fields=fields,
         description=options.description.strip(),
-        properties=tuple(checked_property(*item) for item in options.properties),
+        properties=(*stream.head.properties, *(checked_property(*item) for item in options.properties)),
     )
     return OpenClip(mcml_element(write_header(head), shared.elements), stream.with_head(head), shared)
-
-
-def _limits(limits: FileLimits) -> Limits:
-    return Limits(
-        joints=limits.joints,
-        frames=limits.frames,
-        values=limits.values,
-    )
 
 
 def _mcml_limits(limits: FileLimits) -> McmlLimits:

@@ -19,6 +19,7 @@ from typing import IO, BinaryIO, Final, cast
 from mcml.errors import FormatError, LimitError, McmlError, Place, SpaceError, is_full
 from mcml.files.limits import FileLimits
 from mcml.files.zip_names import codec_of, member_names
+from mcml.formats import READERS
 from mcml.formats.format import SourceFile
 
 COPY_BYTES: Final = 1 << 20
@@ -119,7 +120,8 @@ def _kind(stream: BinaryIO) -> str | None:
     head = stream.read(512)
     stream.seek(0)
     if head.startswith((b"PK\x03\x04", b"PK\x05\x06")):
-        return "zip"
+        # Some formats are zips themselves.
+        return None if any(reader.sniff("", head) for reader in READERS.values()) else "zip"
     if head.startswith(b"\x1f\x8b"):
         return "gz"
     return "tar" if head[257:262] == b"ustar" else None

@@ -1,4 +1,4 @@
-"""Motion files to clips and back.
+"""Motion files to clips and back: `READERS` is the catalogue of formats that are read, `WRITERS` of those written.
 
 `FORMATS` is the catalogue of readers, `WRITERS` of writers. `find_format` recognises the format of a file.
 """
@@ -8,15 +8,20 @@ from __future__ import annotations
 from mcml.formats.asf_amc.format import AsfAmc
 from mcml.formats.bvh.format import Bvh
 from mcml.formats.c3d.format import C3d
-from mcml.formats.format import Format, Writer
+from mcml.formats.fbx.format import Fbx
+from mcml.formats.format import Format, Reader, Writer
+from mcml.formats.gltf.format import Gltf
 from mcml.formats.htr.format import Htr
+from mcml.formats.mvnx.format import Mvnx
 from mcml.formats.opensim.storage import OpenSim
 from mcml.formats.recognition import UNSUPPORTED, recognise
 from mcml.formats.scenes.glb import Glb
 from mcml.formats.scenes.usd import Usd
+from mcml.formats.smpl.format import Smpl
 from mcml.formats.trc.format import Trc
+from mcml.formats.usd.format import UsdReader
 
-__all__ = ["FORMATS", "NEEDED", "UNSUPPORTED", "WRITERS", "find_format"]
+__all__ = ["FORMATS", "NEEDED", "READERS", "UNSUPPORTED", "WRITERS", "find_format"]
 
 FORMATS: dict[str, Format] = {
     "bvh": Bvh(),
@@ -27,6 +32,16 @@ FORMATS: dict[str, Format] = {
 }
 """Every format that is read and written, by its name."""
 
+READERS: dict[str, Reader] = {
+    **FORMATS,
+    "fbx": Fbx(),
+    "glb": Gltf(),
+    "usd": UsdReader(),
+    "smpl": Smpl(),
+    "mvnx": Mvnx(),
+}
+"""Every format that is read, by its name."""
+
 WRITERS: dict[str, Writer] = {
     **FORMATS,
     "glb": Glb(),
@@ -35,16 +50,16 @@ WRITERS: dict[str, Writer] = {
     "mot": OpenSim("mot", "OpenSim motion"),
     "sto": OpenSim("sto", "OpenSim storage"),
 }
-"""Every format that can be written, by its name: those that are read, and export formats."""
+"""Every format that is written, by its name."""
 
 NEEDED = {"glb": "pygltflib", "usd": "pxr", "usda": "pxr"}
-"""Modules that writers need and that are not always installed, by format."""
+"""Modules that formats need and that are not always installed, by format."""
 
 
-def find_format(file_name: str, first_bytes: bytes) -> tuple[Format, str]:
-    """Return the (format, part) of a file, by its content first and its name second.
+def find_format(file_name: str, first_bytes: bytes) -> tuple[Reader, str]:
+    """(format, part) of a file, by its content first and its name second.
 
     first_bytes: the first 4 kB, or all of a shorter file. Raises FormatError and UnsupportedError, which name the
     actual format if it can be recognised.
     """
-    return recognise(FORMATS, file_name, first_bytes)
+    return recognise(READERS, file_name, first_bytes)

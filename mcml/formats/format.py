@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import BinaryIO, Protocol
+from typing import BinaryIO, Protocol, runtime_checkable
 
 from mcml.errors import ConversionError, FormatError, LimitError, McmlError, Notice, Place
 from mcml.motion.clip import ClipHead, ClipStream
@@ -101,11 +101,14 @@ class ReadOptions:
     """Information about a file from the user.
 
     encoding: Python codec for text that is not UTF-8. translation: of BVH position channels: "auto", "absolute" (they
-    replace the OFFSET) or "relative" (they add to it).
+    replace the OFFSET) or "relative" (they add to it). take: which motion of a file that holds several. rate: frames a
+    second at which keys are sampled, where the file has no rate or another is wanted.
     """
 
     encoding: str | None = None
     translation: str = "auto"
+    take: str | None = None
+    rate: float | None = None
     limits: Limits = field(default_factory=Limits)
 
 
@@ -167,14 +170,23 @@ class Writer(Protocol):
         ...
 
 
-class Format(Writer, Protocol):
-    """A file format: bytes to clips and back.
+class Reader(Protocol):
+    """A file format that is read.
 
-    states: facts of a document that its files hold, of "unit", "up" and "frame_time".
+    name: as in the catalogue. title, label: for people, the label short. states: facts of a document that its files
+    hold, of "unit", "up" and "frame_time".
     """
 
     @property
-    def convention(self) -> Convention: ...
+    def name(self) -> str: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def label(self) -> str: ...
+    @property
+    def parts(self) -> tuple[FileKind, ...]: ...
+    @property
+    def media_type(self) -> str: ...
     @property
     def states(self) -> frozenset[str]: ...
 
@@ -190,6 +202,22 @@ class Format(Writer, Protocol):
         Raises FormatError (also while frames are read), UnsupportedError, LimitError; each with file, line, column.
         """
         ...
+
+
+@runtime_checkable
+class TakesReader(Reader, Protocol):
+    """A format whose files may hold several motions."""
+
+    def takes(self, files: Mapping[str, SourceFile], options: ReadOptions) -> tuple[str, ...]:
+        """The names of the motions, each unique; `ReadOptions.take` chooses one. Raises as `read` does."""
+        ...
+
+
+class Format(Reader, Writer, Protocol):
+    """A file format that is read and written."""
+
+    @property
+    def convention(self) -> Convention: ...
 
 
 def need_seconds(head: ClipHead, title: str) -> float:

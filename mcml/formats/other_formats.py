@@ -12,7 +12,6 @@ _UNPACK: Final = "Unpack it, and send the files or a zip of them."
 _THE_FILE: Final = "Send the motion file itself."
 
 _BY_BEGINNING: Final = (
-    (rb"Kaydara FBX Binary|\s*;\s*FBX ", "FBX", TO_BVH),
     (rb"Vocaloid (Motion|Pose) Data", "VMD and VPD (MikuMikuDance)", f"{TO_BVH} The add-on MMD Tools reads it."),
     (rb"PM[XD] |Pmd\0\0\x80\x3f", "PMX and PMD (MikuMikuDance)", "Models hold no motion: send the motion as BVH."),
     (rb"7z\xbc\xaf\x27\x1c", "7z", _UNPACK),
@@ -30,13 +29,11 @@ _BY_BEGINNING: Final = (
     (rb"\x89PNG|\xff\xd8\xff|GIF8", "image", _THE_FILE),
     (rb".{4}ftyp|RIFF.{4}(AVI |WAVE)|\x1aE\xdf\xa3|ID3[\0-\x04]", "film and sound", _THE_FILE),
     (rb"\xd0\xcf\x11\xe0", "3ds Max and Office", "Export the motion as BVH."),
-    (rb"\s*\{\s*\"(asset|scenes?|nodes|accessors|extensionsUsed|buffers)\"", "glTF", TO_BVH),
     (rb"\s*[\[{]\s*[\"\[{\]}]", "JSON", "Write the motion as BVH, TRC, C3D or MCML."),
 )
 """First bytes of files, with the name of their format and a remedy."""
 
 _BY_ROOT: Final = (
-    (rb"mvnx", "MVNX (Xsens)", "Export it from MVN Analyze as BVH or C3D."),
     (rb"collada", "COLLADA", TO_BVH),
     (rb"html|!doctype\s+html|head|body", "web page (HTML)", "Download the file itself, not the page that shows it."),
     (rb"svg", "image", _THE_FILE),
@@ -58,6 +55,16 @@ def other_format(first_bytes: bytes) -> tuple[str, str] | None:
         if re.match(pattern, first_bytes, re.DOTALL):
             return title, remedy
     return None
+
+
+def root_of(first_bytes: bytes) -> bytes | None:
+    """The name of the root element of XML in UTF-8, without its prefix; None for anything else."""
+    start = _BEFORE_ROOT.match(first_bytes.removeprefix(b"\xef\xbb\xbf"))
+    if start is None:
+        return None
+    text = first_bytes.removeprefix(b"\xef\xbb\xbf")
+    root = re.compile(rb"(?:[\w.-]+:)?([\w.-]+)[\s/>]").match(text, start.end())
+    return root[1] if root else None
 
 
 def refuse_other_xml(file_name: str, first_bytes: bytes) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from mcml.errors import FormatError, McmlError, Place, UnsupportedError
-from mcml.formats.format import Format
+from mcml.formats.format import Reader
 from mcml.formats.other_formats import TO_BVH, other_format
 from mcml.formats.text.lines import utf16_codec
 
@@ -33,17 +33,13 @@ _EXTENSIONS = {
     ".gtr": "gtr",
 }
 _LFS: Final = b"version https://git-lfs.github.com/spec/"
-_WRITTEN: Final = (
-    (rb"glTF", "glTF"),
-    (rb"PXR-USDC|#usda ", "USD"),
-    (rb"(?s).*\ninDegrees=(yes|no)\s", "OpenSim's MOT and STO"),
-)
+_WRITTEN: Final = ((rb"(?s).*\ninDegrees=(yes|no)\s", "OpenSim's MOT and STO"),)
 """How files begin that are written and not read."""
 _TITLES = {"ask-sdl": "ASK/SDL", "skl-mot": "SKL/MOT"}
-_READ: Final = "Send BVH, ASF with AMC, HTR, C3D, TRC or MCML."
+_READ: Final = "Send FBX, glTF, VRM, USD, AMASS npz, MVNX, BVH, ASF with AMC, HTR, C3D, TRC or MCML."
 
 
-def recognise(formats: Mapping[str, Format], file_name: str, first_bytes: bytes) -> tuple[Format, str]:
+def recognise(formats: Mapping[str, Reader], file_name: str, first_bytes: bytes) -> tuple[Reader, str]:
     """(format, part) of a file; see `mcml.formats.find_format`."""
     at = Place(file=file_name)
     if not first_bytes.strip(b" \t\r\n\v\f\xef\xbb\xbf"):
@@ -57,15 +53,15 @@ def recognise(formats: Mapping[str, Format], file_name: str, first_bytes: bytes)
     known = _unsupported_content(first_bytes)
     if known is not None:
         raise _not_read(known, at)
-    # First of all: the mark of C3D is one byte, which a PNG has in its place.
     other = other_format(first_bytes)
+    for format in formats.values():
+        part = format.sniff(file_name, first_bytes)
+        # The mark of C3D is one byte, which a PNG has in its place.
+        if part is not None and (other is None or format.name != "c3d"):
+            return format, part
     if other is not None:
         title, remedy = other
         raise UnsupportedError(f"{title} files are not read", at=at, remedy=remedy)
-    for format in formats.values():
-        part = format.sniff(file_name, first_bytes)
-        if part is not None:
-            return format, part
     for beginning, title in _WRITTEN:
         if re.match(beginning, first_bytes):
             raise UnsupportedError(f"{title} files are written, not read", at=at, remedy=TO_BVH)
@@ -95,8 +91,8 @@ def _binary(file_name: str, first_bytes: bytes, at: Place) -> McmlError:
     return FormatError("the file is binary, no motion format is recognised", at=at, remedy=_READ)
 
 
-def _unknown(formats: Mapping[str, Format], file_name: str, first_bytes: bytes, at: Place) -> McmlError:
-    """Return the error for an unrecognised file: from the reader of the format that its name suggests, if any."""
+def _unknown(formats: Mapping[str, Reader], file_name: str, first_bytes: bytes, at: Place) -> McmlError:
+    """A file whose name promises a format: let its reader say what is wrong; else what was found."""
     line = next((line.strip() for line in re.split(rb"[\r\n]+", first_bytes) if line.strip()), b"")
     shown = line[:40].decode("utf-8", errors="replace")
     expected = {

@@ -135,7 +135,7 @@ def _is_markers(skeleton: Skeleton) -> bool:
 
 
 def _is_literal(skeleton: Skeleton) -> bool:
-    return _is_mcml([joint.source_name for joint in skeleton.joints], set(_keys(skeleton)))
+    return _is_mcml([joint.own_name for joint in skeleton.joints], set(_keys(skeleton)))
 
 
 def _is_mcml(names: Sequence[str], keys: Set[str]) -> bool:
@@ -160,7 +160,7 @@ def root_candidates(skeleton: Skeleton, recognition: Recognition) -> tuple[int, 
     children = Counter(joint.parent for joint in skeleton.joints)
     way = [root]
     while (parent := skeleton.joints[way[-1]].parent) >= 0 and children[parent] == 1:
-        if _ROOTS.isdisjoint(vocabulary().parts(_key(skeleton.joints[parent].source_name))):
+        if _ROOTS.isdisjoint(vocabulary().parts(_key(skeleton.joints[parent].own_name))):
             break
         way.append(parent)
     moving = [joint for joint in way[::-1] if not set(skeleton.joints[joint].channels).isdisjoint(TRANSLATIONS)]
@@ -212,7 +212,7 @@ def named(
     _claim([(_key(source), name) for source, name in extra], keys, given, why, "alias")
     if _is_literal(skeleton):
         names = {row.name for row in table()}
-        exact = [joint.source_name if joint.source_name in names else "" for joint in skeleton.joints]
+        exact = [joint.own_name if joint.own_name in names else "" for joint in skeleton.joints]
         _claim([(name, name) for name in exact if name], exact, given, why, "word")
         return _with_names(skeleton, given, NamingReport(MCML, (), ()), why)
     rig = recognition or recognise_skeleton(skeleton)
@@ -260,7 +260,7 @@ def _with_names(
     skeleton: Skeleton, given: Mapping[int, tuple[str, float, str]], report: NamingReport, why: Mapping[int, str]
 ) -> tuple[Skeleton, NamingReport]:
     joints = skeleton.joints
-    names = _fill_in({index: claim[0] for index, claim in given.items()}, [joint.source_name for joint in joints])
+    names = _fill_in({index: claim[0] for index, claim in given.items()}, [joint.own_name for joint in joints])
 
     def rename(index: int, joint: Joint) -> Joint:
         sure = given[index][1] if index in given else 1.0
@@ -289,7 +289,7 @@ def _renamed(skeleton: Skeleton, rename: Callable[[int, Joint], Joint]) -> Skele
 
 def _keys(skeleton: Skeleton) -> list[str]:
     """The normalised name of every joint: no namespace, no prefix that all of them share, no punctuation."""
-    names = [_bare(joint.source_name) for joint in skeleton.joints]
+    names = [_bare(joint.own_name) for joint in skeleton.joints]
     cut = 0
     if len(names) > 2:
         low, high = min(names), max(names)

@@ -102,6 +102,11 @@ class Joint:
     mapped: bool | None = None
     confidence: str | None = None
 
+    @property
+    def own_name(self) -> str:
+        """The source's name, without the joints above it where that is a path, as in USD (`Hips/Spine/Neck`)."""
+        return self.source_name.rpartition("/")[2] or self.source_name
+
 
 @dataclass(frozen=True)
 class Skeleton:

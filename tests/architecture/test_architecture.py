@@ -45,7 +45,7 @@ PLANTS = {
     ),
     "mcml/motion/clip.py": ("sqlalchemy", "mcml.formats"),
     "mcml/numerics/runs.py": ("mcml.motion.clip", "pydantic"),
-    "service/mcml_service/processes/programs.py": ("mcml_service.settings", "mcml_service.xpath.limits"),
+    "mcml/processes/programs.py": ("mcml_service.settings", "mcml_service.xpath.limits"),
     "mcml/formats/bvh/format.py": ("mcml.language.element", "pydantic"),
     "service/mcml_service/analysis/dance/bars.py": ("pydantic", "mcml_service.analysis.reach_blending.fit", "fastapi"),
     "mcml/language/element.py": ("mcml_schemas.problem", "mcml_service.storage.documents.rows"),

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from mcml.formats import FORMATS, WRITERS
+from mcml.formats import READERS, WRITERS
 from mcml_service.settings import Settings
 from tests.docs import signatures
 from tests.docs.generate import DOCS, PAGES, TABLES, renewed
@@ -41,10 +41,10 @@ def test_every_setting_is_explained() -> None:
 
 
 def test_every_format_has_its_page() -> None:
-    for name in [*FORMATS, "mcml"]:
+    for name in [*READERS, "mcml"]:
         assert (DOCS / "formats" / f"{name}.md").is_file(), name
     pages = [page.read_text(encoding="utf-8") for page in (DOCS / "formats").iterdir()]
-    for name in WRITERS.keys() - FORMATS:
+    for name in WRITERS.keys() - READERS:
         assert any(f"`{name}`" in page and "Written, not read." in page for page in pages), name
 
 

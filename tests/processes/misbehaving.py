@@ -7,7 +7,7 @@ import resource
 import signal
 import sys
 
-from mcml_service.processes.bounds import end_after
+from mcml.processes.bounds import end_after
 
 
 def main() -> None:

@@ -11,7 +11,7 @@ import psutil
 import pytest
 
 from mcml.errors import FormatError, LimitError
-from mcml_service.processes.programs import Watch, end_program, run_reader, start_program
+from mcml.processes.programs import Watch, end_program, run_reader, start_program
 
 MISBEHAVING = "tests.processes.misbehaving"
 

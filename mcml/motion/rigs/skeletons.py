@@ -36,7 +36,7 @@ def rig_of(skeleton: Skeleton) -> Tree:
     if not np.isfinite(places).all() or (places.size and np.abs(places).max() > _FARTHEST):
         places = np.zeros_like(places)
     tips = tuple((joint, places[joint] + vector) for joint, vector in rest.tips if np.abs(vector).max() < _FARTHEST)
-    names = [joint.source_name for joint in skeleton.joints]
+    names = [joint.own_name for joint in skeleton.joints]
     return Tree(names, [joint.parent for joint in skeleton.joints], places, tips)
 
 

@@ -35,7 +35,7 @@ def export(
     motion_name: MotionNameOption = None,
     xpath: XPathOption = None,
     format: Annotated[
-        str, typer.Option(help="bvh, asf-amc, asf, amc, htr, c3d, trc, glb, usd, usda, mot, sto, mcml or csv")
+        str, typer.Option(help="bvh, asf-amc, asf, amc, htr, c3d, trc, glb, usd, usda, mot, sto, mcml, csv or original")
     ] = "bvh",
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="File or folder; default this folder, - prints")

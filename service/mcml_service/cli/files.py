@@ -25,6 +25,8 @@ def convert(
     names: Annotated[str | None, typer.Option(help="Joint names: mcml, bvh1, bvh2, asf or htr")] = None,
     unit: Annotated[str | None, typer.Option(help="Unit of length of the input, where it does not say")] = None,
     up: Annotated[str | None, typer.Option(help="Axis of the input that points up, where it does not say")] = None,
+    take: Annotated[str | None, typer.Option(help="Motion to convert, of a file that holds several")] = None,
+    rate: Annotated[float | None, typer.Option(min=0.001, help="Frames a second at which keys are sampled")] = None,
     force: ForceOption = False,
     quiet: Annotated[bool, typer.Option(help="Do not print what was guessed or lost")] = False,
 ) -> None:
@@ -47,6 +49,8 @@ def convert(
             names=names,
             unit=unit,
             up=up,
+            take=take,
+            rate=rate,
             stem=result.stem,
         )
         done = stack.enter_context(converted)

@@ -48,6 +48,8 @@ def import_(
     unit: Annotated[str | None, typer.Option(help="Length unit of the files")] = None,
     up: Annotated[str | None, typer.Option(help="Axis that points up")] = None,
     frame_time: Annotated[str | None, typer.Option(help="Seconds a frame, where the files do not say")] = None,
+    take: Annotated[str | None, typer.Option(help="Motion of a file that holds several; default all")] = None,
+    rate: Annotated[float | None, typer.Option(min=0.001, help="Frames a second at which keys are sampled")] = None,
     skeleton: Annotated[
         str | None, typer.Option(help="Stored document whose ASF to use for an AMC without one")
     ] = None,
@@ -81,6 +83,8 @@ def import_(
         "unit": unit,
         "up": up,
         "frame_time": frame_time,
+        "take": take,
+        "rate": rate,
         "skeleton": skeleton and id_of(client, skeleton),
         "strict_names": strict_names,
         "movements": movements,

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from mcml_service.processes.bounds import bound_growth, end_with_starter
+from mcml.processes.bounds import bound_growth, end_with_starter
 
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """Processes share the cores, not threads. Sums in another order would also change the last digits of results."""

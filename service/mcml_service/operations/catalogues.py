@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 
-from mcml.formats import FORMATS, NEEDED, UNSUPPORTED, WRITERS
+from mcml.formats import NEEDED, READERS, UNSUPPORTED, WRITERS
 from mcml.language import joint_names, motion_names
 from mcml.language.elements import to_head
 from mcml.motion.kinematics import rest_positions
@@ -29,29 +29,35 @@ from mcml_service.operations.call import Call
 
 
 def list_formats(call: Call) -> FormatList:
-    items = [
-        FormatInfo(
-            name=format_.name,
-            title=format_.title,
-            label=format_.label,
-            parts=[
-                FormatPart(name=part.name, title=part.title, extensions=list(part.extensions)) for part in format_.parts
-            ],
-            convention="any" if format_.convention is None else format_.convention.value,
-            bodies=format_.bodies,
-            markers=format_.markers,
-            needs=sorted(format_.needs),
-            assumes=format_.assumes,
-            reads=format_.name in FORMATS,
-            writes=find_spec(NEEDED.get(format_.name, "mcml")) is not None,
-        )
-        for format_ in WRITERS.values()
-    ]
+    items = [_describe_format(name) for name in dict.fromkeys([*READERS, *WRITERS])]
     mcml = FormatPart(name="mcml", title="Motion Capture Markup Language", extensions=[".mcml", ".xml"])
     about = {"title": mcml.title, "label": "MCML", "convention": "any", "needs": [], "assumes": ""}
+    about |= {"extensions": list(mcml.extensions)}
     items.append(FormatInfo(name="mcml", parts=[mcml], bodies=True, markers=True, **about))
     return FormatList(
         items=items, unsupported=[UnsupportedFormat(name=name, why=why) for name, why in UNSUPPORTED.items()]
+    )
+
+
+def _describe_format(name: str) -> FormatInfo:
+    reader, writer = READERS.get(name), WRITERS.get(name)
+    about = writer or reader
+    assert about is not None
+    convention = None if writer is None else writer.convention
+    endings = [] if reader is None else [ending for part in reader.parts for ending in part.extensions]
+    return FormatInfo(
+        name=name,
+        title=about.title,
+        label=about.label,
+        parts=[FormatPart(name=part.name, title=part.title, extensions=list(part.extensions)) for part in about.parts],
+        convention="any" if convention is None else convention.value,
+        bodies=writer is None or writer.bodies,
+        markers=writer is not None and writer.markers,
+        needs=[] if writer is None else sorted(writer.needs),
+        assumes="" if writer is None else writer.assumes,
+        reads=reader is not None,
+        extensions=endings,
+        writes=writer is not None and find_spec(NEEDED.get(name, "mcml")) is not None,
     )
 
 

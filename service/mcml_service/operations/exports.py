@@ -59,7 +59,8 @@ def export_document(
     format: Annotated[
         str,
         Field(
-            description="A format that `GET /formats` lists as written, a part of one (asf, amc), or csv",
+            description="A format that `GET /formats` lists as written, a part of one (asf, amc), csv, or original: "
+            "the uploaded file as it came",
             examples=["htr"],
         ),
     ],

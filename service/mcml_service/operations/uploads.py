@@ -21,7 +21,10 @@ from mcml_service.operations.operation import Upload
 Files: TypeAlias = Annotated[
     list[SourceFile],
     Upload(),
-    Field(description="BVH, ASF and AMC, HTR, C3D, TRC, MCML, or zips of them", examples=[["walk.bvh"]]),
+    Field(
+        description="FBX, glTF, VRM, USD, AMASS npz, MVNX, BVH, ASF and AMC, HTR, C3D, TRC, MCML, or archives of them",
+        examples=[["walk.bvh"]],
+    ),
 ]
 Repairs: TypeAlias = Annotated[
     list[str] | None,
@@ -32,6 +35,21 @@ Repairs: TypeAlias = Annotated[
     ),
 ]
 Encoding: TypeAlias = Annotated[str | None, Field(description="Text encoding, if it is not UTF-8", examples=["cp949"])]
+
+
+Take: TypeAlias = Annotated[
+    str | None,
+    Field(max_length=1024, description="One motion of a file that holds several; default all", examples=["Walk"]),
+]
+Rate: TypeAlias = Annotated[
+    float | None,
+    Field(
+        gt=0,
+        le=10_000,
+        description="Frames a second at which keys are sampled, where a file has no rate or another is wanted",
+        examples=[60],
+    ),
+]
 
 
 def upload_documents(
@@ -78,6 +96,8 @@ def upload_documents(
     on_duplicate: Annotated[
         Literal["new", "skip"], Field(description="Action for files that are already in the store")
     ] = "new",
+    take: Take = None,
+    rate: Rate = None,
     repair: Repairs = None,
     strict_names: Annotated[bool, Field(description="Refuse labels that are no anatomical movement")] = False,
     movements: Annotated[
@@ -108,6 +128,8 @@ def upload_documents(
         on_duplicate=on_duplicate,
         strict_names=strict_names,
         movements=movements,
+        take=take,
+        rate=rate,
         repair=checked_repairs(repair or ()),
     )
     pool = call.repository.import_pool
@@ -126,12 +148,14 @@ def inspect_files(
     file: Files,
     shown: Shown,
     encoding: Encoding = None,
+    take: Take = None,
+    rate: Rate = None,
     repair: Repairs = None,
 ) -> InspectResult:
     """Nothing is stored."""
     from mcml_service.actions.reading import inspect_files as inspecting
 
-    options = ImportOptions(encoding=encoding, repair=checked_repairs(repair or ()))
+    options = ImportOptions(encoding=encoding, take=take, rate=rate, repair=checked_repairs(repair or ()))
     clips, problems = inspecting.inspect_files(file, options, call.settings, shown.window)
     return InspectResult(
         clips=clips, problems=[FileProblem(file=name, problem=problem_of(error)) for name, error in problems]

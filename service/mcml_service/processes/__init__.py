@@ -1,1 +1,1 @@
-"""Separate programs with limits of time and memory."""
+"""How requests share a few processes."""

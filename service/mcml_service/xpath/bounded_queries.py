@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
+from mcml.processes.bounds import bounded
 from mcml_schemas.querying.queries import QueryAnswer, QueryRequest
-from mcml_service.processes.bounds import bounded
 from mcml_service.xpath.answer.streams import Answer, Shown
 from mcml_service.xpath.language.complete import Completion
 from mcml_service.xpath.limits import Limits

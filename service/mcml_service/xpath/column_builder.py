@@ -7,9 +7,9 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from mcml.errors import McmlError
+from mcml.processes.bounds import bound_growth, end_with_starter
 from mcml_schemas.querying.queries import QueryRequest
 from mcml_service.clips.deriver import Stage
-from mcml_service.processes.bounds import bound_growth, end_with_starter
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.xpath.library.disk.part_file import path_of

@@ -16,7 +16,7 @@ from multiprocessing.connection import Connection
 from typing import Any, Literal
 
 from mcml.errors import LimitError, McmlError
-from mcml_service.processes.bounds import bounded, end_with_parent
+from mcml.processes.bounds import bounded, end_with_parent
 from mcml_service.settings import Settings
 from mcml_service.storage.core.views import View
 from mcml_service.storage.database import Database

@@ -11,9 +11,9 @@ import json
 import sys
 
 from mcml.errors import McmlError
+from mcml.processes.bounds import end_after
 from mcml_service.analysis.dance.music import track_beats
 from mcml_service.analysis.interface import AnalysisError
-from mcml_service.processes.bounds import end_after
 
 
 def main() -> None:

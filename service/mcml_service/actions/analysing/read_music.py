@@ -6,11 +6,11 @@ import json
 
 from mcml.errors import LimitError, UnsupportedError
 from mcml.formats.format import SourceFile
+from mcml.processes.programs import run_reader
 from mcml_schemas.analyses.dance import BeatsPerBar, Music
 from mcml_schemas.jobs import MusicBeats
 from mcml_service.analysis.dance.music import check_bpm, fit_tempo
 from mcml_service.analysis.interface import AnalysisError
-from mcml_service.processes.programs import run_reader
 from mcml_service.settings import Settings
 
 _WORKER = "mcml_service.actions.analysing.music_worker"

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from mcml.errors import ConflictError, DocumentError, NotFoundError
 from mcml.files.check_names import check_frame_time, given_name
 from mcml.files.edit_header import with_facts
-from mcml.formats import FORMATS
+from mcml.formats import READERS
 from mcml.language import motion_names
 from mcml.language.elements import Element
 from mcml_service.storage.core.identifiers import normalise_name
@@ -79,8 +79,8 @@ def set_facts(
     if frame_time is not None:
         frame_time = check_frame_time(frame_time)
         changed.add("frame_time")
-    # After a change of data that the source format itself holds, an export may no longer return the uploaded bytes.
-    touched = changed & (_HELD_BY_MCML if stored.format == "mcml" else FORMATS[stored.format].states)
+    # After a change of what the source format itself holds, an export may no longer answer the kept bytes.
+    touched = changed & (_HELD_BY_MCML if stored.format == "mcml" else READERS[stored.format].states)
     if changed or project is not None:
         rate = {} if frame_time is None else {"frame_time": frame_time}
         tx.documents.write_content(stored.key, tx.commit, **rate, intact=stored.intact and not touched)

@@ -16,7 +16,7 @@ import orjson
 from mcml.errors import ConversionError, Notice
 from mcml.files.check_names import check_frame_time
 from mcml.files.targets import convert_clip, find_target, part_without_frames
-from mcml.formats import FORMATS, WRITERS
+from mcml.formats import FORMATS, READERS, WRITERS
 from mcml.formats.format import SourceFile
 from mcml.language.writer import write_document
 from mcml.motion.clip import ClipStream
@@ -29,13 +29,15 @@ from mcml_service.clips.read_clip import StoredClip, read_clip
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
+ORIGINAL = "original"
+"""The name of the form in which the uploaded files leave as they came."""
 WITH_REFERENCE = frozenset({"mot", "sto"})
 """Formats of angles, which start from the reference pose of the skeleton."""
 
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """format: a catalogue name, one part of a format ("asf", "amc"), "mcml" or "csv".
+    """format: a catalogue name, one part of a format ("asf", "amc"), "mcml", "csv" or "original".
 
     names: table of joint names ("mcml", "bvh1", …) instead of the source's. unit, up: scale and rotate to these; the
     document must state its own. frame_time: seconds of a frame, for a document that does not state them. original:
@@ -78,12 +80,15 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
 
     Raises UnsupportedError for an unknown format, ConversionError where the format cannot hold the motion.
     """
+    if options.format == ORIGINAL:
+        return _export_original(tx, stored)
     name, part = find_target(options.format)
     part = part_without_frames(name) if stored.frames == 0 and part is None else part
     stem = file_stem(stored.name)
-    if options.original and options.whole and stored.intact and stored.format == name and name in FORMATS:
+    if options.original and options.whole and stored.intact and stored.format == name and name in READERS:
         kept = _read_upload(tx, stored, part)
-        if kept is not None:
+        # A format that is read in more forms than it is written in: glTF as text, say.
+        if kept is not None and (name in FORMATS or kept.file_name.lower().endswith(_endings(name))):
             return kept
     source = _add_frame_time(read_clip(tx, stored, first=options.first, last=options.last), options.frame_time)
     if name == "mcml":
@@ -110,6 +115,21 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
     return Export(f"{stem}{_extension(name, part)}", WRITERS[name].media_type, content, clip.notices)
 
 
+def _endings(name: str) -> tuple[str, ...]:
+    """The endings of the files of a format that is written."""
+    return tuple(ending for part in WRITERS[name].parts for ending in part.extensions)
+
+
+def _export_original(tx: Transaction, stored: StoredDocument) -> Export:
+    """The files as they were uploaded, whatever was edited since. ConversionError where none are kept."""
+    kept = None if stored.format == "mcml" else _read_upload(tx, stored, None)
+    if kept is None:
+        raise ConversionError(
+            "No uploaded file of this document is kept.", remedy="Export it in a format, such as mcml or bvh."
+        )
+    return kept
+
+
 def skeleton_file(tx: Transaction, stored: StoredDocument) -> SourceFile:
     """The ASF of a stored document, as a file that an AMC can be read with."""
     export = export_document(tx, stored, ExportOptions("asf", last=0 if stored.frames == 0 else 1, first=1))
@@ -122,14 +142,16 @@ def _read_upload(tx: Transaction, stored: StoredDocument, part: str | None) -> E
     """The bytes of the upload, None where they are not kept."""
     uploads = tx.uploads.of(stored.key)
     if part is not None:
-        chosen = [upload for upload in uploads if upload.part == part]
-        content = tx.uploads.read(stored.key, part) if chosen else None
+        chosen = [upload for upload in uploads if upload.part.partition("#")[0] == part]
+        content = tx.uploads.read(stored.key, chosen[0].part) if chosen else None
         if content is None:
             return None
         size = chosen[0].size
-        return Export(chosen[0].file_name, FORMATS[stored.format].media_type, content, size=size)
-    if len(uploads) != len(FORMATS[stored.format].parts):
+        return Export(chosen[0].file_name, READERS[stored.format].media_type, content, size=size)
+    if len(uploads) < len(READERS[stored.format].parts):
         return None
+    if len(uploads) == 1:
+        return _read_upload(tx, stored, uploads[0].part.partition("#")[0])
 
     def opener(name: str) -> Callable[[], Iterator[bytes]]:
         return lambda: tx.uploads.read(stored.key, name) or iter(())

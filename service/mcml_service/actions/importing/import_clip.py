@@ -11,7 +11,6 @@ from typing import Any
 import orjson
 
 from mcml.errors import McmlError
-from mcml.files.check_names import name_of_file
 from mcml.files.gather_files import Clip
 from mcml.files.import_options import ImportOptions
 from mcml.files.open_clip import OpenClip
@@ -81,14 +80,14 @@ class Importer:
         self.uploads: list[Upload] = []
         self.rows: list[TrackRow] = []
         self.row_bytes = 0
-        self.name = options.name or name_of_file(clip.name)
+        self.name = options.name or clip.document_name
 
     def begin(self) -> None:
         """Take the digests of the files, and let them be compressed."""
         if self.apart is not None:
-            self.uploads = [Upload.of_packed(self.clip.files[made.part], made) for made in self.apart.uploads]
+            self.uploads = [Upload.of_packed(self.clip.kept_files[made.part], made) for made in self.apart.uploads]
             return
-        self.uploads = [Upload.begin(part, file, self.executor) for part, file in self.clip.files.items()]
+        self.uploads = [Upload.begin(part, file, self.executor) for part, file in self.clip.kept_files.items()]
 
     @property
     def digests(self) -> dict[str, str]:

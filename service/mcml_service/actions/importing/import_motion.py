@@ -47,7 +47,7 @@ def import_files(
         options = replace(options, aliases=tx.aliases.of(options.project).pairs)
     lookup = _skeleton_lookup(database, options.skeleton) if options.skeleton else None
     result = ImportResult()
-    with gathered(files, settings.file_limits, lookup) as gathering, ThreadPoolExecutor(WORKERS) as executor:
+    with gathered(files, settings.file_limits, lookup, options) as gathering, ThreadPoolExecutor(WORKERS) as executor:
         result.problems += gathering.problems
         chosen = options if len(gathering.clips) == 1 else replace(options, name=None)
         batch = Batch(database, author, result)
@@ -79,7 +79,7 @@ def _short_clips(database: Database, clips: list[Clip], options: ImportOptions) 
             return short
 
         def is_stored(clip: Clip) -> bool:
-            digests = {part: digest_of(file) for part, file in clip.files.items()}
+            digests = {part: digest_of(file) for part, file in clip.kept_files.items()}
             return bool(tx.uploads.twins(digests, project))
 
         return {number: clip for number, clip in short.items() if not is_stored(clip)}

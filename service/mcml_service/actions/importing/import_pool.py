@@ -23,8 +23,8 @@ from itertools import islice
 
 from mcml.files.gather_files import Clip
 from mcml.files.import_options import ImportOptions
+from mcml.processes.bounds import end_with_starter
 from mcml_service.actions.importing.read_apart import ReadApart, SentClip, read_apart
-from mcml_service.processes.bounds import end_with_starter
 from mcml_service.settings import Settings
 
 FEWEST_CLIPS = 8

@@ -34,12 +34,13 @@ class SentClip:
     format: str
     parts: dict[str, SentPart]
     options: ImportOptions
+    take: str | None = None
 
     @classmethod
     def of(cls, clip: Clip, options: ImportOptions) -> SentClip:
         """A clip with the bytes of its files, whose positions stay."""
         parts = {part: SentPart(file.name, _content(file), file.notices) for part, file in clip.files.items()}
-        return cls(clip.format, parts, options)
+        return cls(clip.format, parts, options, clip.take)
 
     @property
     def size(self) -> int:
@@ -70,9 +71,11 @@ def read_apart(sent: SentClip, settings: Settings) -> ReadApart | None:
             rows.extend(chunk)
 
     try:
-        uploads = [pack_file(name, part.content) for name, part in sent.parts.items()]
+        clip = Clip(sent.format, files, sent.take)
+        kept = zip(clip.kept_files, sent.parts.values(), strict=True)
+        uploads = [pack_file(name, part.content) for name, part in kept]
         try:
-            encoded = encode_clip(Clip(sent.format, files), sent.options, settings, encoder, keep)
+            encoded = encode_clip(clip, sent.options, settings, encoder, keep)
         except McmlError as error:
             return ReadApart(uploads, [], error)
         keep(encoder.rest())

@@ -13,6 +13,7 @@ from mcml.errors import FormatError, McmlError, NotFoundError
 from mcml.files.gather_files import Clip
 from mcml.files.import_options import ImportOptions
 from mcml.files.open_clip import open_clip
+from mcml.formats import FORMATS
 from mcml.formats.format import SourceFile
 from mcml.motion.clip import ClipStream, FrameBlock
 from mcml.motion.skeleton import Array
@@ -79,7 +80,9 @@ def _open_upload(tx: Transaction, stored: StoredDocument, held: ClipStream, sett
     if stored.format == "asf-amc" and "asf" not in files:
         files = {"asf": skeleton_file(tx, stored), **files}
     encoding = next((part.encoding for part in held.head.sources if part.encoding != "utf-8"), None)
-    return open_clip(Clip(stored.format, files), ImportOptions(encoding=encoding), settings.file_limits).stream
+    rate = held.head.fields.get("dataframe_rate") if stored.format not in FORMATS else None
+    options = ImportOptions(encoding=encoding, rate=None if rate is None else float(rate))
+    return open_clip(Clip.of_kept(stored.format, files), options, settings.file_limits).stream
 
 
 def _differences(

@@ -23,7 +23,7 @@ def inspect_files(
     window: frames whose positions are returned.
     """
     clips: list[dict[str, Any]] = []
-    with gathered(files, settings.file_limits) as gathering:
+    with gathered(files, settings.file_limits, options=options) as gathering:
         problems = list(gathering.problems)
         for clip in gathering.clips:
             try:

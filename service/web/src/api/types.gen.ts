@@ -1953,6 +1953,8 @@ export interface components {
             /** @default 1 */
             step: number;
             encoding?: string | null;
+            take?: string | null;
+            rate?: number | null;
             repair?: string[] | null;
         };
         Body_put_media: {
@@ -2002,6 +2004,8 @@ export interface components {
              * @enum {string}
              */
             on_duplicate: "new" | "skip";
+            take?: string | null;
+            rate?: number | null;
             repair?: string[] | null;
             /** @default false */
             strict_names: boolean;
@@ -2808,6 +2812,8 @@ export interface components {
             assumes: string;
             /** @default true */
             reads: boolean;
+            /** @default [] */
+            extensions: string[];
             /** @default true */
             writes: boolean;
         };

@@ -40,7 +40,7 @@ export const labelOf = (name: string): string =>
   formats().find((one) => one.name === name)?.label ?? name.toUpperCase();
 
 const extensionsOf = (some: readonly Format[]): string[] =>
-  some.filter((one) => one.reads).flatMap((one) => one.parts.flatMap((part) => part.extensions));
+  some.filter((one) => one.reads).flatMap((one) => one.extensions);
 
 const ends = (name: string, extensions: string[]): boolean =>
   extensions.some((extension) => name.toLowerCase().endsWith(extension));

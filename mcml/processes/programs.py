@@ -1,8 +1,8 @@
-"""Start, watch and end separate programs for untrusted input.
+"""Start, watch and end programs that work on untrusted files.
 
-Decoders of sound may crash, hang or take all memory. In a separate process this causes only an error of one request. A
-program is a module with `main`, which also limits itself (`bounds.py`), so that it ends without a watcher. Workers of
-an import are not programs: they run the code of the importer (`import_pool.py`).
+Decoders of sound, FBX and USD may crash, hang or take all memory. In a process of their own that ends in an error of
+one request. A program is a module with `main`, which bounds itself too (`bounds.py`), so that it ends when the process
+that watches it has ended.
 """
 
 from __future__ import annotations
@@ -21,17 +21,9 @@ from typing import IO, BinaryIO
 
 import psutil
 
-import mcml_schemas
-from mcml import errors
 from mcml.errors import FormatError, LimitError
 
 LOOK_SECONDS = 0.02
-_HOMES = [
-    str(Path(errors.__file__).resolve().parents[1]),
-    str(Path(mcml_schemas.__file__ or "").resolve().parents[1]),
-    str(Path(__file__).resolve().parents[2]),
-]
-"""Folders of the packages of this installation: one in a wheel, three in a checkout."""
 _LAST_WORDS = 1 << 16
 """Limit of a program's last output; its last line has the kind of error."""
 
@@ -40,10 +32,17 @@ def start_program(
     module: str, *arguments: str, stdin: int | IO[bytes], stdout: int | IO[bytes], stderr: int | IO[bytes]
 ) -> subprocess.Popen[bytes]:
     """A process that runs `main` of a module, of this very installation."""
-    text = f"import sys; sys.path[:0] = {_HOMES!r}; from {module} import main; main()"
+    text = f"import sys; sys.path[:0] = {_homes()!r}; from {module} import main; main()"
     # Packages may be those of a user, or of PYTHONPATH: where they are for this process, they are for that one.
     command = [sys.executable, "-P", "-c", text, *arguments]
     return subprocess.Popen(command, stdin=stdin, stdout=stdout, stderr=stderr)
+
+
+def _homes() -> list[str]:
+    """The folders of the packages of this installation: one folder in a wheel's, up to three in a checkout."""
+    packages = (sys.modules.get(name) for name in ("mcml", "mcml_schemas", "mcml_service"))
+    files = [package.__file__ for package in packages if package is not None]
+    return list(dict.fromkeys(str(Path(file).resolve().parents[1]) for file in files if file is not None))
 
 
 def end_program(process: subprocess.Popen[bytes]) -> None:

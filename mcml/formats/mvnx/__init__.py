@@ -1,0 +1,1 @@
+"""MVNX: the motion of Xsens suits."""

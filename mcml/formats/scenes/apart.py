@@ -1,0 +1,114 @@
+"""Scenes read in a process of their own, for libraries that damaged files may crash.
+
+The numbers of the answer (`mcml.processes.scene_answer`) stay on the disk and are mapped into memory.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from mcml.errors import FormatError, LimitError, Notice
+from mcml.formats.format import Limits, ReadOptions, SourceFile
+from mcml.formats.scenes.scene import MOST_TAKES, Rig, Scene, Take
+from mcml.motion.nodes import sort_by_tree
+from mcml.motion.skeleton import Array
+from mcml.processes.programs import run_reader
+from mcml.processes.scene_answer import MEMORY, SECONDS
+
+_POSE = 12
+
+
+def read_apart(module: str, file: SourceFile, options: ReadOptions) -> Scene:
+    """The scene that a program makes of a file. Raises FormatError and LimitError."""
+    with _run(module, file, options, poses=True) as answer:
+        head = _read_head(answer)
+        start = answer.tell()
+        values = (answer.seek(0, 2) - start) // 8
+        sizes = [_POSE * take["frames"] * len(head["rigs"][take["rig"]]["names"]) for take in head["takes"]]
+        if values != sum(sizes):
+            raise FormatError("the file is damaged: its reader ended early", remedy="Save it again.")
+        numbers = np.memmap(answer, np.float64, "r", start, (values,)) if values else np.empty(0)
+    return _make_scene(head, numbers, options.limits)
+
+
+def list_takes_apart(module: str, file: SourceFile, options: ReadOptions) -> list[str]:
+    """The names of the takes of a file, without their poses. Raises FormatError and LimitError."""
+    with _run(module, file, options, poses=False) as answer:
+        return [take["name"] for take in _read_head(answer)["takes"]]
+
+
+def _run(module: str, file: SourceFile, options: ReadOptions, *, poses: bool) -> BinaryIO:
+    limits = options.limits
+    facts = {"rate": options.rate, "takes": MOST_TAKES, "poses": poses}
+    facts |= {"joints": limits.joints, "frames": limits.frames, "values": limits.values}
+    return run_reader(module, json.dumps(facts), stream=file.stream, seconds=SECONDS, memory=MEMORY)
+
+
+def _read_head(answer: BinaryIO) -> dict[str, Any]:
+    head: dict[str, Any] = json.loads(answer.readline())
+    if "error" in head:
+        kind = LimitError if head["kind"] == "limit" else FormatError
+        raise kind(head["error"], remedy=head["remedy"] or None)
+    return head
+
+
+def _make_scene(head: dict[str, Any], numbers: Array, limits: Limits) -> Scene:
+    orders = [sort_by_tree(rig["parents"], limits.depth) for rig in head["rigs"]]
+    rigs = [_make_rig(rig, order, limits) for rig, order in zip(head["rigs"], orders, strict=True)]
+    takes = []
+    at = 0
+    for take in head["takes"]:
+        limits.check_name(take["name"])
+        rig, order = rigs[take["rig"]], orders[take["rig"]]
+        size = _POSE * len(rig) * take["frames"]
+        poses = numbers[at : at + size].reshape(take["frames"], len(rig), 3, 4)
+        at += size
+        read = partial(_read_frames, poses, order)
+        takes.append(Take(take["name"], rig, take["frames"], take["rate"], read, _notices(take["notices"])))
+    return Scene(tuple(takes), head["unit"], head["up"], _notices(head["notices"]), 8 * at)
+
+
+def _notices(sentences: list[str]) -> tuple[Notice, ...]:
+    return tuple(Notice("note", sentence) for sentence in sentences)
+
+
+def _read_frames(poses: Array, order: list[int], first: int, end: int) -> Array:
+    return np.array(poses[first:end])[:, order]
+
+
+def _make_rig(rig: dict[str, Any], order: list[int], limits: Limits) -> Rig:
+    for name in rig["names"]:
+        limits.check_name(name)
+    place = {joint: index for index, joint in enumerate(order)}
+    parents = [place.get(rig["parents"][joint], -1) for joint in order]
+    default = np.array([rig["rest"][joint] for joint in order], np.float64).reshape(-1, 3, 4)
+    bound = [rig["bound"][joint] for joint in order]
+    names = tuple(rig["names"][joint] for joint in order)
+    return Rig(names, np.array(parents, np.intp), _find_rest(default, bound, parents))
+
+
+def _find_rest(default: Array, bound: list[list[float] | None], parents: list[int]) -> Array:
+    """(J, 3, 4) in the world: where a skin was bound; of other joints where the file has them in their parents."""
+    rest = default.copy()
+    for joint, parent in enumerate(parents):
+        found = bound[joint]
+        if found is not None:
+            rest[joint] = np.reshape(found, (3, 4))
+        elif parent >= 0:
+            rest[joint] = _multiply(rest[parent], _multiply(_invert(default[parent]), default[joint]))
+    return rest
+
+
+def _multiply(first: Array, second: Array) -> Array:
+    """The product of two affine transforms (3, 4)."""
+    return np.column_stack([first[:, :3] @ second[:, :3], first[:, :3] @ second[:, 3] + first[:, 3]])
+
+
+def _invert(matrix: Array) -> Array:
+    """The inverse of an affine transform (3, 4); a flat one has a pseudo-inverse."""
+    linear = np.linalg.pinv(matrix[:, :3])
+    return np.column_stack([linear, -linear @ matrix[:, 3]])

@@ -1,0 +1,1 @@
+"""USD, read with usd-core."""
