@@ -335,6 +335,9 @@ class Operations:
         up: str | None = ...,
         original: bool | None = ...,
         frame_time: str | float | None = ...,
+        fps: float | None = ...,
+        scale: float | None = ...,
+        guesses: bool | None = ...,
         raw: bool | None = ...,
         progress: FileProgress | None = None,
     ) -> Content:

@@ -13,6 +13,7 @@ from mcml.files.gather_files import gathered, several_motions
 from mcml.files.import_options import ImportOptions
 from mcml.files.limits import FileLimits
 from mcml.files.open_clip import open_clip
+from mcml.files.reshape_clip import Reshaping, need_stated_facts, parse_range, reshape
 from mcml.files.targets import convert_clip, part_without_frames, targets
 from mcml.formats import WRITERS
 from mcml.formats.format import SourceFile
@@ -42,12 +43,18 @@ def convert_files(
     up: str | None = None,
     take: str | None = None,
     rate: float | None = None,
+    frames: str | None = None,
+    fps: float | None = None,
+    scale: float | None = None,
+    guesses: bool = True,
     stem: str = "motion",
 ) -> Iterator[Converted]:
     """Convert the only clip among the files to another format. Raises the errors of readers and writers.
 
-    frame_time, unit, up: what the files do not say of themselves; nothing is scaled or turned. take: which motion of a
-    file that holds several. rate: frames a second at which its keys are sampled.
+    frame_time, unit, up: facts that the files do not state; nothing is scaled or turned. take: which motion of a
+    file that holds several. rate: frames a second at which its keys are sampled. frames: FIRST-LAST, from 1. fps:
+    frames a second of the result. scale: factor of all lengths. guesses: False refuses where a format needs a unit or
+    an up axis that the files do not state.
     """
     known = targets()
     if target not in known or target == "csv":
@@ -65,11 +72,15 @@ def convert_files(
         stream = opened.stream
         head = to_head(opened.document, frame_time or stream.head.frame_time)
         clip = ClipStream(head, stream.blocks, stream.frames, stream.notices)
+        first, last = parse_range(frames)
+        clip = reshape(clip, Reshaping(first, last, fps, scale))
         name, part = known[target]
         part = part_without_frames(name) if clip.frames == 0 and part is None else part
         if name == "mcml":
             yield Converted({".mcml": _mcml(clip)}, lambda: clip.notices)
             return
+        if not guesses:
+            need_stated_facts(clip.head, name)
         result = convert_clip(clip, name, names)
         parts = [item for item in WRITERS[name].parts if part is None or item.name == part]
         content = {item.extensions[0]: WRITERS[name].write(result, item.name) for item in parts}

@@ -92,7 +92,7 @@ def gathered(
 ) -> Iterator[Gathered]:
     """Clips among the files, one for each motion of a file that holds several.
 
-    lookup: finds the stored skeleton that motion without one shall use. options: `take` and `rate` of them are heeded.
+    lookup: finds the stored skeleton for motion without one. options: `take` and `rate` of them are heeded.
     """
     options = options or ImportOptions()
     result = Gathered()

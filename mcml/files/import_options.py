@@ -56,7 +56,7 @@ class ImportOptions:
     rate: float | None = None
 
     def for_reader(self, limits: FileLimits, take: str | None = None) -> ReadOptions:
-        """What a reader is told. take: of the clip, where its file holds several."""
+        """The options of a reader. take: of the clip, where its file holds several."""
         return ReadOptions(
             encoding=self.encoding,
             translation=self.translation,

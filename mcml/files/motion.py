@@ -140,9 +140,9 @@ def read(
     """Read the motion in a file, or in several files that belong together (ASF and AMC).
 
     encoding: of their text, if it is not UTF-8. frame_time: seconds a frame, as a number or a text such as "1/120".
-    unit: of its lengths, such as "cm"; up: "X", "Y" or "Z". They state what files do not say; nothing is converted.
-    take: which motion of a file that holds several. rate: frames a second at which keys are sampled, where the file has
-    no rate or another is wanted. Raises Error: what is wrong, in which line, and how to mend it.
+    unit: of its lengths, such as "cm"; up: "X", "Y" or "Z". These set values that the files do not state; nothing is
+    converted. take: which motion of a file that holds several. rate: frames a second at which keys are sampled, where
+    the file has no rate or another is wanted. Raises Error, with the problem, the line and the remedy.
 
     >>> read("walk.bvh").frames("Root", space="positions").shape
     (240, 1, 3)
@@ -165,9 +165,10 @@ def convert(
 ) -> list[Path]:
     """Write a motion in another format; return the written files (two for ASF/AMC).
 
-    to: the format, where the name of the target does not say. force: replace files that are there.
-    options: frame_time, encoding, unit, up, take, rate, and names (of joints: mcml, bvh1, bvh2, asf or htr).
-    Raises Error: what cannot be read or written, or a file that is there.
+    to: the format, if the name of the target does not decide it. force: replace existing files.
+    options: frame_time, encoding, unit, up, take, rate, frames, fps, scale, guesses, and names (of joints: mcml, bvh1,
+    bvh2, asf or htr).
+    Raises Error for files that cannot be read or written, or that exist.
 
     >>> convert("walk.bvh", "walk.mcml")
     [PosixPath('walk.mcml')]

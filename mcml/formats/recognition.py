@@ -92,7 +92,7 @@ def _binary(file_name: str, first_bytes: bytes, at: Place) -> McmlError:
 
 
 def _unknown(formats: Mapping[str, Reader], file_name: str, first_bytes: bytes, at: Place) -> McmlError:
-    """A file whose name promises a format: let its reader say what is wrong; else what was found."""
+    """Return the error for an unrecognised file: from the reader of the format that its name suggests, if any."""
     line = next((line.strip() for line in re.split(rb"[\r\n]+", first_bytes) if line.strip()), b"")
     shown = line[:40].decode("utf-8", errors="replace")
     expected = {

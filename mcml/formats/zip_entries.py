@@ -1,4 +1,4 @@
-"""What a zip begins with: some formats are zips, and are no archives of files."""
+"""The first entry of a zip: some formats are zips, and are no archives of files."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Guess the unit or the up axis of a clip that does not state them.
-
-Guesses are reported, but never written to files.
-"""
+"""The likely unit and up axis of a clip that does not state them. Guesses are shown as such, and never stored."""
 
 from __future__ import annotations
 
@@ -13,11 +10,38 @@ import numpy as np
 
 from mcml.motion.carriers import chain
 from mcml.motion.clip import ClipHead
+from mcml.motion.landmarks.centres import bodies_of
 from mcml.motion.skeleton import Array, Skeleton, once_a_skeleton
 from mcml.motion.units import metres_of, metres_per_unit
 
 HEIGHTS = (("m", 0.8, 3.0), ("ft", 3.5, 8.0), ("inch", 40.0, 95.0), ("cm", 95.0, 260.0), ("mm", 800.0, 2600.0))
 """Units, and between what heights a person is in them."""
+
+
+_EXPORTED = (("dm", 12.0, 20.9, 0.1), ("inch/0.45", 20.9, 39.5, 0.0254 / 0.45))
+"""Further units for the size of an exported person. The second is that of the files of Carnegie Mellon's database."""
+_FEWEST_NAMED = 6
+"""Joints with names of MCML's that make a skeleton a person."""
+
+
+def is_person(skeleton: Skeleton) -> bool:
+    """Whether the joints are those of a person: several have names of MCML's, or markers that stand on a body."""
+    return sum(bool(joint.mapped) for joint in skeleton.joints) >= _FEWEST_NAMED or bool(bodies_of(skeleton))
+
+
+def size_of_person(head: ClipHead, pose: Array) -> tuple[str, float] | None:
+    """The likely unit of a person that leaves in metres, and its metres. None where the size fits none.
+
+    pose: (J, 3) positions of one frame, NaN where unknown.
+    """
+    if not is_person(head.skeleton):
+        return None
+    unit, metres = likely_unit(head, pose)
+    if unit is not None and metres is not None:
+        return unit, metres
+    seen = pose[np.isfinite(pose).all(axis=1)]
+    extent = float(np.ptp(seen, axis=0).max()) if len(seen) > 1 and "units_length" not in head.fields else 0.0
+    return next(((name, size) for name, low, high, size in _EXPORTED if low <= extent <= high), None)
 
 
 def likely_units(height: float) -> list[str]:

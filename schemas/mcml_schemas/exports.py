@@ -23,4 +23,9 @@ class ExportRequest(RequestBody):
     unit: str | None = Field(None, description="Scale lengths to this unit; the documents must state their own")
     up: str | None = Field(None, description="Turn so that this axis points up")
     frame_time: FrameTime | None = Field(None, description="Seconds a frame, for documents that do not say")
+    fps: float | None = Field(None, gt=0, le=10_000, description="Frames a second of the results")
+    scale: float | None = Field(None, gt=0, le=1e9, description="Factor of all lengths")
+    guesses: bool = Field(
+        True, description="Guess the unit and the up axis that glTF and USD need, where a document states none"
+    )
     raw: bool = Field(False, description="csv: also texts that spreadsheets take for formulas as they are")

@@ -1,7 +1,7 @@
 """FBX, binary and text, versions 5.0 to 7.7: the file that most programs for animation write.
 
 The format has no public specification; ufbx (https://github.com/ufbx/ufbx) reads and evaluates it: layers, pre- and
-post-rotations, pivots, rotation orders, inherited scale. docs/formats/fbx.md says what becomes of a file.
+post-rotations, pivots, rotation orders, inherited scale. docs/formats/fbx.md describes the reading.
 """
 
 from __future__ import annotations

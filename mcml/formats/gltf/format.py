@@ -1,7 +1,7 @@
 """glTF 2.0 as `.glb`, `.gltf`, `.vrm` and `.vrma`: skeletons of skins, or the humanoid of a VRM.
 
 Sources: glTF 2.0 specification, Khronos Group 2021; VRM 0.x, VRM 1.0 and VRM Animation 1.0 specifications, VRM
-Consortium. docs/formats/glb.md says what becomes of a file.
+Consortium. docs/formats/glb.md describes the reading.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """MVNX 3 and 4: segments of a suit of Xsens, with their places and rotations in the world.
 
-Source: MVN User Manual, chapter "MVNX file format" (Movella). docs/formats/mvnx.md says what becomes of a file.
+Source: MVN User Manual, chapter "MVNX file format" (Movella). docs/formats/mvnx.md describes the reading.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Mvnx(SceneReader):
 
 @dataclass
 class _Contents:
-    """What a file says. segments: labels. links: (parent's place, own place, offset of the joint in each)."""
+    """The contents of a file. segments: labels. links: (parent's place, own place, offset of the joint in each)."""
 
     rate: float | None = None
     segments: list[str] = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""Transforms to the world made local: what each joint does in its parent. NumPy alone.
+"""Transforms to the world made local: the motion of each joint in its parent. NumPy alone.
 
 With P and Q the place and the rotation of a joint in the world, p its parent, T = Qp' (P - Pp) and L = Qp' Q. Q is the
 orthogonal factor of the transform: of its polar decomposition (Higham, "Computing the polar decomposition", SIAM J.

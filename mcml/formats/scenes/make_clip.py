@@ -21,7 +21,7 @@ from mcml.motion.skeleton import ROTATIONS, TRANSLATIONS, Array, Convention, Joi
 ORDER = "ZYX"
 """The order of all rotations: FBX' own default, and one that every format of the catalogue takes."""
 ANGLE_DECIMALS = 11
-"""Of degrees; what rounding loses is 1e-13 radians."""
+"""Of degrees; rounding loses 1e-13 radians."""
 STILL = 3e-7
 """The share of the body's size below which a joint counts as not moving in its parent."""
 _VALUES_AT_ONCE = 1 << 18

@@ -58,7 +58,7 @@ class Take:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What a file holds.
+    """The contents of a file.
 
     unit: of lengths, such as "cm"; "" where it is not known. up: "Y", "-Z" …, "" where the file does not say.
     size: bytes of memory or disk that the poses take.

@@ -14,11 +14,11 @@ from mcml.formats.format import need_seconds, note
 from mcml.motion.clip import ClipHead, ClipStream
 from mcml.motion.conventions.convert import with_scale_factor
 from mcml.motion.conventions.survey import STILL
-from mcml.motion.guesses import likely_unit
+from mcml.motion.guesses import is_person, likely_up, size_of_person, stated_up
 from mcml.motion.hub import HubReader, Rest, walked
 from mcml.motion.rotations import multiply
 from mcml.motion.skeleton import Array, Convention, Skeleton
-from mcml.motion.units import UNITS, reading_of
+from mcml.motion.units import metres_of, reading_of
 
 LARGEST = float(np.finfo(np.float32).max)
 _RATE_OF_A_POSE = 120
@@ -32,11 +32,9 @@ _AXES = {"Y": (0.0, 0.0, 0.0), "Z": (-0.5, 0.0, 0.0), "X": (0.0, 0.0, 0.5)}
 class Stage:
     """The data of a scene.
 
-    clip: the clip to write. rest: (J, 3) position of each joint in its parent at rest; all axes are the world's.
-
-    metres: of a unit of length, up: "Y", "-Z" …; None if not stated. likely: metres of the unit in which the body has
-    the size of a person, None if there is none. seconds: of a frame. moving, turning: (J,) joints that leave their
-    rest. size: the largest extent of the first frame, or of the rest pose.
+    metres: of a unit of length, up: "Y", "-Z" …; as stated, else a guess that a notice names, else None. seconds: of a
+    frame. moving, turning: (J,) joints that leave their rest. size: the largest extent of the first frame, or of the
+    rest pose.
     """
 
     clip: ClipStream
@@ -49,7 +47,6 @@ class Stage:
     moving: NDArray[np.bool_]
     turning: NDArray[np.bool_]
     size: float
-    likely: float | None = None
 
     @property
     def skeleton(self) -> Skeleton:
@@ -97,7 +94,7 @@ def look_through(clip: ClipStream, title: str, taken_for: str) -> Stage:
     """
     clip = with_scale_factor(clip)
     head, notices = clip.head, clip.notices
-    metres, up = _unit(head, notices, taken_for), _up(head, notices, title)
+    metres, up = metres_of(head), stated_up(head)
     skeleton = head.skeleton
     hub = HubReader(skeleton, reading_of(head))
     first: tuple[Array, Array] | None = None
@@ -123,8 +120,9 @@ def look_through(clip: ClipStream, title: str, taken_for: str) -> Stage:
     )  # fmt: skip
     places = stage.rest_places() if first is None else walked(skeleton, first[0][None], first[1][None])[0][0]
     size = float(np.ptp(places, axis=0).max()) if len(places) else 0.0
-    likely = likely_unit(head, places)[1] if metres is None else metres
-    return replace(stage, size=size if 0 < size < LARGEST else 1.0, likely=likely)
+    metres = _guess_unit(head, places, notices, taken_for) if metres is None else metres
+    up = _guess_up(head, places, notices, title) if up is None else up
+    return replace(stage, size=size if 0 < size < LARGEST else 1.0, metres=metres, up=up)
 
 
 def _rest(
@@ -167,25 +165,27 @@ def _seconds(head: ClipHead, frames: int, title: str) -> float:
     return seconds
 
 
-def _unit(head: ClipHead, notices: list[Notice], taken_for: str) -> float | None:
+def _guess_unit(head: ClipHead, places: Array, notices: list[Notice], taken_for: str) -> float | None:
+    """Metres of a unit that is not stated, by the size of a person; None where there is none or it fits no unit."""
     said = head.fields.get("calibration_unit", "").strip()
-    metres = UNITS.get(said.lower())
-    if metres is None:
-        what = (
-            f"the document's unit of length, {said!r}, is not known"
-            if said
-            else "the document states no unit of length"
-        )
+    what = f"the document's unit of length, {said!r}, is not known" if said else "the document states no unit of length"
+    found = None if said else size_of_person(head, places)
+    if found is None:
         note(notices, "note", f"{what}: its numbers were written as they are, and {taken_for}")
+        return None
+    unit, metres = found
+    note(notices, "guess", f"{what}: its numbers were taken as {unit}, in which the body has the size of a person")
     return metres
 
 
-def _up(head: ClipHead, notices: list[Notice], title: str) -> str | None:
-    said = head.fields.get("global_axis_of_gravity", "").strip().upper().removeprefix("+")
-    if said.removeprefix("-") in _AXES:
-        return said
-    note(notices, "note", f"the document states no up axis: nothing was turned, and {title} takes Y as up")
-    return None
+def _guess_up(head: ClipHead, places: Array, notices: list[Notice], title: str) -> str | None:
+    """The up axis that is not stated, where heads and feet tell it; else None."""
+    likely = likely_up(head.skeleton, places) if is_person(head.skeleton) else None
+    if likely is None or not likely.sure:
+        note(notices, "note", f"the document states no up axis: nothing was turned, and {title} takes Y as up")
+        return None
+    note(notices, "guess", f"the document states no up axis: {likely.axis} was taken as up, for {likely.why}")
+    return likely.axis
 
 
 def turn_to_y(up: str | None) -> Array:

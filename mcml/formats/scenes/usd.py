@@ -1,7 +1,7 @@
 """USD: a UsdSkel skeleton, its animation, and a visible body. Needs the extra `usd`.
 
-The stage has `metersPerUnit` and `upAxis`, stated by the document or else guessed. Numbers are the source's. There is
-one time code for each frame.
+The stage states `metersPerUnit` and `upAxis` as the document does, else by a guess; numbers are the source's. One time
+code a frame.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from mcml.errors import ConversionError, UnsupportedError
-from mcml.formats.format import FileKind, note
+from mcml.formats.format import FileKind
 from mcml.formats.scenes.body import Body, body_of
 from mcml.formats.scenes.stage import Stage, look_through, turn_to_y
 from mcml.formats.target_names import legal_names
@@ -57,7 +57,7 @@ class Usd:
                 "USD needs a library that is not installed.",
                 remedy="Install the extra: pip install 'mcml-repository[usd]'.",
             ) from None
-        stage = look_through(clip, "USD", "`metersPerUnit` is a guess")
+        stage = look_through(clip, "USD", "`metersPerUnit` is 0.01, USD's own default")
         if stage.frames * len(stage.skeleton) > _MOST:
             raise ConversionError(
                 f"{stage.frames} frames of {len(stage.skeleton)} joints are more than USD is written of at once",
@@ -87,7 +87,7 @@ def _scene(clip: Stage) -> Any:
     # USD's up axis is Y or Z: other axes are rotated below. Both are always written, because USD's checker requires
     # them.
     UsdGeom.SetStageUpAxis(stage, "Z" if clip.up == "Z" else "Y")
-    UsdGeom.SetStageMetersPerUnit(stage, _metres(clip))
+    UsdGeom.SetStageMetersPerUnit(stage, _CENTIMETRE if clip.metres is None else clip.metres)
     stage.SetTimeCodesPerSecond(1 / clip.seconds)
     stage.SetFramesPerSecond(1 / clip.seconds)
     stage.SetStartTimeCode(0)
@@ -111,17 +111,6 @@ def _scene(clip: Stage) -> Any:
     _add_animation(stage, bones, clip)
     _add_body(stage, bones, body_of(clip))
     return stage
-
-
-def _metres(clip: Stage) -> float:
-    """Return the metres of a unit: as stated, else a guess with a notice."""
-    if clip.metres is not None:
-        return clip.metres
-    metres = _CENTIMETRE if clip.likely is None else clip.likely
-    why = "USD's own default" if clip.likely is None else "in which the body has the size of a person"
-    what = f"metersPerUnit {metres:g} was written, {why}; state the unit with `unit` if it is another"
-    note(clip.clip.notices, "guess", what)
-    return metres
 
 
 def _paths(clip: Stage) -> list[str]:

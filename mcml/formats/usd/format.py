@@ -1,7 +1,7 @@
 """USD: usda, usdc, usd and usdz with skeletons of UsdSkel.
 
 Source: OpenUSD, "UsdSkel Schemas", https://openusd.org. usd-core reads and evaluates the file in a process of its own.
-docs/formats/usd.md says what becomes of a file.
+docs/formats/usd.md describes the reading.
 """
 
 from __future__ import annotations

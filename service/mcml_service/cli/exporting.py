@@ -47,6 +47,9 @@ def export(
     unit: Annotated[str | None, typer.Option(help="Scale lengths to this unit")] = None,
     up: Annotated[str | None, typer.Option(help="Turn so that this axis points up")] = None,
     frame_time: Annotated[str | None, typer.Option(help="Seconds a frame, where the document does not say")] = None,
+    fps: Annotated[float | None, typer.Option(min=0.001, help="Frames a second of the result")] = None,
+    scale: Annotated[float | None, typer.Option(help="Factor of all lengths")] = None,
+    guesses: Annotated[bool, typer.Option(help="Guess a unit and an up axis that the format needs")] = True,
     raw: RawOption = False,
     original: Annotated[bool, typer.Option(help="The kept bytes of documents that were not edited")] = True,
     revision: Annotated[int | None, typer.Option(min=1, help="As this revision left it")] = None,
@@ -59,7 +62,7 @@ def export(
     documents = resolve_documents(client, ids, project, motion_name, xpath)
     written: set[Path] = set()
     stated: dict[str, Any] = {"first": first, "last": last, "names": names, "unit": unit, "up": up}
-    stated |= {"frame_time": frame_time, "raw": raw}
+    stated |= {"frame_time": frame_time, "fps": fps, "scale": scale, "guesses": guesses, "raw": raw}
 
     def export_one(item: Any) -> None:
         to_name = output is not None and str(output) != "-" and not output.is_dir() and len(documents) == 1

@@ -27,6 +27,10 @@ def convert(
     up: Annotated[str | None, typer.Option(help="Axis of the input that points up, where it does not say")] = None,
     take: Annotated[str | None, typer.Option(help="Motion to convert, of a file that holds several")] = None,
     rate: Annotated[float | None, typer.Option(min=0.001, help="Frames a second at which keys are sampled")] = None,
+    frames: Annotated[str | None, typer.Option(help="Frame range of the result: FIRST-LAST, from 1")] = None,
+    fps: Annotated[float | None, typer.Option(min=0.001, help="Frames a second of the result")] = None,
+    scale: Annotated[float | None, typer.Option(help="Factor of all lengths")] = None,
+    guesses: Annotated[bool, typer.Option(help="Guess a unit and an up axis that the format needs")] = True,
     force: ForceOption = False,
     quiet: Annotated[bool, typer.Option(help="Do not print what was guessed or lost")] = False,
 ) -> None:
@@ -51,6 +55,10 @@ def convert(
             up=up,
             take=take,
             rate=rate,
+            frames=frames,
+            fps=fps,
+            scale=scale,
+            guesses=guesses,
             stem=result.stem,
         )
         done = stack.enter_context(converted)

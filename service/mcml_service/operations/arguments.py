@@ -46,6 +46,14 @@ IfMatch = Annotated[
 Raw = Annotated[
     bool, Field(description="CSV: also texts that spreadsheets take for formulas as they are, without an apostrophe")
 ]
+Fps = Annotated[float | None, Field(gt=0, le=10_000, description="Frames a second of the result", examples=[30])]
+Scale = Annotated[
+    float | None, Field(gt=0, le=1e9, description="Factor of all lengths: the body becomes another size", examples=[1])
+]
+Guesses = Annotated[
+    bool,
+    Field(description="Guess the unit and the up axis that glTF and USD need, where the document states none"),
+]
 Item = TypeVar("Item")
 
 

@@ -18,7 +18,19 @@ from mcml_service.actions.exporting.export_motion import ExportOptions
 from mcml_service.actions.exporting.export_motion import export_document as exported
 from mcml_service.actions.exporting.text_windows import find_text as find
 from mcml_service.actions.exporting.text_windows import frames_window, head_window
-from mcml_service.operations.arguments import MOST, AtRevision, DocumentId, First, Last, Raw, at_revision, tag
+from mcml_service.operations.arguments import (
+    MOST,
+    AtRevision,
+    DocumentId,
+    First,
+    Fps,
+    Guesses,
+    Last,
+    Raw,
+    Scale,
+    at_revision,
+    tag,
+)
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import gives
 
@@ -83,10 +95,16 @@ def export_document(
             examples=["0.0083333"],
         ),
     ] = None,
+    fps: Fps = None,
+    scale: Scale = None,
+    guesses: Guesses = True,
     raw: Raw = False,
 ) -> Content:
-    """In its own format an unedited document is returned byte for byte."""
-    options = ExportOptions(format, first, last, names, unit, up, original=original, frame_time=frame_time, raw=raw)
+    """In its own format an unedited one comes back byte for byte."""
+    options = ExportOptions(
+        format, first, last, names, unit, up, original=original, frame_time=frame_time, raw=raw, fps=fps, scale=scale,
+        guesses=guesses,
+    )  # fmt: skip
     return _content(call, id, revision, options)
 
 
@@ -100,7 +118,7 @@ def export_documents(call: Call, request: ExportRequest) -> Content:
 
     options = ExportOptions(
         request.format, names=request.names, unit=request.unit, up=request.up, frame_time=request.frame_time,
-        raw=request.raw,
+        raw=request.raw, fps=request.fps, scale=request.scale, guesses=request.guesses,
     )  # fmt: skip
     content = exporting.export_documents(call.database, call.queries, request.selection, options)
     return Content(content, "application/zip", f"{request.selection.project or 'documents'}.zip")

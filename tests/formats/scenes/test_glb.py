@@ -36,9 +36,11 @@ def written(clip: ClipStream) -> Scene:
 
 def compare(clip: ClipStream, metres: float = 1.0, up: str = "Y") -> float:
     """The largest distance of a joint from where it should be, in heights of the body."""
-    wanted = expected(clip, metres, up)
     clip = replace(clip, notices=[])
     scene = written(clip)
+    if "calibration_unit" not in clip.head.fields:
+        metres = (scene.model["nodes"][len(clip.head.skeleton)].get("scale") or [1.0])[0]
+    wanted = expected(clip, metres, up)
     found = scene.positions()
     assert [scene.model["nodes"][joint].get("name", "") for joint in scene.joints] == [
         joint.source_name.encode("utf-8", "replace").decode() for joint in clip.head.skeleton.joints
@@ -76,15 +78,15 @@ def test_what_is_stated_becomes_metres_with_y_up(title: str) -> None:
     assert ("up axis" in said) == (title == "a unit of its own")
 
 
-def test_nothing_is_guessed() -> None:
-    clip = replace(clip_of(person(1, 3)), notices=[])
+@pytest.mark.parametrize(
+    ("title", "kinds", "size"), [("person", ["guess", "guess"], 0.01), ("chain", ["note"] * 2, None)]
+)
+def test_only_a_person_is_guessed(title: str, kinds: list[str], size: float | None) -> None:
+    clip = replace(clip_of(person(1, 3)) if title == "person" else CLIPS[title](), notices=[])
     root = written(clip).model["nodes"][len(clip.head.skeleton)]
-    assert not root.get("scale")
+    assert root.get("scale") == (size and [size] * 3)
     assert not root.get("rotation")
-    assert [notice.what[:30] for notice in clip.notices] == [
-        "the document states no unit of",
-        "the document states no up axis",
-    ]
+    assert [notice.kind for notice in clip.notices if "states no" in notice.what] == kinds
 
 
 def test_times_are_those_of_the_frames() -> None:

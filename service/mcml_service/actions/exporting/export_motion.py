@@ -15,9 +15,11 @@ import orjson
 
 from mcml.errors import ConversionError, Notice
 from mcml.files.check_names import check_frame_time
+from mcml.files.reshape_clip import Reshaping, need_stated_facts, reshape
 from mcml.files.targets import convert_clip, find_target, part_without_frames
 from mcml.formats import FORMATS, READERS, WRITERS
 from mcml.formats.format import SourceFile
+from mcml.language.elements import from_head, refresh_counts
 from mcml.language.writer import write_document
 from mcml.motion.clip import ClipStream
 from mcml.motion.conventions.convert import scale, turn_up
@@ -39,10 +41,11 @@ WITH_REFERENCE = frozenset({"mot", "sto"})
 class ExportOptions:
     """format: a catalogue name, one part of a format ("asf", "amc"), "mcml", "csv" or "original".
 
-    names: table of joint names ("mcml", "bvh1", …) instead of the source's. unit, up: scale and rotate to these; the
-    document must state its own. frame_time: seconds of a frame, for a document that does not state them. original:
-    False writes the file from the elements even if the uploaded bytes are still valid. raw: CSV does not escape texts
-    that spreadsheets read as formulas.
+    names: table of joint names ("mcml", "bvh1", …) instead of the source's. unit, up: turn and scale to these; the
+    document must state its own. fps, scale: at another frame rate, with all lengths multiplied. guesses: False refuses
+    where a format needs a unit or an up axis that the document does not state. frame_time: seconds of a frame, for a
+    document that does not state them. original: False writes the file from the elements even where the kept bytes would
+    do. raw: CSV has also texts that spreadsheets take for formulas as they are.
     """
 
     format: str
@@ -55,10 +58,19 @@ class ExportOptions:
     original: bool = True
     frame_time: str | float | None = None
     raw: bool = False
+    fps: float | None = None
+    scale: float | None = None
+    guesses: bool = True
 
     @property
     def whole(self) -> bool:
-        return self.first == 1 and self.last is None and not (self.names or self.unit or self.up or self.frame_time)
+        stated = self.names or self.unit or self.up or self.frame_time
+        return self.first == 1 and self.last is None and not stated and self.reshaping == Reshaping()
+
+    @property
+    def reshaping(self) -> Reshaping:
+        """The frame rate and the size that are asked for; the range is read from the store."""
+        return Reshaping(fps=self.fps, scale=self.scale)
 
 
 @dataclass
@@ -91,6 +103,9 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
         if kept is not None and (name in FORMATS or kept.file_name.lower().endswith(_endings(name))):
             return kept
     source = _add_frame_time(read_clip(tx, stored, first=options.first, last=options.last), options.frame_time)
+    if options.reshaping != Reshaping():
+        clip = reshape(source.clip, options.reshaping)
+        source = replace(source, clip=clip, document=refresh_counts(from_head(clip.head), clip.frames or 0))
     if name == "mcml":
         content = write_document(
             source.document, source.clip.frames or 0, source.clip.head.frame_time, source.clip.blocks(), source.names,
@@ -121,7 +136,7 @@ def _endings(name: str) -> tuple[str, ...]:
 
 
 def _export_original(tx: Transaction, stored: StoredDocument) -> Export:
-    """The files as they were uploaded, whatever was edited since. ConversionError where none are kept."""
+    """The files as they were uploaded, without later edits. ConversionError where none are kept."""
     kept = None if stored.format == "mcml" else _read_upload(tx, stored, None)
     if kept is None:
         raise ConversionError(
@@ -182,6 +197,8 @@ def _convert(source: StoredClip, name: str, options: ExportOptions) -> ClipStrea
         clip = scale(clip, stated / metres_per_unit(options.unit), unit=options.unit)
     if options.up:
         clip = turn_up(clip, _read_fact(clip, "global_axis_of_gravity", "up axis", "up").upper(), options.up.upper())
+    if not options.guesses:
+        need_stated_facts(clip.head, name)
     return convert_clip(clip, name, options.names)
 
 

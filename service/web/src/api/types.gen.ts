@@ -2563,6 +2563,10 @@ export interface components {
             unit?: string | null;
             up?: string | null;
             frame_time?: string | number | null;
+            fps?: number | null;
+            scale?: number | null;
+            /** @default true */
+            guesses: boolean;
             /** @default false */
             raw: boolean;
         };
@@ -5204,6 +5208,9 @@ export interface operations {
                 up?: string | null;
                 original?: boolean;
                 frame_time?: string | number | null;
+                fps?: number | null;
+                scale?: number | null;
+                guesses?: boolean;
                 raw?: boolean;
             };
             header?: never;
