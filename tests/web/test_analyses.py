@@ -66,7 +66,7 @@ def test_an_analysis_that_is_added_has_a_form_and_results(
         assert page.get_by_label("foot").input_value() == "left"
         least = page.get_by_label("Shortest stride")
         least.fill("7")
-        expect(page.get_by_text("A number from 0 to 2.")).to_be_visible()
+        expect(page.get_by_text("Enter a number from 0 to 2.")).to_be_visible()
         least.fill("0.5")
         expect(page.get_by_text("Metres")).to_be_visible()
         assert page.get_by_role("button", name="Run Strides").is_disabled(), "no clip is chosen yet"
@@ -86,7 +86,7 @@ def test_an_analysis_runs_and_its_result_is_seen(open_studio: Served, visit_of: 
     add_clips(open_studio.database, Settings(), "dances", clips, (), "")
     page = visit_of(open_studio).open("/analyses/beats?project=dances")
     page.get_by_role("checkbox", name="groove 3").uncheck()
-    page.get_by_label("Name of the result").fill("two grooves")
+    page.get_by_label("Result name").fill("two grooves")
     page.get_by_role("button", name="Run Beats and bars").click()
     page.wait_for_url("**/results/*")
     picture = page.get_by_role("img", name="Speed of each clip")
@@ -100,4 +100,4 @@ def test_an_analysis_runs_and_its_result_is_seen(open_studio: Served, visit_of: 
     bars = open_studio.get(f"/results/{result['id']}")["parts"]["bars"]["data"]["rows"]
     assert page.locator(".part-table tbody tr").count() == len(bars) > 4
     page.get_by_role("button", name="Jobs").click()
-    expect(page.get_by_role("link", name="Open the result")).to_be_visible()
+    expect(page.get_by_role("link", name="Open result")).to_be_visible()

@@ -47,11 +47,11 @@ def test_a_guessed_unit_is_told_where_it_matters_and_confirmed_there(visit: Visi
     expect(item).to_contain_text("unit unknown, read as m")
     confirm = page.get_by_role("menuitem", name=re.compile("^Confirm (mm|cm|m|inch)"))
     if not confirm.count():
-        page.get_by_role("menuitem", name=re.compile("^Give the unit")).click()
+        page.get_by_role("menuitem", name=re.compile("^Set unit")).click()
         page.get_by_role("combobox", name="Unit", exact=True).select_option("cm")
     else:
         confirm.click()
-    expect(page.locator(".passport")).not_to_contain_text("unknown unit")
+    expect(page.locator(".passport")).not_to_contain_text("unit unknown")
     page.get_by_role("button", name="Export").click()
     expect(item).not_to_contain_text("unit unknown")
 
@@ -67,7 +67,7 @@ def test_what_needs_a_frame_rate_is_not_offered_until_it_is_given(visit: Visit, 
     bvh = page.get_by_role("menuitem", name=re.compile("^BVH"))
     expect(bvh).to_have_attribute("aria-disabled", "true")
     expect(bvh).to_contain_text("needs a frame rate")
-    page.get_by_role("menuitem", name=re.compile("^Give the frame rate")).click()
+    page.get_by_role("menuitem", name=re.compile("^Set frame rate")).click()
     page.get_by_label("Frame rate").fill("60")
     page.get_by_label("Frame rate").press("Enter")
     expect(page.locator(".passport")).to_contain_text("60 Hz")
@@ -95,12 +95,12 @@ def test_a_value_is_asked_for_once(visit: Visit, studio: Served) -> None:
 def test_an_unknown_address_is_a_page_and_the_skip_link_leads_to_the_content(visit: Visit, studio: Served) -> None:
     visit.wanted = {404}
     page = visit.open("/nowhere")
-    expect(page.get_by_role("heading", name="There is no such page.")).to_be_visible()
-    page.get_by_role("link", name="To the library").click()
+    expect(page.get_by_role("heading", name="Page not found.")).to_be_visible()
+    page.get_by_role("link", name="Go to the library").click()
     expect(page).to_have_url(re.compile("/library$"))
     page.goto(f"{studio.url}/xpath")
     expect(page.get_by_role("textbox", name="XPath")).to_be_focused()
-    page.get_by_role("link", name="Skip to the content").focus()
+    page.get_by_role("link", name="Skip to content").focus()
     page.keyboard.press("Enter")
     expect(page.locator("main")).to_be_focused()
     expect(page).to_have_url(re.compile("/xpath"))

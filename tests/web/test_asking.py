@@ -21,31 +21,31 @@ def test_a_question_is_built_by_keys_alone_and_folds_when_it_is_written_by_hand(
     editor = page.get_by_role("textbox", name="XPath")
     expect(editor).to_be_focused()
     builder = page.get_by_role("form", name="Builder")
-    builder.get_by_role("button", name="Motion name").press("Enter")
+    builder.get_by_role("button", name="Label").press("Enter")
     expect(editor).to_have_text("//frame[motion_name = 'left-leg-flexion']")
-    expect(builder.get_by_label("Motion name", exact=True).locator("option:checked")).to_have_text(
+    expect(builder.get_by_label("Label", exact=True).locator("option:checked")).to_have_text(
         "left-leg-flexion (1 clip)"
     )
-    builder.get_by_role("button", name="Place in the clip").press("Enter")
+    builder.get_by_role("button", name="Frame number").press("Enter")
     builder.get_by_label("from", exact=True).fill("20")
     builder.get_by_label("from", exact=True).press("Enter")
     expect(editor).to_have_text("//frame[motion_name = 'left-leg-flexion' and position() >= 20 and position() <= 100]")
-    expect(page.get_by_role("status").filter(has_text="6 frames in 1 run")).to_be_visible()
-    builder.get_by_role("button", name="any of these holds").click()
-    builder.get_by_role("button", name="Value of a bone").press("Enter")
-    builder.get_by_label("Bone", exact=True).select_option("left_foot")
+    expect(page.get_by_role("status").filter(has_text="6 frames in 1 range")).to_be_visible()
+    builder.get_by_role("button", name="match any").click()
+    builder.get_by_role("button", name="Joint channel").press("Enter")
+    builder.get_by_label("Joint", exact=True).select_option("left_foot")
     builder.get_by_label("Value", exact=True).fill("-400")
     expect(editor).to_have_text(re.compile(r" or frame_bone\[@name = 'left_foot'\]/@Rx > -400\]$"))
     page.keyboard.press("Enter")
-    expect(page.get_by_role("status").filter(has_text="60 frames in 1 run")).to_be_visible()
+    expect(page.get_by_role("status").filter(has_text="60 frames in 1 range")).to_be_visible()
     builder.get_by_role("button", name="Remove condition 1").click()
     expect(editor).not_to_have_text(re.compile("motion_name"))
     editor.press("Control+End")
     page.keyboard.type(" ")
     page.keyboard.type("| //name")
     expect(page.get_by_text("The expression below was written by hand.")).to_be_visible()
-    page.get_by_role("button", name="Use the builder instead").click()
-    expect(builder.get_by_label("Bone", exact=True)).to_have_value("left_foot")
+    page.get_by_role("button", name="Use the builder").click()
+    expect(builder.get_by_label("Joint", exact=True)).to_have_value("left_foot")
     expect(editor).not_to_have_text(re.compile("//name"))
 
 
@@ -53,10 +53,10 @@ def test_examples_find_something_and_become_lines_for_scripts(open_studio: Serve
     open_studio.upload("kick.bvh", walk(), label="it's a kick:10-25")
     visit = visit_of(open_studio, permissions=["clipboard-read", "clipboard-write"])
     page = visit.open("/xpath")
-    page.get_by_role("button", name=re.compile("^Frames of one motion name.*it's")).click()
-    expect(page.get_by_role("status").filter(has_text="16 frames in 1 run")).to_be_visible()
+    page.get_by_role("button", name=re.compile("^Frames with a label.*it's")).click()
+    expect(page.get_by_role("status").filter(has_text="16 frames in 1 range")).to_be_visible()
     page.get_by_role("button", name="Copy").click()
-    page.get_by_role("menuitem", name="as Python").click()
+    page.get_by_role("menuitem", name="Python").click()
     expect(page.get_by_text("Copied")).to_be_visible()
     line = page.evaluate("navigator.clipboard.readText()")
     found: dict[str, Any] = {}
@@ -114,7 +114,7 @@ def test_one_value_is_read_at_once_also_where_runs_were_asked_for(asked: Any, qu
 
 @pytest.mark.parametrize(
     ("locale", "switch", "by_itself"),
-    [("en", "per document", "each document by itself"), ("ko", "문서마다", "문서마다 따로")],
+    [("en", "per clip", "each clip separately"), ("ko", "클립마다", "클립마다 따로")],
 )
 def test_each_document_is_asked_by_itself(asked: Any, locale: str, switch: str, by_itself: str) -> None:
     page = asked("count(//frame)", locale=locale)

@@ -28,7 +28,7 @@ def test_a_threshold_on_a_curve_writes_the_question(visit: Visit, studio: Served
     uuid = studio.upload("kick.bvh", walk(60))
     page = visit.open(f"/clips/{uuid}?f=5&sel=left_foot&tab=body")
     ready(page)
-    page.get_by_label("What of the body").select_option("angle")
+    page.get_by_label("Measurement").select_option("angle")
     expect(page.get_by_label("Angle", exact=True)).to_have_value("left-knee-flexion")
     plot = page.get_by_role("img", name="angle:left-knee-flexion")
     expect(plot).to_be_visible()
@@ -49,10 +49,10 @@ def test_a_threshold_on_a_curve_writes_the_question(visit: Visit, studio: Served
     found = re.fullmatch(r"//frame\[mo:angle\('left-knee-flexion'\) < (-?[\d.]+)\]", question.inner_text())
     assert found is not None
     assert float(found[1]) != limit
-    page.get_by_role("button", name="Ask the library").click()
+    page.get_by_role("button", name="Search the library").click()
     hits = int((degrees < float(found[1])).sum())
     expect(
-        page.get_by_text(re.compile(rf"^{hits:,} frames? in ")) if hits else page.get_by_text("Nothing")
+        page.get_by_text(re.compile(rf"^{hits:,} frames? in ")) if hits else page.get_by_text("No matches")
     ).to_be_visible()
 
 
@@ -71,7 +71,7 @@ def test_poses_and_motions_like_these_are_found_in_other_clips(visit: Visit, stu
     uuid, other = studio.upload("kick.bvh", person(1, 60)), studio.upload("again.bvh", person(2, 60))
     page = visit.open(f"/clips/{uuid}?f=30&in=10&out=40&tab=body")
     ready(page)
-    page.get_by_role("button", name="Find poses like this").click()
+    page.get_by_role("button", name="Find similar poses").click()
     poses = page.get_by_role("dialog", name="Poses like frame 30 of kick")
     best = poses.get_by_role("option").first
     expect(best).to_contain_text("kick")
@@ -98,7 +98,7 @@ def test_the_floor_is_set_and_taken_back(visit: Visit, studio: Served) -> None:
     guessed = studio.get(f"/documents/{uuid}/calibration")["floor"]
     page = visit.open(f"/clips/{uuid}?tab=body&quantity=height:left_foot")
     ready(page)
-    page.get_by_text("What these numbers rest on").click()
+    page.get_by_text("Calibration").click()
     floor = page.get_by_label("Floor")
     floor.fill("2.5")
     floor.press("Enter")

@@ -21,7 +21,7 @@ def board(open_studio: Served, visit_of: Any) -> Any:
     one = open_studio.upload("one.bvh", person("one", body.walk(170.0, 0.7, 1.0, 6.0)))
     two = open_studio.upload("two.bvh", person("two", body.wave(170.0, 0.5, 1.5)), label="kick:11-20")
     page = visit_of(open_studio).open(f"/compose?s={one},{two}")
-    shown(page, "in 2 pieces")
+    shown(page, "in 2 segments")
     return page
 
 
@@ -47,17 +47,17 @@ def fill(field: Any, text: str) -> None:
 
 
 def test_a_piece_has_its_speed_and_is_mirrored_and_a_reload_keeps_it(board: Any) -> None:
-    piece = board.get_by_role("group", name="Piece 1")
+    piece = board.get_by_role("group", name="Segment 1")
     asked = segments_asked(board, lambda: fill(piece.get_by_label("Speed"), "2"))
     assert asked[0]["speed"] == 2
     asked = segments_asked(board, lambda: piece.get_by_role("button", name="Mirror").click())
     assert asked[0]["mirror"]
     board.wait_for_url(re.compile("_x2_m"))
     board.reload()
-    expect(board.get_by_role("button", name=re.compile(r"Piece 1: one ?1–42 ?× 2 ?mirrored"))).to_be_visible()
+    expect(board.get_by_role("button", name=re.compile(r"Segment 1: one ?1–42 ?× 2 ?mirrored"))).to_be_visible()
     # Without an address it is there too: what was in work is kept.
     board.goto(board.url.split("?")[0])
-    expect(board.get_by_role("button", name=re.compile(r"Piece 1: one ?1–42 ?× 2 ?mirrored"))).to_be_visible()
+    expect(board.get_by_role("button", name=re.compile(r"Segment 1: one ?1–42 ?× 2 ?mirrored"))).to_be_visible()
 
 
 def test_a_seam_has_its_own_transition_and_undo_takes_each_step_back(board: Any) -> None:
@@ -78,7 +78,7 @@ def test_a_seam_has_its_own_transition_and_undo_takes_each_step_back(board: Any)
 
 
 def test_edges_snap_to_names(board: Any) -> None:
-    piece = board.get_by_role("button", name=re.compile("^Piece 2: two"))
+    piece = board.get_by_role("button", name=re.compile("^Segment 2: two"))
     box = piece.bounding_box()
     per_frame = box["width"] / 30
     board.mouse.move(box["x"] + box["width"] - 3, box["y"] + 20)
@@ -88,13 +88,13 @@ def test_edges_snap_to_names(board: Any) -> None:
     asked = segments_asked(board, board.mouse.up)
     assert (asked[1]["first"], asked[1]["last"]) == (1, 20)
     # A drag that Esc ends has done nothing.
-    box = board.get_by_role("button", name=re.compile("^Piece 1: one")).bounding_box()
+    box = board.get_by_role("button", name=re.compile("^Segment 1: one")).bounding_box()
     board.mouse.move(box["x"] + 3, box["y"] + 20)
     board.mouse.down()
     board.mouse.move(box["x"] + 80, box["y"] + 20, steps=3)
     board.keyboard.press("Escape")
     board.mouse.up()
-    expect(board.get_by_role("button", name=re.compile("^Piece 1: one ?1–42"))).to_be_visible()
+    expect(board.get_by_role("button", name=re.compile("^Segment 1: one ?1–42"))).to_be_visible()
 
 
 def test_a_layer_moves_chosen_joints(board: Any) -> None:
@@ -117,13 +117,13 @@ def test_runs_of_a_question_become_pieces(board: Any) -> None:
     asked = segments_asked(board, lambda: board.get_by_role("button", name="Add two 11–20").click())
     assert [(one["first"], one["last"]) for one in asked] == [(1, 42), (1, 30), (11, 20)]
     board.get_by_role("button", name="Add all 1").click()
-    expect(board.get_by_role("group", name="Pieces").get_by_role("button", name="Piece")).to_have_count(4)
+    expect(board.get_by_role("group", name="Segments").get_by_role("button", name="Segment")).to_have_count(4)
     board.wait_for_url(lambda url: parse_qs(urlsplit(url).query)["s"][0].count(",") == 3)
 
 
 def test_clips_are_dragged_onto_the_storyboard(board: Any) -> None:
     bin_row = board.locator(".bin-list li").filter(has_text="two")
-    bin_row.drag_to(board.get_by_role("button", name=re.compile("^Piece 1: one")), target_position={"x": 5, "y": 20})
-    expect(board.get_by_role("button", name=re.compile("^Piece 1: two"))).to_be_visible()
+    bin_row.drag_to(board.get_by_role("button", name=re.compile("^Segment 1: one")), target_position={"x": 5, "y": 20})
+    expect(board.get_by_role("button", name=re.compile("^Segment 1: two"))).to_be_visible()
     bin_row.drag_to(board.locator(".layer-lane").nth(1))
     expect(board.get_by_role("button", name=re.compile("^Layer: two"))).to_be_visible()

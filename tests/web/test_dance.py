@@ -60,7 +60,7 @@ def make(page: Any, **fields: str) -> str:
         field = page.get_by_label(label, exact=True)
         field.fill(value)
         field.press("Enter")
-    page.get_by_role("button", name="Make", exact=True).click()
+    page.get_by_role("button", name="Create dance", exact=True).click()
     page.wait_for_url(re.compile(r"/dance/[0-9a-f-]{36}"))
     expect(page.get_by_role("button", name="Save…")).to_be_visible()
     return str(page.url.split("/dance/")[1].split("?")[0])
@@ -70,11 +70,11 @@ def test_a_bench_is_opened_from_a_project(open_studio: Served, visit_of: Any, da
     page = visit_of(open_studio).open("/dance")
     page.get_by_label("Project").select_option("dances")
     page.get_by_role("checkbox", name="groove 3").uncheck()
-    page.get_by_role("button", name="Open the bench").click()
+    page.get_by_role("button", name="Open clips").click()
     expect(page.locator(".bench-row")).to_have_count(2)
     assert page.url.count("doc=") == 2
     page.get_by_role("button", name="Other clips").click()
-    expect(page.get_by_role("button", name="Open the bench")).to_be_visible()
+    expect(page.get_by_role("button", name="Open clips")).to_be_visible()
 
 
 def test_beats_are_corrected_and_bars_follow(open_studio: Served, bench: Any) -> None:
@@ -193,7 +193,7 @@ def test_a_tempo_that_was_chosen_can_be_changed_and_taken_back(bench: Any) -> No
 
 
 def test_the_graph_is_drawn_tried_and_its_edges_play(open_studio: Served, bench: Any) -> None:
-    bench.get_by_role("button", name="Make the graph").click()
+    bench.get_by_role("button", name="Build motion graph").click()
     bench.wait_for_selector(".bench-canvas[data-laid]")
     said = bench.locator(".bench-graph").get_by_role("status")
     before = said.inner_text()
@@ -214,7 +214,7 @@ def test_the_graph_is_drawn_tried_and_its_edges_play(open_studio: Served, bench:
     assert len(seen) == 2
     bench.get_by_role("button", name="List").click()
     with bench.expect_response(lambda answer: "/compose" in answer.url) as answer:
-        bench.get_by_role("button", name=re.compile("Play: Bar 1 to bar")).first.click()
+        bench.get_by_role("button", name=re.compile("Play: Transition from bar 1 to bar")).first.click()
     assert answer.value.status == 200
     assert len(answer.value.request.post_data_json["segments"]) == 2
     expect(bench.get_by_role("status").filter(has_text="From bar 1 to bar")).to_be_visible()
@@ -229,11 +229,11 @@ def test_a_dry_run_keeps_to_what_is_allowed(open_studio: Served, visit_of: Any, 
     bench.get_by_label("Bars at position 3").fill("5 12")
     bench.get_by_label("Bars at position 3").press("Enter")
     bench.wait_for_url("**allow=3*")
-    bench.get_by_role("button", name="Dry run").click()
-    expect(bench.get_by_text("A dry run: nothing was made.")).to_be_visible()
+    bench.get_by_role("button", name="Preview").click()
+    expect(bench.get_by_text("Preview only: nothing was saved.")).to_be_visible()
     third = bench.get_by_role("button", name=re.compile("Position 3: Bar")).get_attribute("aria-label")
     assert int(third.split()[-1]) in (5, 12)
-    expect(bench.get_by_role("rowheader", name="Feet slide in transitions")).to_be_visible()
+    expect(bench.get_by_role("rowheader", name="Foot skate in transitions")).to_be_visible()
     assert len(open_studio.get("/documents")["items"]) == 3
 
 
@@ -254,7 +254,7 @@ def test_a_tempo_is_tapped_and_one_that_does_not_work_says_what_does(
     page.wait_for_url("**bpm=125*")
     page.get_by_label("Tempo", exact=True).fill("30")
     page.get_by_label("Tempo", exact=True).press("Enter")
-    page.get_by_role("button", name="Make", exact=True).click()
+    page.get_by_role("button", name="Create dance", exact=True).click()
     expect(page.get_by_role("alert").filter(has_text="Give a number from 40 to 240")).to_be_visible()
 
 
@@ -299,10 +299,10 @@ def test_a_dance_is_renamed_exported_and_taken_back(open_studio: Served, bench: 
     with bench.expect_download() as download:
         bench.get_by_role("menuitem", name="BVH").click()
     assert Path(download.value.path()).read_text().startswith("HIERARCHY")
-    bench.get_by_role("button", name=re.compile("Play: Bar")).first.click()
+    bench.get_by_role("button", name=re.compile("Play: Transition from bar")).first.click()
     bench.wait_for_function("() => window.mcmlDance.frame() > 0")
     bench.get_by_role("button", name="Undo", exact=True).last.click()
-    expect(bench.get_by_text("dance: deleted")).to_be_visible()
+    expect(bench.get_by_text("dance deleted")).to_be_visible()
     assert document not in [one["id"] for one in open_studio.get("/documents")["items"]]
 
 
@@ -329,13 +329,13 @@ def test_music_is_danced_to_and_kept_with_the_dance(open_studio: Served, bench: 
     bench.get_by_label("Music", exact=True).set_input_files(
         {"name": "song.wav", "mimeType": "audio/wav", "buffer": song(120, 20)}
     )
-    slider = bench.get_by_role("slider", name="Sound from")
+    slider = bench.get_by_role("slider", name="Audio offset")
     expect(slider).to_be_visible(timeout=120_000)
     bench.keyboard.press("Shift+>")
     bench.keyboard.press("Shift+Period")
     bench.wait_for_url("**offset=0.02*")
     slider.press("ArrowRight")
-    bench.get_by_label("First bar at beat").select_option("2")
+    bench.get_by_label("First downbeat at beat").select_option("2")
     result = make(bench, Bars="4")
     wish = open_studio.get(f"/results/{result}")["parameters"]["music"]
     assert wish["downbeat"] == 2
@@ -346,8 +346,8 @@ def test_music_is_danced_to_and_kept_with_the_dance(open_studio: Served, bench: 
     drift(bench, 4)
     # Who opens the dance later hears it too.
     bench.goto(f"{bench.url.split('/dance/')[0]}/dance/{result}")
-    expect(bench.get_by_role("slider", name="Sound from")).to_have_attribute("aria-valuetext", "0.03 s")
-    assert bench.get_by_label("First bar at beat").input_value() == "2"
+    expect(bench.get_by_role("slider", name="Audio offset")).to_have_attribute("aria-valuetext", "0.03 s")
+    assert bench.get_by_label("First downbeat at beat").input_value() == "2"
 
 
 def test_a_real_dance_is_danced_anew(open_studio: Served, visit_of: Any, shared: Path) -> None:
@@ -362,7 +362,7 @@ def test_a_real_dance_is_danced_anew(open_studio: Served, visit_of: Any, shared:
     expect(row.get_by_role("group").get_by_role("button").first).to_contain_text("130")
     lane.focus()
     lane.press("ArrowRight")
-    page.get_by_text(re.compile("Refused: ")).click()
+    page.get_by_text(re.compile("Rejected: ")).click()
     expect(page.get_by_role("cell", name=re.compile("F1|F2|F3")).first).to_be_visible()
     make(page, Bars="8", Tempo="128")
     drift(page, 3)
@@ -371,7 +371,7 @@ def test_a_real_dance_is_danced_anew(open_studio: Served, visit_of: Any, shared:
 @pytest.mark.parametrize("scheme", ["dark", pytest.param("light", marks=pytest.mark.fuzz)])
 def test_no_serious_fault_of_accessibility(bench: Any, scheme: str) -> None:
     bench.emulate_media(color_scheme=scheme, reduced_motion="reduce")
-    bench.get_by_role("button", name="Make the graph").click()
+    bench.get_by_role("button", name="Build motion graph").click()
     bench.wait_for_selector(".bench-canvas[data-laid]")
     bench.get_by_role("button", name="Position 2: free").click()
     bench.get_by_label("Beats: groove 1").select_option("tracked")

@@ -31,12 +31,12 @@ def test_clips_without_beats_are_left_out_by_name(open_studio: Served, visit_of:
     expect(page.get_by_role("article", name="groove 1").locator("[data-bars]")).to_have_attribute("data-bars", "8")
     expect(page.get_by_role("link", name=re.compile("^blink has 20 frames; beats need at least"))).to_be_visible()
     expect(page.get_by_role("link", name=re.compile("^crawl has 5 frames a second"))).to_be_visible()
-    expect(page.get_by_text("left out.")).to_have_count(3)
-    expect(page.get_by_role("form", name="still")).to_contain_text("No frame rate, so it has no tempo: left out.")
+    expect(page.get_by_text("Excluded.")).to_have_count(3)
+    expect(page.get_by_role("form", name="still")).to_contain_text("No frame rate, so no tempo. Excluded.")
     expect(page.get_by_role("alert")).to_have_count(0)
     expect(page.get_by_role("button", name="Jobs")).to_have_count(0)
     # What is made of the bench is made of the others.
     with page.expect_request(lambda asked: asked.url.endswith("/analyses/motion-graph")) as asked:
-        page.get_by_role("button", name="Make the graph").click()
+        page.get_by_role("button", name="Build motion graph").click()
     assert asked.value.post_data_json["inputs"]["documents"] == [good]
     page.wait_for_selector(".bench-canvas[data-laid]")

@@ -54,7 +54,7 @@ def drop(page: Any, files: dict[str, bytes]) -> None:
 def test_each_dropped_file_has_a_row_with_what_became_of_it(visit: Visit, studio: Served) -> None:
     visit.wanted = {415, 422}
     page = visit.open("/library")
-    expect(page.get_by_role("button", name="Import")).to_be_visible()
+    expect(page.get_by_role("button", name="Import", exact=True)).to_be_visible()
     drop(page, GOOD | {name: content for name, (content, _) in REFUSED.items()})
     tray = page.get_by_role("region", name="Import")
     count = len(GOOD) + len(REFUSED)
@@ -63,10 +63,10 @@ def test_each_dropped_file_has_a_row_with_what_became_of_it(visit: Visit, studio
     expect(rows).to_have_count(count)
     for name, (_, why) in REFUSED.items():
         row = rows.filter(has=page.get_by_title(name, exact=True))
-        expect(row).to_contain_text("refused")
+        expect(row).to_contain_text("import failed")
         expect(row.locator(".refusal")).to_contain_text(why)
         expect(row.locator(".refusal p")).not_to_have_count(0)
-    same = rows.filter(has_text="Equal to a stored clip")
+    same = rows.filter(has_text="Duplicate of a clip")
     expect(same).to_have_count(1)
     both = rows.filter(has=page.get_by_title("all.zip", exact=True))
     expect(both.get_by_role("link")).to_have_text(["one", "two"])
@@ -77,7 +77,7 @@ def test_each_dropped_file_has_a_row_with_what_became_of_it(visit: Visit, studio
 def test_a_long_file_of_an_unknown_kind_is_not_sent_whole(visit: Visit, studio: Served) -> None:
     sent: list[int] = []
     page = visit.open("/library")
-    expect(page.get_by_role("button", name="Import")).to_be_visible()
+    expect(page.get_by_role("button", name="Import", exact=True)).to_be_visible()
     page.on("request", lambda one: sent.append(len(one.post_data_buffer or b"")) if one.method == "POST" else None)
     page.evaluate(
         """([head, size]) => {
@@ -89,5 +89,5 @@ def test_a_long_file_of_an_unknown_kind_is_not_sent_whole(visit: Visit, studio: 
         [list(b"\x00\x00\x00\x18ftypmp42"), 20 << 20],
     )
     row = page.get_by_role("region", name="Import").locator("li").first
-    expect(row).to_contain_text(re.compile("refused.*Unsupported error", re.DOTALL))
+    expect(row).to_contain_text(re.compile("import failed.*Unsupported error", re.DOTALL))
     assert sum(sent) < 1 << 20

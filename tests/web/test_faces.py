@@ -40,7 +40,7 @@ def small() -> list[Motion]:
 
 
 def faces(page: Any) -> Any:
-    return page.get_by_role("list", name="faces").get_by_role("button")
+    return page.get_by_role("list", name="expressions").get_by_role("button")
 
 
 def walk_over_five(page: Any) -> None:
@@ -57,12 +57,12 @@ def test_a_walk_over_five_faces_is_refined_played_and_exported(
 ) -> None:
     space = keep_space(open_studio.database, small)
     page = visit_of(open_studio).open(f"/faces/{space}?level=1")
-    expect(page.get_by_text("22 faces", exact=True)).to_be_visible()
+    expect(page.get_by_text("22 expressions", exact=True)).to_be_visible()
     walk_over_five(page)
     page.wait_for_function("() => new URLSearchParams(location.search).get('keys')?.split(',').length === 5")
     page.reload()
     expect(page.locator(".faces-path .faces-keys button")).to_have_count(5)
-    page.get_by_role("button", name="Make the animation").click()
+    page.get_by_role("button", name="Create animation").click()
     page.wait_for_url(lambda url: space not in url)
     expect(page.get_by_role("heading", name="Version 1")).to_be_visible()
     kept = open_studio.get("/results", parent=space)["items"][0]
@@ -95,7 +95,7 @@ def test_a_walk_over_five_faces_is_refined_played_and_exported(
         mean = points[both[0]][axis] * (1 - share) + points[both[1]][axis] * share
         assert numbers[axis] == pytest.approx(mean, abs=0.1)
 
-    page.get_by_role("button", name="Refine by itself").click()
+    page.get_by_role("button", name="Refine automatically").click()
     expect(page.get_by_role("heading", name="Version 2")).to_be_visible()
     finer = open_studio.get("/results", parent=kept["id"])["items"][0]
     page.get_by_role("link", name="Version 1").click()
@@ -120,9 +120,9 @@ def test_what_is_not_linked_is_reached_by_a_route(open_studio: Served, visit_of:
     page.locator(".faces-candidates button:not(.near)").last.click()
     expect(page.get_by_text("Not linked at this level.")).to_be_visible()
     between = int(page.locator(".banner p").inner_text().split()[1])
-    page.get_by_role("button", name="Take this way").click()
+    page.get_by_role("button", name="Use this path").click()
     expect(page.locator(".faces-path .faces-keys button")).to_have_count(between + 2)
-    page.get_by_role("button", name="Take face 2 away").click()
+    page.get_by_role("button", name="Remove expression 2").click()
     expect(page.locator(".faces-path .faces-keys button")).to_have_count(1)
     # By keys alone: along a link, onto the path.
     chart = page.get_by_role("application")
@@ -133,7 +133,7 @@ def test_what_is_not_linked_is_reached_by_a_route(open_studio: Served, visit_of:
     chart.press("Backspace")
     # Another level has other faces: what is no face there is taken back, or taken up again.
     page.get_by_label("Level").press("ArrowRight")
-    expect(page.get_by_text("44 faces", exact=True)).to_be_visible()
+    expect(page.get_by_text("44 expressions", exact=True)).to_be_visible()
     page.get_by_role("button", name="Markers").click()
     page.wait_for_url("**skin=markers*")
 
@@ -146,13 +146,13 @@ def test_the_finest_level_has_all_frames(open_studio: Served, visit_of: Any, sma
     visit = visit_of(open_studio)
     visit.wanted.add(422)
     page = visit.open(f"/faces/{space}?level={level}")
-    expect(page.get_by_text(f"{count} faces", exact=True)).to_be_visible()
+    expect(page.get_by_text(f"{count} expressions", exact=True)).to_be_visible()
     faces(page).first.click()
     page.locator(".faces-candidates .near").first.click()
     expect(page.locator(".faces-path .faces-keys button")).to_have_count(2)
     expect(page.locator(".faces-candidates .near").first).to_be_visible()
     page.locator(".faces-candidates button:not(.near)").last.click()
-    page.get_by_role("button", name="Take this way").click()
+    page.get_by_role("button", name="Use this path").click()
     assert page.locator(".faces-path .faces-keys button").count() > 3
 
 
@@ -168,12 +168,12 @@ def test_a_mesh_of_ones_own_follows_the_markers(
     visit = visit_of(open_studio)
     page = visit.open(f"/faces/{space}?level=1")
     expect(faces(page).first).to_be_visible()
-    page.get_by_label("Open a mesh").set_input_files(mesh)
+    page.get_by_label("Open mesh").set_input_files(mesh)
     page.wait_for_url("**skin=mesh*")
     wrong = tmp_path / "notes.obj"
     wrong.write_text("nothing")
-    page.get_by_label("Open a mesh").set_input_files(wrong)
-    expect(page.get_by_text("This file holds no mesh")).to_be_visible()
+    page.get_by_label("Open mesh").set_input_files(wrong)
+    expect(page.get_by_text("No mesh found in this file")).to_be_visible()
 
 
 @pytest.mark.usefixtures("lent_workers")
@@ -181,7 +181,7 @@ def test_a_map_is_built_from_takes(open_studio: Served, visit_of: Any) -> None:
     takes = [take.clip for take in face_takes(2, expressions=EXPRESSIONS[:2], every_marker=5, fps=20)]
     add_clips(open_studio.database, Settings(), "takes", takes, (), "")
     page = visit_of(open_studio).open("/faces?project=takes")
-    page.get_by_role("button", name="Build the map").click()
+    page.get_by_role("button", name="Build map").click()
     page.wait_for_url("**/faces/*")
     expect(page.get_by_role("application")).to_be_visible()
     assert json.loads(json.dumps(open_studio.get("/results")["items"][0]["inputs"]))
@@ -196,6 +196,6 @@ def test_real_takes_are_walked(open_studio: Served, visit_of: Any, shared: Path)
     page = visit_of(open_studio).open(f"/faces/{space}?level=1")
     faces(page).first.click()
     page.locator(".faces-candidates .near").first.click()
-    page.get_by_role("button", name="Make the animation").click()
+    page.get_by_role("button", name="Create animation").click()
     expect(page.get_by_role("heading", name="Version 1")).to_be_visible()
     expect(page.get_by_role("slider", name="frame")).to_be_visible()

@@ -18,9 +18,9 @@ from tests import fuzz
 from tests.analysis.dance.motions import generated
 from tests.analysis.expression.face_motions import motions
 from tests.web.conftest import Served, serve, walk
-from tests.web.test_blender import keep_model
 from tests.web.test_faces import keep_space
 from tests.web.test_journeys import ready
+from tests.web.test_reach import keep_model
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect
 AXE = WEB / "node_modules/axe-core/axe.min.js"
@@ -70,11 +70,11 @@ def filled(sqlite_template: Path, tmp_path_factory: pytest.TempPathFactory) -> I
                 "result-table": f"/results/{result}?part=bars",
                 "faces": f"/faces/{space}?level=1&keys=3",
                 "faces-start": "/faces",
-                "blender-empty": "/reach?project=demo-reach",
-                "blender": f"/reach/{model}?near=side",
-                "blender-gap": f"/reach/{model}?near=alone&age=45",
-                "blender-examples": f"/reach/{model}?tab=examples",
-                "blender-fit": f"/reach/{model}?tab=fit",
+                "reach-empty": "/reach?project=demo-reach",
+                "reach": f"/reach/{model}?near=side",
+                "reach-gap": f"/reach/{model}?near=alone&age=45",
+                "reach-examples": f"/reach/{model}?tab=examples",
+                "reach-fit": f"/reach/{model}?tab=fit",
                 "dance-start": "/dance",
                 "settings": "/settings",
                 "settings-project": "/settings/projects?project=Gait",
@@ -98,7 +98,7 @@ PAGES = [
     "library", "list", "nothing", "tree", "graph", "body", "structure", "text", "history", "info", "xpath",
     "xpath-empty",
     "composer", "composer-empty", "retarget", "retarget-empty", "analyses", "analysis", "result",
-    "result-table", "blender-empty", "blender", "blender-gap", "blender-examples", "blender-fit",
+    "result-table", "reach-empty", "reach", "reach-gap", "reach-examples", "reach-fit",
     "faces", "faces-start", "dance-start", "settings",
 ]  # fmt: skip
 
@@ -146,6 +146,19 @@ def faults(page: Any) -> list[tuple[str, str, list[str]]]:
     return [(one["id"], one["impact"], [node["html"][:160] for node in one["nodes"]][:4]) for one in found]
 
 
+OVERLAPS = """() => {
+  const boxes = [...document.querySelectorAll("main :is(input, select, textarea).field")]
+    .map((field) => [field, field.getBoundingClientRect()]);
+  return boxes.flatMap(([one, a], at) => boxes.slice(at + 1)
+    .filter(([other, b]) =>
+      one.parentElement.parentElement === other.parentElement.parentElement &&
+      Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 &&
+      Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1)
+    .map(([other]) => one.outerHTML.slice(0, 80) + " over " + other.outerHTML.slice(0, 80)));
+}"""
+"""Fields of neighbouring rows that lie over one another; others may be scrolled below a bar."""
+
+
 def serious_faults(page: Any) -> list[tuple[str, list[str]]]:
     return [(rule, nodes) for rule, impact, nodes in faults(page) if impact in ("serious", "critical")]
 
@@ -155,13 +168,13 @@ def serious_faults(page: Any) -> list[tuple[str, list[str]]]:
 )
 def test_pages(filled: Any, visit_of: Any, request: pytest.FixtureRequest, scheme: str, locale: str, size: str) -> None:
     """Every page, also in a narrow window (a wide one in `make fuzz`): nothing goes wrong, no serious fault of
-    accessibility, nothing is wider than the window. Each is kept as a picture."""
+    accessibility, nothing is wider than the window, no field lies over another. Each is kept as a picture."""
     served, pages = filled
     page = visit_of(served, color_scheme=scheme, locale=locale, reduced_motion="reduce").open("/settings")
     sizes = {"normal": (1280, 800)}
     if size == "narrow" or fuzz.asked_for(request.config):
         sizes[size] = SIZES[size]
-    found, wider = {}, []
+    found, wider, overlaps = {}, [], []
     # In the dark only every other one, or `make test` would take as long again.
     for name in PAGES if size == "narrow" or fuzz.asked_for(request.config) else PAGES[::2]:
         turn_to(page, pages[name], name)
@@ -171,17 +184,19 @@ def test_pages(filled: Any, visit_of: Any, request: pytest.FixtureRequest, schem
             picture(page, name, each, scheme, locale)
             if page.evaluate("() => document.documentElement.scrollWidth") > width:
                 wider.append((name, each))
+            overlaps += [(name, each, pair) for pair in page.evaluate(OVERLAPS)]
             if each == "normal" and (serious := serious_faults(page)):
                 found[name] = serious
     assert found == {}, found
     assert wider == []
+    assert overlaps == []
 
 
 def nothing_found(page: Any) -> None:
     page.keyboard.press("Control+k")
-    palette = page.get_by_role("dialog", name="Find anything")
+    palette = page.get_by_role("dialog", name="Search everything")
     palette.get_by_role("combobox").fill("zzzz")
-    expect(palette.get_by_role("status")).to_have_text("Nothing is called so.")
+    expect(palette.get_by_role("status")).to_have_text("No results.")
     expect(palette.get_by_role("option")).to_have_count(0)
 
 
@@ -193,7 +208,7 @@ def files_above(page: Any) -> None:
           document.body.dispatchEvent(new DragEvent("dragenter", { dataTransfer: data, bubbles: true }));
         }"""
     )
-    expect(page.get_by_role("region", name="Drop to add")).to_be_visible()
+    expect(page.get_by_role("region", name="Drop to import")).to_be_visible()
 
 
 def refused(page: Any) -> None:

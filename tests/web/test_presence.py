@@ -26,7 +26,7 @@ def test_two_people_see_each_other(visit_of: Any, studio: Served) -> None:
         pages[name] = visit.open(f"/clips/{uuid}?f=5&sel=left_up_leg&tab=graph")
         ready(pages[name])
     kim, sam = pages.values()
-    expect(sam.get_by_role("img", name="kim is viewing this clip")).to_have_text("KI")
+    expect(sam.get_by_role("img", name="kim has been viewing this clip")).to_have_text("KI")
 
     field = sam.get_by_role("group", name="Value at frame 5").get_by_label("Rx")
     expect(field).not_to_have_value("")
@@ -35,12 +35,12 @@ def test_two_people_see_each_other(visit_of: Any, studio: Served) -> None:
         field.press("Enter")
     # Somebody who comes back to the page asks at once.
     kim.evaluate("document.dispatchEvent(new Event('visibilitychange'))")
-    expect(kim.get_by_role("img", name="Sam Lee is editing this clip")).to_have_text("SL")
+    expect(kim.get_by_role("img", name="Sam Lee has been editing this clip")).to_have_text("SL")
     expect(kim.get_by_text("Sam Lee is editing this clip; saving merges")).to_be_visible()
     with sam.expect_response(lambda answer: answer.request.method == "DELETE"):
         sam.locator(".rail").get_by_role("link", name="Library").click()
     kim.evaluate("document.dispatchEvent(new Event('visibilitychange'))")
-    expect(kim.get_by_role("list", name="Others who have this clip open")).to_have_count(0)
+    expect(kim.get_by_role("list", name="Other people who have this clip open")).to_have_count(0)
     expect(kim.get_by_text("is editing this clip")).to_have_count(0)
 
 

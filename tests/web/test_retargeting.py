@@ -24,22 +24,22 @@ def test_options_and_the_frames_of_the_report(open_studio: Served, visit_of: Any
     tall = open_studio.upload("tall.bvh", person("tall", 200.0, body.wave(200.0, 0.2, 1.5)))
     page = visit_of(open_studio).open(f"/retarget?from={walked}&to={tall}")
     page.get_by_text("Options").click()
-    page.get_by_label("Match the rest poses").check()
+    page.get_by_label("Match rest poses").check()
     # The report below is the one of this answer.
     with page.expect_response(
         lambda answer: "/retarget?" in answer.url and answer.request.post_data_json["scale"] is not None
     ) as response:
-        page.get_by_label("Scale of the way").check()
+        page.get_by_label("Root motion scale").check()
     response.value.finished()
     asked = response.value.request.post_data_json
     assert asked["match_rest"] is True
     assert asked["scale"] == pytest.approx(200 / 170, rel=0.01)
     page.wait_for_url(re.compile("rest=1.*scale=1"))
-    worst = page.get_by_role("button", name=re.compile("^The worst frame is"))
+    worst = page.get_by_role("button", name=re.compile("^Largest error: frame"))
     number = int(worst.inner_text().split()[-1])
     worst.click()
     expect(page.get_by_role("slider", name="Frame")).to_have_attribute("aria-valuenow", str(number))
-    contact = page.get_by_role("button", name=re.compile("stands in frames")).first
+    contact = page.get_by_role("button", name=re.compile("contact in frames")).first
     first, last = map(int, re.findall(r"\d+", contact.inner_text()))
     contact.click()
     page.wait_for_url(re.compile(rf"f={first}(&|$)"))
@@ -52,7 +52,7 @@ def test_a_mapping_gets_its_name_in_a_dialog(open_studio: Served, visit_of: Any)
     page = visit_of(open_studio).open(f"/retarget?from={one}&to={two}")
     expect(page.get_by_text("4 of 4 joints")).to_be_visible()
     page.get_by_role("button", name="Mapping").click()
-    page.get_by_role("menuitem", name="Save this mapping as").click()
+    page.get_by_role("menuitem", name="Save mapping as").click()
     name = page.get_by_role("dialog").get_by_role("textbox", name="Name")
     expect(name).to_have_value("one to two")
     name.fill("legs")
@@ -70,13 +70,13 @@ def test_many_clips_are_put_on_a_body_and_taken_back(open_studio: Served, visit_
         assert labelled.status_code == 200, labelled.text
     one, two = open_studio.upload("one.bvh", walk(40)), open_studio.upload("two.bvh", walk(1, seed=3))
     page = visit_of(open_studio).open(f"/retarget?from={one}&to={two}")
-    page.get_by_role("button", name="Apply to many").click()
-    dialog = page.get_by_role("dialog", name="Put many clips on two")
+    page.get_by_role("button", name="Apply to many clips").click()
+    dialog = page.get_by_role("dialog", name="Retarget clips to two")
     dialog.get_by_role("button", name="XPath").click()
     dialog.get_by_role("textbox", name="XPath").fill("//frame[motion_name='kick']")
     expect(dialog.get_by_role("status")).to_have_text("4 clips")
-    dialog.get_by_role("button", name="Make the clips").click()
-    expect(dialog.get_by_role("status")).to_have_text("3 clips made. 1 failed.")
+    dialog.get_by_role("button", name="Retarget clips").click()
+    expect(dialog.get_by_role("status")).to_have_text("3 clips created. 1 failed.")
     rows = dialog.get_by_role("listitem")
     expect(rows).to_have_count(4)
     expect(rows.filter(has_text="markers")).to_contain_text("Choose a document of a body.")

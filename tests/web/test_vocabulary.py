@@ -24,7 +24,7 @@ def test_names_that_a_project_agreed_on_come_first(visit: Visit, studio: Served)
     page = visit.open(f"/clips/{uuid}")
     ready(page)
     page.locator(".span", has_text="beginning").dblclick()
-    form = page.get_by_role("form", name="Motion name")
+    form = page.get_by_role("form", name="Label")
     form.get_by_role("combobox").fill("")
     options = form.get_by_role("option")
     expect(options.nth(0)).to_have_text("zigzagto both sides")
@@ -45,26 +45,26 @@ def test_a_project_s_names_are_agreed_on_in_its_settings(visit: Visit, studio: S
 
     page = visit.open("/settings/projects?project=gait")
     for name, meaning in (("amble", ""), ("zigzag", "to both sides")):
-        page.get_by_label("Another name").fill(name)
-        page.get_by_label("What it means", exact=True).fill(meaning)
+        page.get_by_label("New label").fill(name)
+        page.get_by_label("Description", exact=True).fill(meaning)
         with page.expect_response("**/vocabulary?project=gait"):
-            page.get_by_role("form", name="Motion names").get_by_role("button", name="Add").click()
-        expect(page.get_by_label(f"What {name} means")).to_have_value(meaning)
+            page.get_by_role("form", name="Label vocabulary").get_by_role("button", name="Add").click()
+        expect(page.get_by_label(f"Description of {name}")).to_have_value(meaning)
 
     def press_meanwhile(route: Any) -> None:
-        page.get_by_role("button", name="Take amble out").click()
+        page.get_by_role("button", name="Remove amble").click()
         route.continue_()
 
     # The second edit is made before the first one is answered.
     page.route("**/vocabulary?project=gait", press_meanwhile, times=1)
     page.get_by_label("Colour of zigzag").select_option("6")
-    expect(page.get_by_label("What amble means")).to_have_count(0)
+    expect(page.get_by_label("Description of amble")).to_have_count(0)
     assert kept() == [{"name": "zigzag", "description": "to both sides", "colour": 5}]
     visit.wanted.add(422)
-    page.get_by_label("Another name").fill("knee-flexion")
-    page.get_by_role("form", name="Motion names").get_by_role("button", name="Add").click()
+    page.get_by_label("New label").fill("knee-flexion")
+    page.get_by_role("form", name="Label vocabulary").get_by_role("button", name="Add").click()
     expect(page.get_by_text("which side")).to_be_visible()
-    expect(page.get_by_label("Another name")).to_have_value("knee-flexion")
-    page.get_by_role("button", name="Take zigzag out").click()
-    expect(page.get_by_label("What zigzag means")).to_have_count(0)
+    expect(page.get_by_label("New label")).to_have_value("knee-flexion")
+    page.get_by_role("button", name="Remove zigzag").click()
+    expect(page.get_by_label("Description of zigzag")).to_have_count(0)
     assert kept() == []

@@ -53,7 +53,7 @@ export class Stage {
   private floor = 0;
   private followed = new THREE.Vector3();
   private readonly sharpness: Sharpness;
-  private wanted = 0; // when the frame that is pending was asked for
+  private wanted = 0; // when the frame that is pending was requested
   private submitted = 0;
   shown: Shown = { follow: false, ghosts: false, trails: false, names: false, axes: true };
   selected = new Set<number>();

@@ -10,6 +10,22 @@ const holes = (text: string) => [...new Set(text.match(/\{\w+\}/g) ?? [])].sort(
 
 type Table = Record<string, string>;
 const panels = import.meta.glob<Record<string, { en: Table; ko: Table }>>("../panels/*/words.ts", { eager: true });
+const sources = Object.values(
+  import.meta.glob<string>(
+    ["../**/*.{ts,tsx}", "../../pages.json", "!../**/*.test.*", "!./{en,ko}.ts", "!../**/words.ts"],
+    {
+      eager: true,
+      query: "?raw",
+      import: "default",
+    },
+  ),
+).join("\n");
+const parts = (pattern: RegExp) => [...new Set([...sources.matchAll(pattern)].map((match) => match[1] ?? ""))];
+const quoted = new Set(parts(/["'`]([\w-]+)["'`]/g));
+/** Beginnings and ends of keys that are made of a value: `did_${what}`, `${support}Data`. */
+const begins = parts(/`(\w+)\$\{[^`]*`/g);
+const ends = parts(/`\$\{[^`]*\}(\w+)`/g);
+
 const tables: [string, Table, Table][] = [
   ["shared", en, ko],
   ...Object.entries(panels).flatMap(([file, found]) =>
@@ -30,6 +46,14 @@ describe("the words of both languages", () => {
       // What is one is said without its number, or with it; what is many shows every value.
       if (forms.length === 2) expect(holes(itemAt(forms, 1))).toEqual(holes(entryOf(table, word)));
     }
+  });
+
+  it("are used", () => {
+    const unused = all.filter(
+      ([, word]) =>
+        !quoted.has(word) && !begins.some((begin) => word.startsWith(begin)) && !ends.some((end) => word.endsWith(end)),
+    );
+    expect(unused.map(([file, word]) => `${file} ${word}`)).toEqual([]);
   });
 
   it("have the same keys", () => {

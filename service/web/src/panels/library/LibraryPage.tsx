@@ -101,7 +101,7 @@ export function LibraryPage() {
           </span>
           <button type="button" class="button primary" onClick={() => chooseFiles()}>
             <Icon name="upload" />
-            {w("add")}
+            {w("queue")}
           </button>
         </div>
         {first && <Welcome clips={total} />}

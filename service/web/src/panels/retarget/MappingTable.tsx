@@ -46,7 +46,7 @@ export function MappingTable({
           <tr>
             <th>{w("targetClip")}</th>
             <th>{w("sourceClip")}</th>
-            <td class="n" />
+            <th class="n">{w("confidenceWord")}</th>
           </tr>
         </thead>
         <tbody>

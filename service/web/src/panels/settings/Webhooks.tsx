@@ -223,7 +223,7 @@ function AddHook({ me, onMade }: { me: Schemas["Me"]; onMade: (made: Schemas["We
             ))}
           </select>
           <button type="submit" class="button" disabled={!url.trim()}>
-            {w("addMember")}
+            {s("addHook")}
           </button>
         </div>
         <fieldset>

@@ -26,9 +26,9 @@ describe("what a document can be exported as", () => {
     items.slice(0, 2).forEach((item) => item.run!());
     expect(said).toEqual([{ unit: "cm" }, { up: "Z" }]);
     const glb = items.find((item) => item.text === "glTF")!;
-    expect(glb.detail).toBe("unit unknown, read as m, 100 times too large");
+    expect(glb.detail).toBe("unit unknown, read as m, 100× too large");
     expect(glb.href).toBeTruthy();
-    expect(lacking({ ...guessed, likelyUnit: "m" }, of("usd"))!.text).toContain("100 times too small");
+    expect(lacking({ ...guessed, likelyUnit: "m" }, of("usd"))!.text).toContain("100× too small");
     expect(lacking({ ...guessed, likelyUnit: null }, of("glb"))!.text).toBe("unit unknown, read as m");
     expect(lacking(known, of("glb"))).toBe(null);
     expect(exportItems(known).every((item) => item.href)).toBe(true);
@@ -37,7 +37,7 @@ describe("what a document can be exported as", () => {
   it("offers nothing that is refused, and where to give what is needed", () => {
     const bare: Exported = { ...known, format: "asf-amc", unit: null, likelyUnit: null, hasRate: false };
     const items = exportItems(bare, { give: () => undefined });
-    expect(items.slice(0, 2).map((item) => item.text)).toEqual(["Give the unit", "Give the frame rate"]);
+    expect(items.slice(0, 2).map((item) => item.text)).toEqual(["Set unit", "Set frame rate"]);
     for (const text of ["BVH", "glTF", "Tomorrow's"])
       expect(items.find((item) => item.text === text)).toMatchObject({ disabled: true, detail: "needs a frame rate" });
     expect(items.find((item) => item.text === "ASF/AMC")!.href).toBeTruthy();

@@ -44,7 +44,7 @@ export function Start() {
       }}
     >
       <section class="start-words">
-        <h1>{w("blender")}</h1>
+        <h1>{w("reach")}</h1>
         <p>{b("intro")}</p>
         <p class="dim">{b("needs")}</p>
         {projects.value?.items.includes(DEMO) && (

@@ -17,12 +17,12 @@ import { speedsOf } from "./speeds";
 import { Start } from "./Start";
 import { b } from "./words";
 import "../../styles/analyses.css";
-import "../../styles/blender.css";
+import "../../styles/reach.css";
 
 const Fit = lazy(async () => (await import("./Fit")).Fit); // with the library of its curves
 const TABS = ["examples", "fit", "blend"] as const;
 
-export function BlenderPage({ id }: { id: string }) {
+export function ReachPage({ id }: { id: string }) {
   useEffect(() => () => void (subject.value = null), []);
   return id ? <Opened id={id} /> : <Start />;
 }
@@ -36,7 +36,7 @@ function Opened({ id }: { id: string }) {
   if (result.error || !found)
     return (
       <>
-        <h1 class="unseen">{w("blender")}</h1>
+        <h1 class="unseen">{w("reach")}</h1>
         {result.error ? (
           <Trouble error={result.error} retry={result.again} />
         ) : (
@@ -47,7 +47,7 @@ function Opened({ id }: { id: string }) {
   if (found.analysis !== "reach" || !found.parts?.model)
     return (
       <div class="empty">
-        <h1>{w("blender")}</h1>
+        <h1>{w("reach")}</h1>
         <p>
           {b("noModel")} <a href={`/results/${id}`}>{w("openResult")}</a>
         </p>
@@ -82,10 +82,10 @@ function Ready({ model: made }: { model: Model }) {
   const count = corrections.count.value;
   return (
     <div class="reach">
-      <h1 class="unseen">{`${w("blender")}: ${model.result.name}`}</h1>
+      <h1 class="unseen">{`${w("reach")}: ${model.result.name}`}</h1>
       <div class="row reach-head">
         <Tabs
-          label={w("blender")}
+          label={w("reach")}
           open={tab}
           onOpen={open}
           tabs={TABS.map((one) => ({

@@ -1,4 +1,4 @@
-"""The motion blender in the browser: fitted, corrected and fitted again, slid by keys, saved; on generated and real
+"""Reach synthesis in the browser: fitted, corrected and fitted again, slid by keys, saved; on generated and real
 reaches."""
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def made_by(served: Served, model: str, attributes: dict[str, float]) -> Any:
 
 def test_a_model_is_fitted_slid_and_saved(reaches: Served, visit_of: Any) -> None:
     page = visit_of(reaches).open("/reach")
-    expect(page.get_by_role("button", name="Make the demo model")).to_be_visible()
+    expect(page.get_by_role("button", name="Fit the demo model")).to_be_visible()
     page.get_by_label("Project").select_option(REACHES)
     page.get_by_role("checkbox", name="reach_01_001").uncheck()
     page.get_by_role("button", name="Fit a model to 23 clips").click()
@@ -103,7 +103,7 @@ def test_a_model_is_fitted_slid_and_saved(reaches: Served, visit_of: Any) -> Non
     model = MADE.search(page.url)["id"]  # type: ignore[index]
     assert len(reaches.get(f"/results/{model}")["inputs"]) == 23
     moved(page)
-    expect(page.get_by_text("Inside the data")).to_be_visible()
+    expect(page.get_by_text("Inside the examples")).to_be_visible()
     frames, before, _ = page.evaluate(POSITIONS)
 
     age = page.get_by_role("slider", name="Age", exact=True)
@@ -115,9 +115,9 @@ def test_a_model_is_fitted_slid_and_saved(reaches: Served, visit_of: Any) -> Non
     page.get_by_label("Height, value").fill(f"{height:.1f}")
     page.keyboard.press("Enter")
     moved(page)
-    expect(page.get_by_text("In a gap")).to_be_visible()
-    expect(page.get_by_text("Age: nobody between")).to_be_visible()
-    expect(page.get_by_text("nobody recorded here").first).to_be_visible()
+    expect(page.get_by_text("Between examples")).to_be_visible()
+    expect(page.get_by_text("Age: no examples between")).to_be_visible()
+    expect(page.get_by_text("no examples here").first).to_be_visible()
     values = page.evaluate("() => mcmlReach.values.value")
     frames, first, last = page.evaluate(POSITIONS)
     motion = made_by(reaches, model, values)
@@ -135,7 +135,7 @@ def test_a_model_is_fitted_slid_and_saved(reaches: Served, visit_of: Any) -> Non
     page.get_by_role("button", name="Save as clip").click()
     page.get_by_role("dialog").get_by_label("Name").fill("reach at a gap")
     page.get_by_role("dialog").get_by_role("button", name="Save", exact=True).click()
-    expect(page.get_by_text("reach at a gap: saved")).to_be_visible()
+    expect(page.get_by_text("reach at a gap saved")).to_be_visible()
     kept = reaches.get("/documents", q="reach at a gap")["items"][0]
     about = {one["name"]: one["value"] for one in reaches.get(f"/documents/{kept['id']}")["properties"]}
     assert (kept["frames"], float(about["height"])) == (frames, values["height"])
@@ -207,13 +207,13 @@ def test_corrections_go_into_the_next_fit(open_studio: Served, visit_of: Any) ->
 def test_a_table_of_values_is_pasted_and_taken_back(open_studio: Served, visit_of: Any) -> None:
     reaches = open_studio
     page = visit_of(reaches).open(f"/reach/{keep_model(reaches)}?tab=examples")
-    page.get_by_role("button", name="Paste a table").click()
-    page.get_by_role("textbox", name="Paste a table").fill("name\tage (year)\nreach_01_001\t28\nreach_01_002\t28\n")
-    page.get_by_role("button", name="Write the values").click()
-    expect(page.get_by_text("Values of 2 clips written")).to_be_visible()
+    page.get_by_role("button", name="Paste table").click()
+    page.get_by_role("textbox", name="Paste table").fill("name\tage (year)\nreach_01_001\t28\nreach_01_002\t28\n")
+    page.get_by_role("button", name="Apply values").click()
+    expect(page.get_by_text("Values of 2 clips updated")).to_be_visible()
     expect(page.get_by_label("reach_01_002: Age")).to_have_value("28")
     page.get_by_role("button", name="Undo").first.click()
-    expect(page.get_by_text("Values of 2 clips taken back")).to_be_visible()
+    expect(page.get_by_text("Values of 2 clips restored")).to_be_visible()
     one = reaches.get("/documents", q="reach_01_002")["items"][0]["id"]
     ages = {one["name"]: one["value"] for one in reaches.get(f"/documents/{one}")["properties"]}
     assert page.get_by_label("reach_01_002: Age").input_value() == ages["age"] != "28"
@@ -257,7 +257,7 @@ def test_real_reaches_are_blended_over_their_target(shared: Path, open_studio: S
     model = fitted(open_studio, attributes=["target"])
     page = visit_of(open_studio).open(f"/reach/{model}?target=0.1")
     moved(page)
-    expect(page.get_by_text("In a gap")).to_be_visible()
+    expect(page.get_by_text("Between examples")).to_be_visible()
     slider = page.get_by_role("slider", name="target", exact=True)
     slider.focus()
     heights = []
