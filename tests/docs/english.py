@@ -84,7 +84,7 @@ def _studio() -> dict[str, str]:
     for path in sorted(sources.glob("panels/*/words.ts")):
         english = path.read_text(encoding="utf-8").partition("\n  {\n")[2].partition("\n  },\n")[0]
         texts[str(path.relative_to(sources))] = english
-    return {place: "\n".join(re.findall(r'"((?:[^"\\]|\\.)*)"', text)) for place, text in texts.items()}
+    return {place: "\n".join(re.findall(r': "((?:[^"\\]|\\.)*)"', text)) for place, text in texts.items()}
 
 
 def _modules(*tops: str) -> Iterator[tuple[str, ast.Module]]:

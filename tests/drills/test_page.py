@@ -12,8 +12,8 @@ from service.web.build import WEB, install
 from tests.drills.patched_copy import PatchedCopy, count_named_files
 
 ROW = (
-    ',\n  { "name": "juggling", "path": "/juggling", "about": "any", "title": "juggling", "go": "goJuggling", '
-    '"key": "J", "icon": "chart", "rail": "top", "file": "juggling/JugglingPage" }'
+    ',\n  { "name": "juggling", "path": "/juggling", "about": "any", "title": "label.juggling", '
+    '"go": "button.goJuggling", "key": "J", "icon": "chart", "rail": "top", "file": "juggling/JugglingPage" }'
 )
 COMPONENT = """/** A page about juggling. */
 import { w } from "../../words";
@@ -21,7 +21,7 @@ import { w } from "../../words";
 export function JugglingPage({ id }: { id: string }) {
   return (
     <h1>
-      {w("juggling")} {id}
+      {w("label.juggling")} {id}
     </h1>
   );
 }
@@ -64,13 +64,13 @@ def test_a_page_of_the_studio(copy: PatchedCopy) -> None:
     copy.add("service/web/src/panels/juggling/JugglingPage.tsx", COMPONENT)
     copy.put(
         "service/web/src/words/en.ts",
-        '  library: "Library",',
-        '  juggling: "Juggling", goJuggling: "Go to juggling",\n',
+        '  "label.library": "Library",',
+        '  "label.juggling": "Juggling", "button.goJuggling": "Go to juggling",\n',
     )
     copy.put(
         "service/web/src/words/ko.ts",
-        '  library: "라이브러리",',
-        '  juggling: "저글링", goJuggling: "저글링으로 가기",\n',
+        '  "label.library": "라이브러리",',
+        '  "label.juggling": "저글링", "button.goJuggling": "저글링으로 가기",\n',
     )
     assert len(copy.touched) == count_named_files("a page of the studio"), sorted(copy.touched)
     run_node(copy, "node_modules/typescript-native/bin/tsc", "--noEmit", "-p", "tsconfig.build.json")

@@ -12,9 +12,9 @@ describe.each(PAGES)("the page $name", (row) => {
   });
 
   it("has words, an icon where the rail shows it, and a component", async () => {
-    expect(en).toHaveProperty(row.title);
+    expect(en).toHaveProperty([row.title]);
     expect(Boolean(row.go)).toBe(Boolean(row.key));
-    if (row.go) expect(en).toHaveProperty(row.go);
+    if (row.go) expect(en).toHaveProperty([row.go]);
     if (row.rail) expect(icons).toContain(row.icon);
     if (row.rail) expect(row.key).toBeDefined();
     if (row.within) expect(rowOf(row.within)?.rail).toBeDefined();

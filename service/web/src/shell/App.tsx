@@ -38,26 +38,31 @@ export function App() {
   useEffect(
     () =>
       offer("shell", [
-        { id: "help", word: "help", keys: ["?"], run: () => (keysOpen.value = !keysOpen.value) },
-        { id: "palette", word: "palette", keys: ["Ctrl+K"], run: () => (paletteOpen.value = "") },
+        { id: "help", word: "label.help", keys: ["?"], run: () => (keysOpen.value = !keysOpen.value) },
+        { id: "palette", word: "label.palette", keys: ["Ctrl+K"], run: () => (paletteOpen.value = "") },
         {
           id: "search",
-          word: "search",
+          word: "label.search",
           keys: ["/"],
           run: () => document.querySelector<HTMLElement>("[data-search]")?.focus(),
         },
-        { id: "copy", word: "copyAddress", keys: ["Y"], run: () => void copyText(location.href, w("addressCopied")) },
-        { id: "left", word: "leftPanel", keys: ["["], run: () => (leftFolded.value = !leftFolded.value) },
-        { id: "right", word: "rightPanel", keys: ["]"], run: () => (rightFolded.value = !rightFolded.value) },
+        {
+          id: "copy",
+          word: "button.copyAddress",
+          keys: ["Y"],
+          run: () => void copyText(location.href, w("label.addressCopied")),
+        },
+        { id: "left", word: "button.leftPanel", keys: ["["], run: () => (leftFolded.value = !leftFolded.value) },
+        { id: "right", word: "button.rightPanel", keys: ["]"], run: () => (rightFolded.value = !rightFolded.value) },
         ...toPages(),
-        { id: "goA", word: "goActivity", keys: ["G then A"], run: () => go("/settings/activity") },
+        { id: "goA", word: "button.goActivity", keys: ["G then A"], run: () => go("/settings/activity") },
       ]),
     [],
   );
   return (
     <div class="shell">
       <a class="skip" href="#page">
-        {w("skip")}
+        {w("label.skip")}
       </a>
       <Bar />
       <Rail />
@@ -81,9 +86,9 @@ function PageOf() {
   if (View) return <View id={id} key={rowOf(page.value)?.about === "section" ? page.value : `${page.value}/${id}`} />;
   return (
     <div class="empty">
-      <h1>{w("unknownPage")}</h1>
+      <h1>{w("error.unknownPage")}</h1>
       <p>
-        <a href="/library">{w("toLibrary")}</a>
+        <a href="/library">{w("button.toLibrary")}</a>
       </p>
     </div>
   );
@@ -111,23 +116,23 @@ const railItems = (place: PageRow["rail"]) =>
 
 function Rail() {
   return (
-    <nav class={`rail ${railWide.value ? "wide" : ""} ${drawerOpen.value ? "open" : ""}`} aria-label={w("menu")}>
+    <nav class={`rail ${railWide.value ? "wide" : ""} ${drawerOpen.value ? "open" : ""}`} aria-label={w("label.menu")}>
       {railItems("top")}
       <span class="grow" />
-      <a class="rail-item" href="/docs" title={w("apiReference")}>
+      <a class="rail-item" href="/docs" title={w("label.apiReference")}>
         <Icon name="help" />
-        <span>{w("apiReference")}</span>
+        <span>{w("label.apiReference")}</span>
       </a>
       {railItems("end")}
       <button
         type="button"
         class="rail-item"
-        title={w(railWide.value ? "unpin" : "pin")}
-        aria-label={w(railWide.value ? "unpin" : "pin")}
+        title={w(railWide.value ? "button.unpin" : "button.pin")}
+        aria-label={w(railWide.value ? "button.unpin" : "button.pin")}
         onClick={() => (railWide.value = !railWide.value)}
       >
         <Icon name={railWide.value ? "back" : "right"} />
-        <span>{w("unpin")}</span>
+        <span>{w("button.unpin")}</span>
       </button>
     </nav>
   );

@@ -12,26 +12,26 @@ import { drawerOpen, keysOpen, paletteOpen, subject } from "../state/session/she
 export function Bar() {
   const word = rowOf(page.value)?.title;
   const about = subject.value;
-  document.title = [about?.text, word && w(word), w("product")].filter(Boolean).join(" · ");
+  document.title = [about?.text, word && w(word), w("label.product")].filter(Boolean).join(" · ");
   return (
     <header class="bar">
       <button
         type="button"
         class="button quiet icon drawer-button"
-        aria-label={w("menu")}
+        aria-label={w("label.menu")}
         aria-expanded={drawerOpen.value}
         onClick={() => (drawerOpen.value = !drawerOpen.value)}
       >
         <Icon name="list" />
       </button>
-      <a class="mark" href="/library" aria-label={w("library")}>
+      <a class="mark" href="/library" aria-label={w("label.library")}>
         <img src="/favicon.svg" alt="" width="24" height="24" />
       </a>
       <div class="where cut">
         {page.value === "clip" ? (
           <>
             <a href="/library" class="cut">
-              {w("library")}
+              {w("label.library")}
             </a>
             <span class="dim"> › </span>
             <strong class="cut">{about?.text ?? "…"}</strong>
@@ -44,16 +44,16 @@ export function Bar() {
       {page.value === "library" ? (
         <SearchBox />
       ) : (
-        <button type="button" class="finder" title={w("searchAll")} onClick={() => (paletteOpen.value = "")}>
+        <button type="button" class="finder" title={w("label.searchAll")} onClick={() => (paletteOpen.value = "")}>
           <Icon name="search" />
-          <span class="grow cut">{w("searchAll")}</span>
+          <span class="grow cut">{w("label.searchAll")}</span>
           <kbd>Ctrl K</kbd>
         </button>
       )}
       <div class="bar-end">
         <JobTray />
         <Menu
-          label={w("language")}
+          label={w("label.language")}
           className="chip"
           side="right"
           items={[
@@ -64,11 +64,11 @@ export function Bar() {
           {language.value === "ko" ? "한" : "EN"}
         </Menu>
         <Menu
-          label={w("theme")}
+          label={w("label.theme")}
           className="chip"
           side="right"
           items={(["dark", "light", "system"] as const).map((one) => ({
-            text: w(one),
+            text: w(`label.${one}`),
             checked: theme.value === one,
             run: () => (theme.value = one),
           }))}
@@ -78,8 +78,8 @@ export function Bar() {
         <button
           type="button"
           class="chip"
-          aria-label={w("help")}
-          title={`${w("help")} (?)`}
+          aria-label={w("label.help")}
+          title={`${w("label.help")} (?)`}
           onClick={() => (keysOpen.value = true)}
         >
           ?

@@ -39,7 +39,7 @@ export function Connection() {
   if (!lost.value) return null;
   return (
     <div class="banner warn" role="status">
-      {w("offline", { time: lost.value.toLocaleTimeString([], { hour: "2-digit", minute: "2-digit" }) })}
+      {w("error.offline", { time: lost.value.toLocaleTimeString([], { hour: "2-digit", minute: "2-digit" }) })}
     </div>
   );
 }

@@ -67,16 +67,16 @@ export function DropTarget() {
       </section>
     );
   return (
-    <section class="drop-cover" aria-label={w("dropTitle")}>
+    <section class="drop-cover" aria-label={w("label.dropTitle")}>
       <div class={`drop-field ${over === "add" ? "over" : ""}`} data-drop="add">
         <Icon name="upload" />
-        <h2>{w("dropTitle")}</h2>
-        <p>{w("dropHelp")}</p>
+        <h2>{w("label.dropTitle")}</h2>
+        <p>{w("help.dropHelp")}</p>
       </div>
       <div class={`drop-field ${over === "look" ? "over" : ""}`} data-drop="look">
         <Icon name="eye" />
-        <h2>{w("lookFirst")}</h2>
-        <p>{w("lookFirstHelp")}</p>
+        <h2>{w("button.lookFirst")}</h2>
+        <p>{w("help.lookFirstHelp")}</p>
       </div>
     </section>
   );

@@ -22,8 +22,8 @@ export function JobTray() {
       // Who waits for it on its page sees it there.
       else if (seen.current.delete(job.id) && job.state === "done" && job.result && !waitedFor()) {
         const place = placeOf(job.analysis, job.result);
-        note(w("jobEnded", { name: job.name ?? job.analysis }), {
-          action: { text: w("openResult"), run: () => go(place) },
+        note(w("label.jobEnded", { name: job.name ?? job.analysis }), {
+          action: { text: w("button.openResult"), run: () => go(place) },
         });
       }
     }
@@ -46,11 +46,11 @@ export function JobTray() {
       }}
     >
       <button type="button" class="chip" aria-expanded={open} onClick={() => setOpen(!open)}>
-        {w("jobs")} {active.length || ""}
-        {active[0] && <progress value={active[0].share} aria-label={w("jobs")} />}
+        {w("label.jobs")} {active.length || ""}
+        {active[0] && <progress value={active[0].share} aria-label={w("label.jobs")} />}
       </button>
       {open && (
-        <ul class="menu-list right job-tray" aria-label={w("jobs")}>
+        <ul class="menu-list right job-tray" aria-label={w("label.jobs")}>
           {list.map((job) => (
             <Row key={job.id} job={job} onDone={() => setOpen(false)} />
           ))}
@@ -61,10 +61,10 @@ export function JobTray() {
 }
 
 const STATES: Record<string, Word> = {
-  done: "jobDone",
-  failed: "jobFailed",
-  cancelled: "jobCancelled",
-  waiting: "jobWaiting",
+  done: "label.jobDone",
+  failed: "label.jobFailed",
+  cancelled: "label.jobCancelled",
+  waiting: "label.jobWaiting",
 };
 
 function Row({ job, onDone }: { job: Job; onDone: () => void }) {
@@ -77,8 +77,8 @@ function Row({ job, onDone }: { job: Job; onDone: () => void }) {
           <button
             type="button"
             class="button quiet icon dense"
-            aria-label={w("cancel")}
-            title={w("cancel")}
+            aria-label={w("button.cancel")}
+            title={w("button.cancel")}
             onClick={() => void cancelJob(job)}
           >
             <Icon name="close" />
@@ -93,7 +93,7 @@ function Row({ job, onDone }: { job: Job; onDone: () => void }) {
       )}
       {job.result && (
         <a href={placeOf(job.analysis, job.result)} onClick={onDone}>
-          {w("openResult")}
+          {w("button.openResult")}
         </a>
       )}
     </li>

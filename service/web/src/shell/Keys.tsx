@@ -25,14 +25,14 @@ export function Keys({ onClose }: { onClose: () => void }) {
       </section>
     );
   return (
-    <Dialog title={w("help")} onClose={onClose} wide>
+    <Dialog title={w("label.help")} onClose={onClose} wide>
       <div class="keys-columns">
         {table(
-          w("onThisPage"),
+          w("label.onThisPage"),
           all.filter((one) => !everywhere.has(one)),
         )}
         {table(
-          w("everywhere"),
+          w("label.everywhere"),
           all.filter((one) => everywhere.has(one)),
         )}
       </div>

@@ -26,7 +26,7 @@ function foundFor(words: string, clips: Schemas["Card"][], names: string[]): Fou
       key: "xpath",
       icon: "xpath",
       text: words,
-      detail: w("xpath"),
+      detail: w("label.xpath"),
       run: () => go(`/xpath?q=${encodeURIComponent(words)}&run=1`),
     });
   if (words.startsWith(":") && timeJump.value)
@@ -45,7 +45,7 @@ function foundFor(words: string, clips: Schemas["Card"][], names: string[]): Fou
       key: `#${name}`,
       icon: "label",
       text: name,
-      detail: w("motionName"),
+      detail: w("label.motionName"),
       run: () => go(`/library?motion_name=${encodeURIComponent(name)}`),
     });
   }
@@ -95,7 +95,7 @@ export function Palette() {
     <dialog
       ref={box}
       class="palette"
-      aria-label={w("palette")}
+      aria-label={w("label.palette")}
       onClose={close}
       onClick={(event) => event.target === box.current && close()}
     >
@@ -105,8 +105,8 @@ export function Palette() {
         aria-expanded={found.length > 0}
         aria-controls="palette-list"
         aria-activedescendant={found[place] && `palette-${place}`}
-        aria-label={w("palette")}
-        placeholder={w("searchAll")}
+        aria-label={w("label.palette")}
+        placeholder={w("label.searchAll")}
         value={text}
         onInput={(event) => {
           setText(event.currentTarget.value);
@@ -115,7 +115,7 @@ export function Palette() {
         onKeyDown={onKey}
         autoFocus
       />
-      <ul id="palette-list" role="listbox" hidden={!found.length} aria-label={w("palette")}>
+      <ul id="palette-list" role="listbox" hidden={!found.length} aria-label={w("label.palette")}>
         {found.slice(0, 40).map((one, index) => (
           <li
             key={one.key}
@@ -136,7 +136,7 @@ export function Palette() {
       </ul>
       {/* Beside the list: a listbox holds options alone. */}
       <p class="dim palette-none" role="status">
-        {found.length ? "" : clips.busy ? w("loading") : w("nothingFound")}
+        {found.length ? "" : clips.busy ? w("label.loading") : w("help.nothingFound")}
       </p>
     </dialog>
   );

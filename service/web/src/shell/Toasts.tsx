@@ -14,7 +14,7 @@ export function Toasts() {
     return () => observer.disconnect();
   }, []);
   return (
-    <div ref={box} class="toasts" role="region" aria-label={w("notices")} aria-live="polite">
+    <div ref={box} class="toasts" role="region" aria-label={w("label.notices")} aria-live="polite">
       {notes.value.map((one) => (
         <div
           key={one.id}
@@ -46,7 +46,7 @@ export function Toasts() {
           <button
             type="button"
             class="button quiet icon dense"
-            aria-label={w("close")}
+            aria-label={w("button.close")}
             onClick={() => {
               held.delete(one.id);
               dismiss(one.id);

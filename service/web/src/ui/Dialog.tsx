@@ -31,7 +31,12 @@ export function Dialog({
     >
       <header class="row">
         <h2 class="grow">{title}</h2>
-        <button type="button" class="button quiet icon" aria-label={w("close")} onClick={() => box.current?.close()}>
+        <button
+          type="button"
+          class="button quiet icon"
+          aria-label={w("button.close")}
+          onClick={() => box.current?.close()}
+        >
           <Icon name="close" />
         </button>
       </header>

@@ -129,7 +129,7 @@ export function Plot({
         </figcaption>
       )}
       <details class="plot-table">
-        <summary>{w("asTable")}</summary>
+        <summary>{w("button.asTable")}</summary>
         <Values x={x} curves={curves} xLabel={xLabel ?? ""} />
       </details>
     </figure>

@@ -91,7 +91,7 @@ export function Tabs({
       </div>
       {rest.length > 0 && (
         <Menu
-          label={w("more")}
+          label={w("label.more")}
           side="right"
           className="tabs-more"
           items={rest.map((tab) => ({

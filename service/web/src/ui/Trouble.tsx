@@ -8,7 +8,7 @@ export function Trouble({ error, retry }: { error: unknown; retry?: () => void }
   const problem =
     error instanceof ApiError
       ? error.status === 412
-        ? ({ title: w("staleWrite"), detail: w("staleHelp") } as Problem)
+        ? ({ title: w("error.staleWrite"), detail: w("error.staleHelp") } as Problem)
         : error.problem
       : null;
   return (
@@ -19,7 +19,11 @@ export function Trouble({ error, retry }: { error: unknown; retry?: () => void }
         {problem?.detail && problem.detail !== problem.title && <p>{problem.detail}</p>}
         {problem?.where && (
           <p class="dim">
-            {[problem.where.file, problem.where.line && w("line", { n: problem.where.line }), problem.where.element]
+            {[
+              problem.where.file,
+              problem.where.line && w("label.line", { n: problem.where.line }),
+              problem.where.element,
+            ]
               .filter(Boolean)
               .join(", ")}
           </p>
@@ -28,7 +32,7 @@ export function Trouble({ error, retry }: { error: unknown; retry?: () => void }
       </div>
       {retry && (
         <button type="button" class="button" onClick={retry}>
-          {w("again")}
+          {w("button.again")}
         </button>
       )}
     </div>

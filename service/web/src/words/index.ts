@@ -34,7 +34,7 @@ export function duration(seconds: number | null | undefined): string {
 }
 
 export function rate(secondsPerFrame: number | null | undefined): string {
-  return secondsPerFrame ? `${number(1 / secondsPerFrame, 2)} Hz` : w("rateUnknown");
+  return secondsPerFrame ? `${number(1 / secondsPerFrame, 2)} Hz` : w("label.rateUnknown");
 }
 
 export function when(iso: string): string {

@@ -21,10 +21,11 @@ const sources = Object.values(
   ),
 ).join("\n");
 const parts = (pattern: RegExp) => [...new Set([...sources.matchAll(pattern)].map((match) => match[1] ?? ""))];
-const quoted = new Set(parts(/["'`]([\w-]+)["'`]/g));
-/** Beginnings and ends of keys that are made of a value: `did_${what}`, `${support}Data`. */
-const begins = parts(/`(\w+)\$\{[^`]*`/g);
-const ends = parts(/`\$\{[^`]*\}(\w+)`/g);
+const quoted = new Set(parts(/["'`]([\w.-]+)["'`]/g));
+/** Beginnings and ends of keys that are made of a value: `label.did_${what}`, `label.${support}Data`. The value
+ * of `label.${support}` itself is quoted somewhere. */
+const begins = parts(/`(\w+\.\w+)\$\{[^`]*`/g);
+const ends = parts(/`\w+\.\$\{[^`]*\}(\w+)`/g);
 
 const tables: [string, Table, Table][] = [
   ["shared", en, ko],
@@ -34,6 +35,18 @@ const tables: [string, Table, Table][] = [
 ];
 const all = tables.flatMap(([file, english, korean]) =>
   Object.keys(english).map((word) => [file, word, english, korean] as const),
+);
+
+const SENTENCE = /[.?]$/;
+/** The verbs that buttons begin with. */
+const VERBS = new Set(
+  (
+    "Accept Add Apply Archive Build Cancel Change Choose Clear Close Collect Comment Compare Compose Confirm Copy Create " +
+    "Delete Discard Do Download Duplicate Edit Exclude Export Extend Find Fit Go Hide Hold Import Invite Keep Label Merge " +
+    "Move New Open Pause Play Preview Rebuild Record Redo Refine Reload Remove Reopen Resend Reset Resolve Restore " +
+    "Retarget Retry Revoke Run Save Search Select Send Set Share Show Sign Split Start Stop Suggest Take Tap Toggle Trim " +
+    "Undo Use Validate Zoom"
+  ).split(" "),
 );
 
 describe("the words of both languages", () => {
@@ -48,10 +61,28 @@ describe("the words of both languages", () => {
     }
   });
 
+  it("keep the rules of their kind, which their key begins with", () => {
+    const wrong = all.flatMap(([file, word, english, korean]) => {
+      const kind = word.split(".")[0];
+      const forms = [english, korean].flatMap((table) => entryOf(table, word).split("|"));
+      const sentences = forms.filter((form) => SENTENCE.test(form)).length;
+      const keeps =
+        kind === "help" || kind === "error"
+          ? sentences === forms.length
+          : (kind === "label" || kind === "button") && sentences === 0;
+      const isCommand = VERBS.has(entryOf(english, word).split(/[ |]/)[0] ?? "");
+      return keeps && (kind !== "button" || isCommand) ? [] : [`${file} ${word}`];
+    });
+    expect(wrong).toEqual([]);
+  });
+
   it("are used", () => {
     const unused = all.filter(
       ([, word]) =>
-        !quoted.has(word) && !begins.some((begin) => word.startsWith(begin)) && !ends.some((end) => word.endsWith(end)),
+        !quoted.has(word) &&
+        !quoted.has(word.replace("label.", "")) &&
+        !begins.some((begin) => word.startsWith(begin)) &&
+        !ends.some((end) => word.endsWith(end)),
     );
     expect(unused.map(([file, word]) => `${file} ${word}`)).toEqual([]);
   });
@@ -62,10 +93,10 @@ describe("the words of both languages", () => {
 
   it("are filled with numbers as each language writes them", () => {
     language.value = "en";
-    expect(w("clips", { n: 1 })).toBe("1 clip");
-    expect(w("clips", { n: 12345 })).toBe("12,345 clips");
-    expect(w("clips", { n: 0 })).toBe("0 clips");
-    expect(w("deleted", { n: 2 })).toContain("2");
+    expect(w("label.clips", { n: 1 })).toBe("1 clip");
+    expect(w("label.clips", { n: 12345 })).toBe("12,345 clips");
+    expect(w("label.clips", { n: 0 })).toBe("0 clips");
+    expect(w("label.deleted", { n: 2 })).toContain("2");
   });
 });
 

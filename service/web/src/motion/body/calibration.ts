@@ -5,17 +5,19 @@ import { rounded } from "./quantities";
 
 type Value = Schemas["CalibrationValue"];
 
-export const FACTS = { unit: "unit", up: "up", floor: "floor", leg: "legLength" } as const satisfies Record<
-  string,
-  Word
->;
+export const FACTS = {
+  unit: "label.unit",
+  up: "label.up",
+  floor: "label.floor",
+  leg: "label.legLength",
+} as const satisfies Record<string, Word>;
 export type Fact = keyof typeof FACTS;
 export const ORIGINS: Record<Value["origin"], Word> = {
-  stated: "originStated",
-  measured: "originMeasured",
-  guessed: "originGuessed",
-  set: "originSet",
-  unknown: "unknown",
+  stated: "label.originStated",
+  measured: "label.originMeasured",
+  guessed: "label.originGuessed",
+  set: "label.originSet",
+  unknown: "label.unknown",
 };
 
 /** "" where it is not known. */

@@ -23,7 +23,7 @@ export function AnalysesPage({ id }: { id: string }) {
   const chosen = catalogue.value?.items.find((one) => one.name === id);
   return (
     <div class="analyses">
-      <h1 class="unseen">{w("analyses")}</h1>
+      <h1 class="unseen">{w("label.analyses")}</h1>
       <Trouble error={catalogue.error} retry={catalogue.again} />
       {catalogue.busy && <div class="busy" />}
       {id ? chosen && <Form key={id} info={chosen} /> : <Catalogue items={catalogue.value?.items ?? []} />}
@@ -35,7 +35,7 @@ function Catalogue({ items }: { items: Info[] }) {
   return (
     <div class="analyses-list">
       <section>
-        <p class="dim lead">{a("intro")}</p>
+        <p class="dim lead">{a("help.intro")}</p>
         <ul class="cards">
           {items.map((one) => (
             <li key={one.name} class="card-plain">
@@ -57,7 +57,7 @@ function Catalogue({ items }: { items: Info[] }) {
 function Window({ of }: { of: PageRow | undefined }) {
   return of ? (
     <p class="dim">
-      {a("window", { name: w(of.title) })} <a href={of.path}>{w("open")}</a>
+      {a("help.window", { name: w(of.title) })} <a href={of.path}>{w("button.open")}</a>
     </p>
   ) : null;
 }
@@ -70,17 +70,17 @@ function Recent({ analysis }: { analysis?: string }) {
     [jobs.value.filter((one) => one.state === "done").length],
   );
   return (
-    <aside class="recent" aria-label={w("results")}>
-      <h2>{a("recent")}</h2>
+    <aside class="recent" aria-label={w("label.results")}>
+      <h2>{a("label.recent")}</h2>
       <Trouble error={found.error} retry={found.again} />
-      {found.value && !found.value.items.length && <p class="dim">{a("noResults")}</p>}
+      {found.value && !found.value.items.length && <p class="dim">{a("help.noResults")}</p>}
       <ul>
         {(found.value?.items ?? []).map((one) => (
           <li key={one.id}>
             <a class="cut block" href={`/results/${one.id}`}>
               {one.name}
             </a>
-            <span class="dim">{a("by", { analysis: one.analysis, when: when(one.created) })}</span>
+            <span class="dim">{a("label.by", { analysis: one.analysis, when: when(one.created) })}</span>
           </li>
         ))}
       </ul>
@@ -124,12 +124,12 @@ function Form({ info }: { info: Info }) {
         void start();
       }}
     >
-      <section class="analysis-clips" aria-label={a("clipsWord")}>
+      <section class="analysis-clips" aria-label={a("label.clipsWord")}>
         <h2>{info.title}</h2>
         <p class="dim">
-          {info.description} {a("needs", { least: info.fewest, most: info.most })}
+          {info.description} {a("help.needs", { least: info.fewest, most: info.most })}
         </p>
-        <h3>{a("clipsWord")}</h3>
+        <h3>{a("label.clipsWord")}</h3>
         <ClipSelection
           members={members}
           left={left}
@@ -141,11 +141,11 @@ function Form({ info }: { info: Info }) {
           }}
         />
       </section>
-      <section class="analysis-options" aria-label={a("parameters")}>
-        <h3>{a("parameters")}</h3>
+      <section class="analysis-options" aria-label={a("label.parameters")}>
+        <h3>{a("label.parameters")}</h3>
         <SchemaForm schema={info.parameters} values={values} onChange={setValues} />
         <div class="schema-field">
-          <label for="result-name">{a("nameOfResult")}</label>
+          <label for="result-name">{a("label.nameOfResult")}</label>
           <input
             id="result-name"
             class="field"
@@ -161,15 +161,15 @@ function Form({ info }: { info: Info }) {
               <progress class="grow" value={job.share} aria-label={job.stage ?? ""} />
               <span class="dim">{job.stage}</span>
               <button type="button" class="button" onClick={() => void cancelJob(job)}>
-                {w("cancel")}
+                {w("button.cancel")}
               </button>
             </>
           ) : (
             <>
               <button type="submit" class="button primary" disabled={count < info.fewest || running !== null}>
-                {a("start", { name: info.title })}
+                {a("button.start", { name: info.title })}
               </button>
-              {count < info.fewest && <span class="dim">{a("tooFew", { n: info.fewest })}</span>}
+              {count < info.fewest && <span class="dim">{a("help.tooFew", { n: info.fewest })}</span>}
             </>
           )}
         </div>

@@ -14,8 +14,8 @@ type Answer = Done<unknown> & Partial<Made<unknown>>;
 
 export function Operations({ id, info, names }: { id: string; info: Schemas["AnalysisInfo"]; names: string[] }) {
   return (
-    <aside class="result-operations" aria-label={a("operations")}>
-      <h2>{a("operations")}</h2>
+    <aside class="result-operations" aria-label={a("label.operations")}>
+      <h2>{a("label.operations")}</h2>
       {names.map(
         (name) =>
           info.operations[name] && (
@@ -65,28 +65,28 @@ function One({ id, name, schema }: { id: string; name: string; schema: Schema })
       <SchemaForm schema={schema} values={values} onChange={setValues} />
       <label class="row">
         <input type="checkbox" checked={save} onChange={(event) => setSave(event.currentTarget.checked)} />
-        {a("saveClip")}
+        {a("button.saveClip")}
       </label>
       {save && (
         <label>
-          {a("clipName")}
+          {a("label.clipName")}
           <input class="field" value={clip} onInput={(event) => setClip(event.currentTarget.value)} />
         </label>
       )}
       <button type="submit" class="button" disabled={busy}>
-        {a("apply")}
+        {a("button.apply")}
       </button>
       <Trouble error={error} />
       {answer && (
         <div role="status">
           {answer.document && (
             <p>
-              <a href={`/clips/${answer.document}`}>{a("storedAs")}</a>
+              <a href={`/clips/${answer.document}`}>{a("label.storedAs")}</a>
             </p>
           )}
           {answer.result && (
             <p>
-              <a href={`/results/${answer.result}`}>{a("keptAs")}</a>
+              <a href={`/results/${answer.result}`}>{a("label.keptAs")}</a>
             </p>
           )}
           {answer.motion && <Moving made={answer as Made<unknown>} />}
@@ -101,5 +101,5 @@ function One({ id, name, schema }: { id: string; name: string; schema: Schema })
 
 function Moving({ made }: { made: Made<unknown> }) {
   const motion = useMemo(() => wholeOf(made.motion, made.positions), [made]);
-  return <WholeMotion motion={motion} label={a("playIt")} className="part-motion" />;
+  return <WholeMotion motion={motion} label={a("label.playIt")} className="part-motion" />;
 }

@@ -78,7 +78,7 @@ function Clip({ document }: { document: string }) {
           <MotionView actors={actors} label={found.name} />
           <PlayBar player={player}>
             <a class="button dense" href={`/clips/${document}`}>
-              {w("open")}
+              {w("button.open")}
             </a>
           </PlayBar>
         </div>
@@ -122,7 +122,7 @@ function CurvePart({ id, name, part }: { id: string; name: string; part: Part })
   return drawn ? (
     <Plot x={drawn.x} curves={drawn.curves} label={name} xLabel={words(data.x)} yLabel={words(data.y)} height={280} />
   ) : (
-    <p class="dim">{a("noArray")}</p>
+    <p class="dim">{a("help.noArray")}</p>
   );
 }
 
@@ -173,7 +173,7 @@ function Points({ id, name, part }: { id: string; name: string; part: Part }) {
       />
     </>
   ) : (
-    <p class="dim">{a("noArray")}</p>
+    <p class="dim">{a("help.noArray")}</p>
   );
 }
 
@@ -220,8 +220,8 @@ function Table({ part }: { part: Part }) {
   const rows = columns.length ? ((part.data.rows ?? []) as unknown[][]) : plain;
   return (
     <details open={part.kind === "table"} class="part-table">
-      <summary>{a("allValues")}</summary>
-      <div class="scrolls" tabIndex={0} role="region" aria-label={a("allValues")}>
+      <summary>{a("label.allValues")}</summary>
+      <div class="scrolls" tabIndex={0} role="region" aria-label={a("label.allValues")}>
         <table>
           {columns.length > 0 && (
             <thead>
@@ -248,7 +248,7 @@ function Table({ part }: { part: Part }) {
           </tbody>
         </table>
       </div>
-      {rows.length > MOST_ROWS && <p class="dim">{a("moreRows", { n: rows.length - MOST_ROWS })}</p>}
+      {rows.length > MOST_ROWS && <p class="dim">{a("label.moreRows", { n: rows.length - MOST_ROWS })}</p>}
     </details>
   );
 }

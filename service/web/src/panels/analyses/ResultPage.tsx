@@ -32,7 +32,7 @@ export function ResultPage({ id }: { id: string }) {
   const remove = async () => {
     try {
       await ask("delete", "/results/{id}", { path: { id } });
-      note(a("resultDeleted"));
+      note(a("label.resultDeleted"));
       go("/analyses");
     } catch (error) {
       refuse(error);
@@ -40,7 +40,7 @@ export function ResultPage({ id }: { id: string }) {
   };
   return (
     <div class="result">
-      <h1 class="unseen">{found?.name ?? w("results")}</h1>
+      <h1 class="unseen">{found?.name ?? w("label.results")}</h1>
       <Trouble error={result.error ?? catalogue.error} retry={result.again} />
       {result.busy && <div class="busy" />}
       {found && info && (
@@ -49,27 +49,27 @@ export function ResultPage({ id }: { id: string }) {
             <div class="grow">
               <h2 class="cut">{found.name}</h2>
               <p class="dim">
-                <a href={`/analyses/${info.name}`}>{info.title}</a> · {a("madeFrom", { n: found.inputs.length })} ·{" "}
-                {when(found.created)}
+                <a href={`/analyses/${info.name}`}>{info.title}</a> · {a("label.madeFrom", { n: found.inputs.length })}{" "}
+                · {when(found.created)}
               </p>
             </div>
             {placeOf(info.name, id) !== `/results/${id}` && (
               <a class="button primary" href={placeOf(info.name, id)}>
-                {w("open")}
+                {w("button.open")}
               </a>
             )}
             <Menu
-              label={w("more")}
+              label={w("label.more")}
               className="button quiet icon"
               side="right"
-              items={[{ text: a("deleteResult"), icon: "trash", run: () => void remove() }]}
+              items={[{ text: a("button.deleteResult"), icon: "trash", run: () => void remove() }]}
             >
               <Icon name="more" />
             </Menu>
           </header>
           <div class="result-body">
-            <nav class="result-parts" aria-label={a("parts")}>
-              <PartLink name="picture" text={w("pictureWord")} shown={shown} />
+            <nav class="result-parts" aria-label={a("label.parts")}>
+              <PartLink name="picture" text={w("label.pictureWord")} shown={shown} />
               {parts.map(([name]) => (
                 <PartLink key={name} name={name} text={name} help={info.parts[name]?.description} shown={shown} />
               ))}
@@ -124,7 +124,7 @@ function Pictures({ id, info }: { id: string; info: Schemas["AnalysisInfo"] }) {
     <figure class="result-picture">
       <figcaption class="row wrap">
         {names.length > 1 && (
-          <div class="segments" role="group" aria-label={w("pictureWord")}>
+          <div class="segments" role="group" aria-label={w("label.pictureWord")}>
             {names.map((one) => (
               <button
                 key={one}
@@ -141,10 +141,10 @@ function Pictures({ id, info }: { id: string; info: Schemas["AnalysisInfo"] }) {
             ))}
           </div>
         )}
-        <span class="grow dim">{info.pictures?.[chosen] ?? w("picturesFor")}</span>
+        <span class="grow dim">{info.pictures?.[chosen] ?? w("button.picturesFor")}</span>
         {["svg", "png"].map((format) => (
           <a key={format} class="button dense" href={file(format)} download>
-            {a("download", { format: format.toUpperCase() })}
+            {a("button.download", { format: format.toUpperCase() })}
           </a>
         ))}
       </figcaption>
@@ -156,7 +156,7 @@ function Pictures({ id, info }: { id: string; info: Schemas["AnalysisInfo"] }) {
           class={drawn ? "" : "waiting"}
           onLoad={() => setDrawn(true)}
           src={file("svg")}
-          alt={info.pictures?.[chosen] ?? w("picturesFor")}
+          alt={info.pictures?.[chosen] ?? w("button.picturesFor")}
           onError={() => void why()}
         />
       )}

@@ -34,7 +34,7 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
         query: { revision: detail.revision },
         match: newest.revision,
       });
-      note(w("restoredAs", { n: (made as { revision: number }).revision }));
+      note(w("label.restoredAs", { n: (made as { revision: number }).revision }));
       setParams({ rev: null });
     } catch (error) {
       refuse(error);
@@ -46,18 +46,18 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
         <strong class="cut">{detail.name}</strong>
         {clip.pinned !== null ? (
           <>
-            <span class="chip">{w("oldRevision")}</span>
+            <span class="chip">{w("help.oldRevision")}</span>
             <button type="button" class="button primary" onClick={() => void restore()}>
-              {w("restore")}
+              {w("button.restore")}
             </button>
             <button type="button" class="button" onClick={() => setParams({ rev: null })}>
-              {w("openNewest")}
+              {w("button.openNewest")}
             </button>
           </>
         ) : changed ? (
           <>
             <span class="draft-words" role="status">
-              {w("draft", { n: clip.draft.value.steps })}
+              {w("label.draft", { n: clip.draft.value.steps })}
             </span>
             <button
               type="button"
@@ -65,10 +65,10 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
               disabled={clip.saving.value}
               onClick={() => void saveClip(clip, reload)}
             >
-              {w("save")}
+              {w("button.save")}
             </button>
             <button type="button" class="button quiet" onClick={() => clip.discard()}>
-              {w("discard")}
+              {w("button.discard")}
             </button>
           </>
         ) : null}
@@ -77,8 +77,8 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
         <button
           type="button"
           class="button quiet icon"
-          aria-label={w("undo")}
-          title={`${w("undo")} (Ctrl+Z)`}
+          aria-label={w("button.undo")}
+          title={`${w("button.undo")} (Ctrl+Z)`}
           disabled={!clip.canUndo && (detail.revision <= 1 || clip.pinned !== null)}
           onClick={() => {
             if (!clip.undo()) void clipActions.undoStored(clip, reload);
@@ -89,8 +89,8 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
         <button
           type="button"
           class="button quiet icon"
-          aria-label={w("redo")}
-          title={`${w("redo")} (Ctrl+Shift+Z)`}
+          aria-label={w("button.redo")}
+          title={`${w("button.redo")} (Ctrl+Shift+Z)`}
           disabled={!clip.canRedo}
           onClick={() => clip.redo()}
         >
@@ -98,18 +98,18 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
         </button>
         <CompareButton clip={clip} />
         <Menu
-          label={w("share")}
+          label={w("button.share")}
           side="right"
           items={[
-            { text: w("copyAddress"), run: () => void copyText(location.href, w("addressCopied")) },
-            { text: w("shareLink"), run: () => setSharing(true) },
+            { text: w("button.copyAddress"), run: () => void copyText(location.href, w("label.addressCopied")) },
+            { text: w("button.shareLink"), run: () => setSharing(true) },
           ]}
         >
-          {w("share")}
+          {w("button.share")}
           <Icon name="down" />
         </Menu>
         <Menu
-          label={w("exportWord")}
+          label={w("button.exportWord")}
           side="right"
           items={() => [
             ...exportItems(
@@ -132,11 +132,11 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
                   }
                 : {},
             ),
-            { text: w("composeThese"), icon: "compose", run: () => go(`/compose?s=${clip.id}`) },
-            { text: w("retarget"), icon: "retarget", run: () => go(`/retarget?from=${clip.id}`) },
+            { text: w("button.composeThese"), icon: "compose", run: () => go(`/compose?s=${clip.id}`) },
+            { text: w("label.retarget"), icon: "retarget", run: () => go(`/retarget?from=${clip.id}`) },
           ]}
         >
-          {w("exportWord")}
+          {w("button.exportWord")}
           <Icon name="down" />
         </Menu>
       </div>

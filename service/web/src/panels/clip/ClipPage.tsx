@@ -47,7 +47,7 @@ function OpenedClip({ id, revision }: { id: string; revision: string | null }) {
           found.close();
           return;
         }
-        subject.value = { text: found.detail.name, detail: w("revision", { n: found.detail.revision }) };
+        subject.value = { text: found.detail.name, detail: w("label.revision", { n: found.detail.revision }) };
         coming.current = false;
         setClip((before) => {
           before?.close();
@@ -71,7 +71,7 @@ function OpenedClip({ id, revision }: { id: string; revision: string | null }) {
   if (error || !clip)
     return (
       <>
-        <h1 class="unseen">{w("clipWord")}</h1>
+        <h1 class="unseen">{w("label.clipWord")}</h1>
         {error ? <Trouble error={error} retry={reload} /> : <div class="busy" role="presentation" />}
       </>
     );
@@ -97,8 +97,10 @@ function OpenClip({ clip, coming, reload }: { clip: Clip; coming: { readonly cur
           return;
         setTimeout(() => {
           // This window's own save opens the new revision itself.
-          if (coming.current || subject.peek()?.detail === w("revision", { n: one.revision })) return;
-          note(w("newer", { who: one.author, n: one.revision }), { action: { text: w("openNewest"), run: reload } });
+          if (coming.current || subject.peek()?.detail === w("label.revision", { n: one.revision })) return;
+          note(w("help.newer", { who: one.author, n: one.revision }), {
+            action: { text: w("button.openNewest"), run: reload },
+          });
         }, 1500);
       }),
     [clip],
@@ -120,13 +122,13 @@ function OpenClip({ clip, coming, reload }: { clip: Clip; coming: { readonly cur
         <ClipBar clip={clip} reload={reload} />
         <ViewerPane clip={clip} />
         <Transport clip={clip} reload={reload} />
-        <Splitter size={timelineTall} least={96} most={420} initial={190} axis="y" label={w("timeline")} />
+        <Splitter size={timelineTall} least={96} most={420} initial={190} axis="y" label={w("label.timeline")} />
         <Timeline clip={clip} />
       </div>
       {!rightFolded.value && (
         <>
-          {!under && <Splitter size={dockWide} least={300} most={900} initial={420} label={w("dock")} />}
-          <aside class="dock" aria-label={w("dock")} style={under ? {} : { width: `${dockWide.value}px` }}>
+          {!under && <Splitter size={dockWide} least={300} most={900} initial={420} label={w("label.dock")} />}
+          <aside class="dock" aria-label={w("label.dock")} style={under ? {} : { width: `${dockWide.value}px` }}>
             {dock}
           </aside>
         </>

@@ -20,15 +20,15 @@ export function ConflictBanner({ clip, reload }: { clip: Clip; reload: () => voi
     <div class="banner warn" role="alert">
       <Icon name="warn" />
       <div class="grow">
-        <strong>{w("conflict")}</strong>
-        {conflicts.length > 0 && <p>{w("conflictBoth", { n: conflicts.length })}</p>}
+        <strong>{w("error.conflict")}</strong>
+        {conflicts.length > 0 && <p>{w("help.conflictBoth", { n: conflicts.length })}</p>}
         {conflicts.length ? (
           <table>
             <thead>
               <tr>
-                <th>{w("bothChanged")}</th>
-                <th>{w("theirs")}</th>
-                <th>{w("mine")}</th>
+                <th>{w("label.bothChanged")}</th>
+                <th>{w("label.theirs")}</th>
+                <th>{w("label.mine")}</th>
               </tr>
             </thead>
             <tbody>
@@ -36,7 +36,7 @@ export function ConflictBanner({ clip, reload }: { clip: Clip; reload: () => voi
                 <tr key={index}>
                   <td>
                     {item.address}
-                    {item.first ? ` ${w("framesOf", { first: item.first, last: item.last ?? item.first })}` : ""}
+                    {item.first ? ` ${w("label.framesOf", { first: item.first, last: item.last ?? item.first })}` : ""}
                   </td>
                   <td>{one(item.theirs)}</td>
                   <td>{one(item.mine)}</td>
@@ -45,12 +45,12 @@ export function ConflictBanner({ clip, reload }: { clip: Clip; reload: () => voi
             </tbody>
           </table>
         ) : (
-          <p>{w("conflictHelp")}</p>
+          <p>{w("help.conflictHelp")}</p>
         )}
       </div>
       {conflicts.length > 0 && (
         <button type="button" class="button" onClick={() => void clip.insist().then((done) => done && reload())}>
-          {w("keepMine")}
+          {w("button.keepMine")}
         </button>
       )}
       {conflicts.length > 0 && (
@@ -62,12 +62,12 @@ export function ConflictBanner({ clip, reload }: { clip: Clip; reload: () => voi
             void saveClip(clip, reload, true);
           }}
         >
-          {w("takeTheirs")}
+          {w("button.takeTheirs")}
         </button>
       )}
       {!conflicts.length && (
         <button type="button" class="button" onClick={() => void saveClip(clip, reload, true)}>
-          {w("merge")}
+          {w("button.merge")}
         </button>
       )}
       <button
@@ -78,7 +78,7 @@ export function ConflictBanner({ clip, reload }: { clip: Clip; reload: () => voi
           reload();
         }}
       >
-        {w("discard")}
+        {w("button.discard")}
       </button>
     </div>
   );

@@ -16,14 +16,14 @@ import { lazy } from "../../ui/lazy";
 const Text = lazy(async () => (await import("./document/Text")).TextView);
 
 const VIEWS: { id: string; word: Word }[] = [
-  { id: "tree", word: "tree" },
-  { id: "graph", word: "graph" },
-  { id: "body", word: "bodyTab" },
-  { id: "structure", word: "structure" },
-  { id: "text", word: "text" },
-  { id: "history", word: "history" },
-  { id: "comments", word: "comments" },
-  { id: "info", word: "info" },
+  { id: "tree", word: "label.tree" },
+  { id: "graph", word: "label.graph" },
+  { id: "body", word: "label.bodyTab" },
+  { id: "structure", word: "label.structure" },
+  { id: "text", word: "label.text" },
+  { id: "history", word: "label.history" },
+  { id: "comments", word: "label.comments" },
+  { id: "info", word: "label.info" },
 ];
 
 export function Dock({ clip, reload }: { clip: Clip; reload: () => void }) {
@@ -31,7 +31,7 @@ export function Dock({ clip, reload }: { clip: Clip; reload: () => void }) {
   return (
     <>
       <Tabs
-        label={w("dock")}
+        label={w("label.dock")}
         tabs={VIEWS.map((one) => ({ id: one.id, text: w(one.word) }))}
         open={open}
         onOpen={(id) => setParams({ tab: id === "tree" ? null : id })}

@@ -15,7 +15,7 @@ function initials(name: string): string {
 
 function told(one: Present): string {
   const since = new Date(one.since).toLocaleTimeString(language.value, { hour: "numeric", minute: "2-digit" });
-  return w(one.doing === "editing" ? "isEditing" : "isViewing", { who: one.name, since });
+  return w(one.doing === "editing" ? "label.isEditing" : "label.isViewing", { who: one.name, since });
 }
 
 export function People() {
@@ -26,7 +26,7 @@ export function People() {
     .map((one) => one.name)
     .join(", ");
   return (
-    <ul class="people row" aria-label={w("peopleHere")}>
+    <ul class="people row" aria-label={w("label.peopleHere")}>
       {all.slice(0, SHOWN).map((one) => (
         <li key={one.name}>
           <span class={`avatar ${one.doing}`} role="img" aria-label={told(one)} title={told(one)}>
@@ -39,8 +39,8 @@ export function People() {
           <span
             class="avatar"
             role="img"
-            aria-label={w("moreHere", { who: more })}
-            title={w("moreHere", { who: more })}
+            aria-label={w("label.moreHere", { who: more })}
+            title={w("label.moreHere", { who: more })}
           >
             +{all.length - SHOWN}
           </span>
@@ -56,7 +56,7 @@ export function OthersEdit() {
   return (
     <p class="others-edit row" role="status">
       <span class="dot" />
-      {w("othersEdit", { who: who.join(", "), n: who.length })}
+      {w("help.othersEdit", { who: who.join(", "), n: who.length })}
     </p>
   );
 }

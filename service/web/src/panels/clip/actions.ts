@@ -52,7 +52,7 @@ export const clipActions = {
       .peek()
       .filter((span) => span.first < here && span.last >= here && (only === undefined || span.id === only));
     if (!inside.length) {
-      note(w("nothingToSplit"));
+      note(w("error.nothingToSplit"));
       return;
     }
     clip.setLabels(
@@ -67,7 +67,7 @@ export const clipActions = {
     if (clip.detail.revision <= 1 || clip.pinned !== null) return;
     try {
       await ask("post", "/documents/{id}/undo", { path: { id: clip.id }, match: clip.detail.revision });
-      note(w("undo"));
+      note(w("button.undo"));
       reload();
     } catch (error) {
       refuse(error);

@@ -12,7 +12,9 @@ import { clipActions } from "./actions";
 export async function saveClip(clip: Clip, reload: () => void, merge = false): Promise<void> {
   const revision = await clip.save("", merge);
   if (revision === null) return;
-  note(w("saved", { n: revision }), { action: { text: w("undo"), run: () => void undoSaved(clip, revision, reload) } });
+  note(w("label.saved", { n: revision }), {
+    action: { text: w("button.undo"), run: () => void undoSaved(clip, revision, reload) },
+  });
   reload();
 }
 
@@ -47,76 +49,76 @@ export function useClipKeys(clip: Clip, reload: () => void): void {
       [...new Set(clip.labels.peek().flatMap((span) => [span.first - 1, span.last]))].sort((a, b) => a - b);
     const speeds = [0.25, 0.5, 1, 2, 4];
     const list: Command[] = [
-      { id: "play", word: "play", keys: ["Space"], run: () => player.toggle() },
-      { id: "back", word: "backFrame", keys: ["Left", ","], run: () => player.step(-1) },
-      { id: "next", word: "nextFrame", keys: ["Right", "."], run: () => player.step(1) },
-      { id: "tenBack", word: "tenBack", keys: ["Shift+Left", "Shift+,"], run: () => player.step(-10) },
-      { id: "tenOn", word: "tenOn", keys: ["Shift+Right", "Shift+."], run: () => player.step(10) },
-      { id: "first", word: "firstFrame", keys: ["Home"], run: () => player.seek(player.range[0]) },
-      { id: "last", word: "lastFrame", keys: ["End"], run: () => player.seek(player.range[1]) },
+      { id: "play", word: "button.play", keys: ["Space"], run: () => player.toggle() },
+      { id: "back", word: "label.backFrame", keys: ["Left", ","], run: () => player.step(-1) },
+      { id: "next", word: "label.nextFrame", keys: ["Right", "."], run: () => player.step(1) },
+      { id: "tenBack", word: "label.tenBack", keys: ["Shift+Left", "Shift+,"], run: () => player.step(-10) },
+      { id: "tenOn", word: "label.tenOn", keys: ["Shift+Right", "Shift+."], run: () => player.step(10) },
+      { id: "first", word: "label.firstFrame", keys: ["Home"], run: () => player.seek(player.range[0]) },
+      { id: "last", word: "label.lastFrame", keys: ["End"], run: () => player.seek(player.range[1]) },
       {
         id: "edgeBack",
-        word: "previousEdge",
+        word: "label.previousEdge",
         keys: ["PgUp"],
         run: () => player.seek(edges().findLast((edge) => edge < player.frame.peek()) ?? 0),
       },
       {
         id: "edgeNext",
-        word: "nextEdge",
+        word: "label.nextEdge",
         keys: ["PgDn"],
         run: () => player.seek(edges().find((edge) => edge > player.frame.peek()) ?? clip.frames - 1),
       },
-      { id: "j", word: "slower", keys: ["J"], run: () => player.shuttle(-1) },
-      { id: "k", word: "stop", keys: ["K"], run: () => player.pause() },
-      { id: "l", word: "faster", keys: ["L"], run: () => player.shuttle(1) },
-      { id: "in", word: "setIn", keys: ["I"], run: () => clipActions.setLoop(clip, "in") },
-      { id: "out", word: "setOut", keys: ["O"], run: () => clipActions.setLoop(clip, "out") },
-      { id: "noLoop", word: "clearLoop", keys: ["\\"], run: () => (player.loop.value = null) },
+      { id: "j", word: "label.slower", keys: ["J"], run: () => player.shuttle(-1) },
+      { id: "k", word: "button.stop", keys: ["K"], run: () => player.pause() },
+      { id: "l", word: "label.faster", keys: ["L"], run: () => player.shuttle(1) },
+      { id: "in", word: "button.setIn", keys: ["I"], run: () => clipActions.setLoop(clip, "in") },
+      { id: "out", word: "button.setOut", keys: ["O"], run: () => clipActions.setLoop(clip, "out") },
+      { id: "noLoop", word: "button.clearLoop", keys: ["\\"], run: () => (player.loop.value = null) },
       ...speeds.map((speed, index): Command => ({
         id: `speed${speed}`,
-        word: "speed",
+        word: "label.speed",
         keys: [String(index + 1)],
         run: () => (player.speed.value = speed),
       })),
       {
         id: "undo",
-        word: "undo",
+        word: "button.undo",
         keys: ["Ctrl+Z"],
         run: () => {
           if (!clip.undo()) clipActions.undoStored(clip, reload);
         },
       },
-      { id: "redo", word: "redo", keys: ["Ctrl+Shift+Z", "Ctrl+Y"], run: () => clip.redo() },
-      { id: "save", word: "save", keys: ["Ctrl+S"], run: () => void saveClip(clip, reload) },
+      { id: "redo", word: "button.redo", keys: ["Ctrl+Shift+Z", "Ctrl+Y"], run: () => clip.redo() },
+      { id: "save", word: "button.save", keys: ["Ctrl+S"], run: () => void saveClip(clip, reload) },
       {
         id: "dock",
-        word: "dock",
+        word: "label.dock",
         keys: ["D"],
         run: () => setParams({ dock: param("dock") === "below" ? null : "below" }),
       },
-      { id: "frame", word: "frameSelection", keys: ["F"], run: () => clipActions.frame() },
-      { id: "follow", word: "follow", keys: ["Shift+F"], run: () => clipActions.toggle("follow") },
-      { id: "trails", word: "trails", keys: ["T"], run: () => clipActions.toggle("trails") },
-      { id: "view", word: "view", keys: ["V"], run: () => clipActions.nextView() },
-      { id: "split", word: "spanSplit", keys: ["S"], run: () => clipActions.splitSpan(clip) },
-      { id: "name", word: "spanAdd", keys: ["N"], run: () => clipActions.nameLoop(clip) },
+      { id: "frame", word: "label.frameSelection", keys: ["F"], run: () => clipActions.frame() },
+      { id: "follow", word: "label.follow", keys: ["Shift+F"], run: () => clipActions.toggle("follow") },
+      { id: "trails", word: "label.trails", keys: ["T"], run: () => clipActions.toggle("trails") },
+      { id: "view", word: "label.view", keys: ["V"], run: () => clipActions.nextView() },
+      { id: "split", word: "button.spanSplit", keys: ["S"], run: () => clipActions.splitSpan(clip) },
+      { id: "name", word: "label.spanAdd", keys: ["N"], run: () => clipActions.nameLoop(clip) },
       {
         id: "flip",
-        word: "flipRevisions",
+        word: "label.flipRevisions",
         keys: ["C"],
         run: () => flipWhileHeld(clip),
         when: () => clip.compared.value !== null,
       },
       {
         id: "leaveCompared",
-        word: "leaveCompared",
+        word: "label.leaveCompared",
         keys: ["Esc"],
         run: () => putBeside([]),
         when: () => besideIds().length > 0 && !clip.selection.value.bones.length,
       },
       {
         id: "esc",
-        word: "none",
+        word: "label.none",
         keys: ["Esc"],
         run: () => clip.select([]),
         when: () => clip.selection.value.bones.length > 0,

@@ -22,8 +22,8 @@ export function Bin({ board }: { board: Board }) {
         class={`field ${asks ? "code" : ""}`}
         type="search"
         data-search
-        aria-label={w("search")}
-        placeholder={w("binSearch")}
+        aria-label={w("label.search")}
+        placeholder={w("label.binSearch")}
         value={text}
         onInput={(event) => setText(event.currentTarget.value)}
       />
@@ -38,7 +38,7 @@ function Clips({ board, text }: { board: Board; text: string }) {
   return (
     <>
       <Trouble error={clips.error} retry={clips.again} />
-      {clips.value?.length === 0 && <p class="dim">{w("noneMatch")}</p>}
+      {clips.value?.length === 0 && <p class="dim">{w("label.noneMatch")}</p>}
       <ul class="bin-list">
         {(clips.value ?? []).map((one) => (
           <Row
@@ -77,15 +77,15 @@ function Runs({ board, query }: { board: Board; query: string }) {
       {found && (
         <div class="row wrap">
           <span class="dim grow" role="status">
-            {w("runCount", { n: found.total })}
+            {w("label.runCount", { n: found.total })}
           </span>
           {found.items.length > 0 && (
             <button type="button" class="button dense" onClick={() => board.add(found.items.map(takenOf))}>
               <Icon name="plus" />
-              {w("addAll", { n: found.items.length })}
+              {w("button.addAll", { n: found.items.length })}
             </button>
           )}
-          {found.total > found.items.length && <span class="dim">{w("binFirst", { n: found.items.length })}</span>}
+          {found.total > found.items.length && <span class="dim">{w("help.binFirst", { n: found.items.length })}</span>}
         </div>
       )}
       <ul class="bin-list">
@@ -152,8 +152,8 @@ function Row({
       <button
         type="button"
         class="button quiet icon dense"
-        title={w("add")}
-        aria-label={`${w("add")} ${taken.name}${range}`}
+        title={w("button.add")}
+        aria-label={`${w("button.add")} ${taken.name}${range}`}
         onClick={() => board.add([taken])}
       >
         <Icon name="plus" />
@@ -162,8 +162,8 @@ function Row({
         <button
           type="button"
           class="button quiet icon dense"
-          title={w("addLayer")}
-          aria-label={`${w("addLayer")} ${taken.name}${range}`}
+          title={w("button.addLayer")}
+          aria-label={`${w("button.addLayer")} ${taken.name}${range}`}
           onClick={() => board.addLayer(taken)}
         >
           <Icon name="layer" />

@@ -107,7 +107,7 @@ export function ComposedView({ composed, board }: { composed: Composed; board: B
       <MotionView
         actors={actors}
         selected={marked as never}
-        label={w("previewWord")}
+        label={w("label.previewWord")}
         onPick={(_, point) => {
           const bone = composed.skeleton.view.bones[point]?.name;
           if (here?.kind === "layer" && bone) toggleBone(board, here.layer, bone);
@@ -117,7 +117,7 @@ export function ComposedView({ composed, board }: { composed: Composed; board: B
         <button
           type="button"
           class="button quiet icon play"
-          aria-label={w(player.playing.value ? "pause" : "play")}
+          aria-label={w(player.playing.value ? "button.pause" : "button.play")}
           onClick={() => player.toggle()}
         >
           <Icon name={player.playing.value ? "pause" : "play"} />

@@ -78,8 +78,9 @@ export function ComposerPage() {
     try {
       const made = await ask("post", "/compose", { body: { ...JSON.parse(asked), name } as Schemas["ComposeRequest"] });
       draft.value = "";
-      note(w("composed", { name }), { action: { text: w("open"), run: () => go(`/clips/${made.document}`) } });
-      go(`/clips/${made.document}`);
+      const open = () => go(`/clips/${made.document}`);
+      note(w("label.composed", { name }), { action: { text: w("button.open"), run: open } });
+      open();
     } catch (error) {
       refuse(error);
     } finally {
@@ -91,40 +92,40 @@ export function ComposerPage() {
   useEffect(() => {
     subject.value = null;
     return offer("composer", [
-      { id: "undo", word: "undo", keys: ["Ctrl+Z"], run: () => board.steps.undo() },
-      { id: "redo", word: "redo", keys: ["Ctrl+Shift+Z", "Ctrl+Y"], run: () => board.steps.redo() },
-      { id: "split", word: "split", keys: ["S"], run: board.split },
-      { id: "delete", word: "remove", keys: ["Del"], run: board.remove },
-      { id: "left", word: "moveLeft", keys: ["Alt+Left"], run: () => board.move(-1) },
-      { id: "right", word: "moveRight", keys: ["Alt+Right"], run: () => board.move(1) },
-      { id: "save", word: "save", keys: ["Ctrl+S"], run: () => void saveNow.run() },
+      { id: "undo", word: "button.undo", keys: ["Ctrl+Z"], run: () => board.steps.undo() },
+      { id: "redo", word: "button.redo", keys: ["Ctrl+Shift+Z", "Ctrl+Y"], run: () => board.steps.redo() },
+      { id: "split", word: "button.split", keys: ["S"], run: board.split },
+      { id: "delete", word: "button.remove", keys: ["Del"], run: board.remove },
+      { id: "left", word: "button.moveLeft", keys: ["Alt+Left"], run: () => board.move(-1) },
+      { id: "right", word: "button.moveRight", keys: ["Alt+Right"], run: () => board.move(1) },
+      { id: "save", word: "button.save", keys: ["Ctrl+S"], run: () => void saveNow.run() },
     ]);
   }, []);
   /** While a change is worked out the preview before stays, dimmed. */
   const shown = pieces.length ? ((preview.value === undefined ? preview.before : preview.value) ?? null) : null;
   return (
     <div class="composer">
-      <h1 class="unseen">{w("compose")}</h1>
-      <aside class="bin" aria-label={w("bin")}>
+      <h1 class="unseen">{w("label.compose")}</h1>
+      <aside class="bin" aria-label={w("label.bin")}>
         <Bin board={board} />
       </aside>
       <section class="composer-main">
         <div class="clip-bar row">
           <input
             class="field composer-name"
-            aria-label={w("newName")}
+            aria-label={w("label.newName")}
             value={name}
             onInput={(event) => board.rename(event.currentTarget.value)}
           />
           <span class="dim" role="status">
-            {shown ? w("total", { time: duration(shown.frames * shown.seconds_per_frame), n: pieces.length }) : ""}
+            {shown && w("label.total", { time: duration(shown.frames * shown.seconds_per_frame), n: pieces.length })}
           </span>
           <span class="grow" />
           <button
             type="button"
             class="button quiet icon"
-            aria-label={w("undo")}
-            title={w("undo")}
+            aria-label={w("button.undo")}
+            title={w("button.undo")}
             disabled={!board.steps.canUndo.value}
             onClick={() => board.steps.undo()}
           >
@@ -133,8 +134,8 @@ export function ComposerPage() {
           <button
             type="button"
             class="button quiet icon"
-            aria-label={w("redo")}
-            title={w("redo")}
+            aria-label={w("button.redo")}
+            title={w("button.redo")}
             disabled={!board.steps.canRedo.value}
             onClick={() => board.steps.redo()}
           >
@@ -144,15 +145,15 @@ export function ComposerPage() {
             <button
               type="button"
               class="button quiet icon"
-              aria-label={w("startAnew")}
-              title={w("startAnew")}
+              aria-label={w("button.startAnew")}
+              title={w("button.startAnew")}
               onClick={board.clear}
             >
               <Icon name="close" />
             </button>
           )}
           <label class="row">
-            <span class="dim">{w("allTransitions")}</span>
+            <span class="dim">{w("label.allTransitions")}</span>
             <input
               class="field number"
               type="number"
@@ -166,21 +167,25 @@ export function ComposerPage() {
               }
             />
           </label>
-          <StyleChoice label={w("transition")} value={style} onChange={(one) => one && board.setAll({ style: one })} />
+          <StyleChoice
+            label={w("label.transition")}
+            value={style}
+            onChange={(one) => one && board.setAll({ style: one })}
+          />
           <button
             type="button"
             class="button primary"
             disabled={!ready || saving || !name.trim()}
             onClick={() => void save()}
           >
-            {w("saveAsClip")}
+            {w("button.saveAsClip")}
           </button>
         </div>
         <Trouble error={pieces.length ? preview.error : null} retry={preview.again} />
         {(shown?.notices.length ?? 0) > 0 && (
           <details class="notice dim">
             <summary>
-              {w("notices")} ({shown!.notices.length})
+              {w("label.notices")} ({shown!.notices.length})
             </summary>
             {shown!.notices.map((one) => (
               <p key={one}>{one}</p>
@@ -204,15 +209,20 @@ export function ComposerPage() {
             onDragOver={(event) => event.preventDefault()}
             onDrop={(event) => board.add(carried(event))}
           >
-            <div class="empty">
-              <h2>{w("composeEmpty")}</h2>
-              <p>{w("dragHere")}</p>
-              <p class="dim">{w("layersHelp")}</p>
-              <p class="dim">{w("fitOnAdd")}</p>
-            </div>
+            <Invitation />
           </div>
         )}
       </section>
     </div>
   );
 }
+
+/** What an empty storyboard says. */
+const Invitation = () => (
+  <div class="empty">
+    <h2>{w("label.composeEmpty")}</h2>
+    <p>{w("help.dragHere")}</p>
+    <p class="dim">{w("help.layersHelp")}</p>
+    <p class="dim">{w("help.fitOnAdd")}</p>
+  </div>
+);

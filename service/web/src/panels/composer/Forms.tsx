@@ -76,27 +76,27 @@ const Act = ({
 function PieceForm({ board, piece, index }: { board: Board; piece: Piece; index: number }) {
   const set = (change: Partial<Piece>) => board.setPiece(piece.key, change);
   return (
-    <div class="row wrap piece-form" role="group" aria-label={w("piece", { n: index + 1 })}>
-      <strong>{w("piece", { n: index + 1 })}</strong>
+    <div class="row wrap piece-form" role="group" aria-label={w("label.piece", { n: index + 1 })}>
+      <strong>{w("label.piece", { n: index + 1 })}</strong>
       <Amount
-        word="trimFrom"
+        word="label.trimFrom"
         least={1}
         most={piece.last || 1}
         value={piece.first}
         onChange={(first) => set({ first })}
       />
       <Amount
-        word="trimTo"
+        word="label.trimTo"
         least={piece.first}
         most={piece.frames || piece.last}
         value={piece.last}
         onChange={(last) => set({ last })}
       />
       <span class="dim">
-        {w("frames", { n: sizeOf(piece) })} {w("ofFrames", { n: piece.frames })}
+        {w("label.frames", { n: sizeOf(piece) })} {w("label.ofFrames", { n: piece.frames })}
       </span>
       <Amount
-        word="speed"
+        word="label.speed"
         least={SLOWEST}
         most={FASTEST}
         step={0.05}
@@ -110,17 +110,17 @@ function PieceForm({ board, piece, index }: { board: Board; piece: Piece; index:
         onClick={() => set({ mirror: !piece.mirror })}
       >
         <Icon name="mirror" />
-        {w("mirror")}
+        {w("label.mirror")}
       </button>
       <span class="grow" />
-      <Act icon="back" word="moveLeft" disabled={index === 0} onClick={() => board.move(-1)} />
+      <Act icon="back" word="button.moveLeft" disabled={index === 0} onClick={() => board.move(-1)} />
       <Act
         icon="next"
-        word="moveRight"
+        word="button.moveRight"
         disabled={index >= board.pieces.value.length - 1}
         onClick={() => board.move(1)}
       />
-      <Act icon="trash" word="remove" onClick={board.remove} />
+      <Act icon="trash" word="button.remove" onClick={board.remove} />
     </div>
   );
 }
@@ -140,7 +140,7 @@ export function StyleChoice({
     <div class="segments" role="group" aria-label={label}>
       {usual && (
         <button type="button" aria-pressed={value === null} onClick={() => onChange(null)}>
-          {w("asAll", { what: w(usual) })}
+          {w("label.asAll", { what: w(`label.${usual}`) })}
         </button>
       )}
       {(["bridge", "crossfade"] as const).map((one) => (
@@ -148,10 +148,10 @@ export function StyleChoice({
           key={one}
           type="button"
           aria-pressed={value === one}
-          title={w(one === "bridge" ? "bridgeHelp" : "crossfadeHelp")}
+          title={w(one === "bridge" ? "help.bridgeHelp" : "help.crossfadeHelp")}
           onClick={() => onChange(one)}
         >
-          {w(one)}
+          {w(`label.${one}`)}
         </button>
       ))}
     </div>
@@ -174,38 +174,38 @@ function SeamForm({
   const length = piece.transition ?? made?.transition ?? all.transition;
   const set = (change: Partial<Piece>) => board.setPiece(piece.key, change);
   return (
-    <div class="row wrap piece-form" role="group" aria-label={w("seam")}>
-      <strong>{w("seamBetween", { n: index, next: index + 1 })}</strong>
+    <div class="row wrap piece-form" role="group" aria-label={w("label.seam")}>
+      <strong>{w("label.seamBetween", { n: index, next: index + 1 })}</strong>
       <Amount
-        word="transition"
+        word="label.transition"
         least={0}
         most={LONGEST}
         value={length}
         onChange={(transition) => set({ transition })}
       />
       <StyleChoice
-        label={w("transitionStyle")}
+        label={w("label.transitionStyle")}
         value={piece.style}
         usual={all.style}
         onChange={(style) => set({ style })}
       />
       {(piece.transition !== null || piece.style !== null) && (
         <button type="button" class="button quiet dense" onClick={() => set({ transition: null, style: null })}>
-          {w("asAllSeams")}
+          {w("button.asAllSeams")}
         </button>
       )}
       {made ? (
         <span class={isRough(made) ? "seam-report rough" : "seam-report dim"} role="status">
           <Icon name={isRough(made) ? "warn" : "check"} />
-          {w(isRough(made) ? "seamRough" : "seamSmooth", { step: number(stepOf(made), 2) })}{" "}
-          {w("seamPlaced", { degrees: number(made.degrees, 1), shift: number(shiftOf(made), 1) })}
+          {w(isRough(made) ? "help.seamRough" : "help.seamSmooth", { step: number(stepOf(made), 2) })}{" "}
+          {w("help.seamPlaced", { degrees: number(made.degrees, 1), shift: number(shiftOf(made), 1) })}
         </span>
       ) : (
-        composed && <span class="dim">{w("seamNone")}</span>
+        composed && <span class="dim">{w("help.seamNone")}</span>
       )}
       {made && isRough(made) && (
         <button type="button" class="button dense" onClick={() => set({ transition: Math.max(1, length) * LONGER })}>
-          {w("seamLonger", { n: Math.max(1, length) * LONGER })}
+          {w("button.seamLonger", { n: Math.max(1, length) * LONGER })}
         </button>
       )}
     </div>
@@ -219,12 +219,12 @@ function LayerForm({ board, piece, layer }: { board: Board; piece: Piece; layer:
   const part = partNamed(body, layer.bones) ?? "";
   const set = (change: Partial<Layer>, kind = "") => board.setLayer(layer.key, change, kind);
   return (
-    <div class="row wrap piece-form" role="group" aria-label={w("layer")}>
+    <div class="row wrap piece-form" role="group" aria-label={w("label.layer")}>
       <strong class="cut">
-        {w("layer")}: {layer.name}
+        {w("label.layer")}: {layer.name}
       </strong>
       <label class="row">
-        <span class="dim">{w("joints")}</span>
+        <span class="dim">{w("label.joints")}</span>
         <select
           class="field"
           value={part}
@@ -239,51 +239,51 @@ function LayerForm({ board, piece, layer }: { board: Board; piece: Piece; layer:
               {w(PART_WORDS[one])}
             </option>
           ))}
-          <option value="">{part ? w("chooseJoints") : w("jointCount", { n: layer.bones.length })}</option>
+          <option value="">{part ? w("button.chooseJoints") : w("label.jointCount", { n: layer.bones.length })}</option>
         </select>
       </label>
       <button type="button" class="button quiet dense" onClick={() => setChoosing(true)}>
-        {w("chooseJoints")}
+        {w("button.chooseJoints")}
       </button>
       <Amount
-        word="layerAt"
+        word="label.layerAt"
         least={1}
         most={Math.max(1, sizeOf(piece))}
         value={layer.at}
         onChange={(at) => set({ at })}
       />
       <Amount
-        word="trimFrom"
+        word="label.trimFrom"
         least={1}
         most={layer.last || 1}
         value={layer.first}
         onChange={(first) => set({ first })}
       />
       <Amount
-        word="trimTo"
+        word="label.trimTo"
         least={layer.first}
         most={layer.frames || layer.last}
         value={layer.last}
         onChange={(last) => set({ last })}
       />
       <label class="row">
-        <span class="dim">{w("strength")}</span>
+        <span class="dim">{w("label.strength")}</span>
         <input
           type="range"
           min={0}
           max={1}
           step={0.05}
           value={layer.strength}
-          aria-label={w("strength")}
+          aria-label={w("label.strength")}
           onChange={(event) => set({ strength: event.currentTarget.valueAsNumber })}
         />
       </label>
-      <Amount word="ease" least={0} most={LONGEST} value={layer.ease} onChange={(ease) => set({ ease })} />
+      <Amount word="label.ease" least={0} most={LONGEST} value={layer.ease} onChange={(ease) => set({ ease })} />
       <span class="grow" />
-      <Act icon="trash" word="remove" onClick={board.remove} />
+      <Act icon="trash" word="button.remove" onClick={board.remove} />
       {choosing && (
-        <Dialog title={w("chooseJoints")} onClose={() => setChoosing(false)}>
-          <p class="dim">{w("chooseJointsHelp")}</p>
+        <Dialog title={w("button.chooseJoints")} onClose={() => setChoosing(false)}>
+          <p class="dim">{w("help.chooseJointsHelp")}</p>
           <div class="joint-choice">
             {body.map((bone) => (
               <label key={bone.name} class="row">

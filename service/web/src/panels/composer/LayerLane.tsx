@@ -12,7 +12,7 @@ import { edgeAt, follow, trimmed } from "./trimming";
 export function bonesInWords(board: Board, layer: Layer): string {
   const body = facts.value.get(board.pieces.value[0]?.document ?? "")?.skeleton.view.bones;
   const part = body && partNamed(body, layer.bones);
-  return part ? w(PART_WORDS[part]) : w("jointCount", { n: layer.bones.length });
+  return part ? w(PART_WORDS[part]) : w("label.jointCount", { n: layer.bones.length });
 }
 
 export function LayerLane({ board, piece, index }: { board: Board; piece: Piece; index: number }) {
@@ -78,7 +78,7 @@ export function LayerLane({ board, piece, index }: { board: Board; piece: Piece;
               type="button"
               class="layer"
               aria-pressed={here?.kind === "layer" && here.layer.key === each.key}
-              aria-label={`${w("layer")}: ${layer.name}, ${bonesInWords(board, layer)}, ${w("frame")} ${number(layer.at)}`}
+              aria-label={`${w("label.layer")}: ${layer.name}, ${bonesInWords(board, layer)}, ${w("label.frame")} ${number(layer.at)}`}
               style={{
                 left: `${((layer.at - 1) / size) * 100}%`,
                 width: `${(length / size) * 100}%`,

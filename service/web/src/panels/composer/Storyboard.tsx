@@ -75,7 +75,7 @@ export function Storyboard({ board, composed }: { board: Board; composed: Compos
       ref={strip}
       class="pieces"
       role="group"
-      aria-label={w("pieces")}
+      aria-label={w("label.pieces")}
       onDragOver={(event) => event.preventDefault()}
       onDrop={(event) => board.add(carried(event))}
     >
@@ -127,7 +127,7 @@ export function Storyboard({ board, composed }: { board: Board; composed: Compos
                   event.stopPropagation();
                 }}
               >
-                <span class="unseen">{w("piece", { n: index + 1 })}: </span>
+                <span class="unseen">{w("label.piece", { n: index + 1 })}: </span>
                 <strong class="cut">{one.name || "…"}</strong>
                 <span class="dim cut row">
                   {number(one.first)}–{number(one.last)}
@@ -135,7 +135,7 @@ export function Storyboard({ board, composed }: { board: Board; composed: Compos
                   {one.mirror && (
                     <>
                       <Icon name="mirror" />
-                      <span class="unseen">{w("mirrored")}</span>
+                      <span class="unseen">{w("label.mirrored")}</span>
                     </>
                   )}
                 </span>
@@ -171,8 +171,8 @@ function Seam({ board, index, composed }: { board: Board; index: number; compose
       type="button"
       class={`seam ${made && isRough(made) ? "rough" : ""} ${own !== null || piece.style ? "own" : ""}`}
       aria-pressed={chosen}
-      aria-label={w("seamOf", { n: index, next: index + 1, frames: length })}
-      title={w("seamHelp")}
+      aria-label={w("label.seamOf", { n: index, next: index + 1, frames: length })}
+      title={w("help.seamHelp")}
       onClick={choose}
       onPointerDown={(event) => {
         if (event.button) return;

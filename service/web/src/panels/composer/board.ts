@@ -63,8 +63,8 @@ export class Board {
 
   /** From the address; else from the last visit. What was in work before is one step back. */
   constructor() {
-    const before = readBoard((name) => new URLSearchParams(draft.peek()).get(name) ?? "", w("untitled"));
-    const asked = readBoard(param, w("untitled"));
+    const before = readBoard((name) => new URLSearchParams(draft.peek()).get(name) ?? "", w("label.untitled"));
+    const asked = readBoard(param, w("label.untitled"));
     const same = writeBoard(asked, "").s === writeBoard(before, "").s;
     if (!asked.pieces.length) this.steps = new Steps(before);
     else this.steps = new Steps(asked, before.pieces.length && !same ? [before] : []);
@@ -75,7 +75,7 @@ export class Board {
   }
 
   get written(): Record<string, string | null> {
-    return writeBoard(this.steps.now.value, w("untitled"));
+    return writeBoard(this.steps.now.value, w("label.untitled"));
   }
 
   learn(): void {
@@ -143,7 +143,7 @@ export class Board {
     }
   };
 
-  clear = () => this.set({ pieces: [], name: w("untitled") });
+  clear = () => this.set({ pieces: [], name: w("label.untitled") });
 }
 
 export const carry = (event: DragEvent, taken: readonly Taken[]): void =>

@@ -46,10 +46,10 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
       bench.dry.value = null;
       await keepMusic(bench, partOf(result, "clip").document!);
       go(`/dance/${id}?${withoutSelection()}`);
-      note(d("made", { name: result.name }), {
-        detail: music ? d("musicKept") : undefined,
+      note(d("label.made", { name: result.name }), {
+        detail: music ? d("help.musicKept") : undefined,
         action: {
-          text: d("undoMade"),
+          text: d("button.undoMade"),
           run: () => void takeBack(id, partOf(result, "clip").document!, result.name, bench),
         },
       });
@@ -74,10 +74,10 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
     <>
       <header class="bench-bar row wrap">
         <span class="row">
-          <strong>{d("bench", { n: bench.documents.length })}</strong>
+          <strong>{d("label.bench", { n: bench.documents.length })}</strong>
           {onOthers && (
             <button type="button" class="button quiet dense" onClick={onOthers}>
-              {d("others")}
+              {d("label.others")}
             </button>
           )}
         </span>
@@ -85,10 +85,10 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
           <span class="row bench-music">
             <Icon name="beat" />
             <span class="cut">{music.file.name}</span>
-            <span class="dim">{music.even ? number(music.bpm, 1) : d("uneven")}</span>
+            <span class="dim">{music.even ? number(music.bpm, 1) : d("label.uneven")}</span>
             {music.rivals.length > 1 && (
-              <label class="row" title={d("rivalsHelp")}>
-                {music.clear ? d("tempo") : d("ambiguous")}
+              <label class="row" title={d("help.rivalsHelp")}>
+                {music.clear ? d("label.tempo") : d("label.ambiguous")}
                 <select
                   class="field dense"
                   value={0}
@@ -98,14 +98,14 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
                 >
                   {music.rivals.map((one, at) => (
                     <option key={at} value={at}>
-                      {d("rival", { bpm: number(one.bpm, 1), strength: number(one.strength, 2) })}
+                      {d("label.rival", { bpm: number(one.bpm, 1), strength: number(one.strength, 2) })}
                     </option>
                   ))}
                 </select>
               </label>
             )}
             <label class="row">
-              {d("perBar")}
+              {d("label.perBar")}
               <select
                 class="field dense"
                 value={music.beatsPerBar}
@@ -121,7 +121,7 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
               </select>
             </label>
             <label class="row">
-              {d("downbeat")}
+              {d("label.downbeat")}
               <select
                 class="field dense"
                 value={music.downbeat}
@@ -137,7 +137,7 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
               </select>
             </label>
             <label class="row">
-              {d("factor")}
+              {d("label.factor")}
               <select
                 class="field dense"
                 value={music.factor}
@@ -153,13 +153,13 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
               </select>
             </label>
             <label class="row">
-              {d("offset")}
+              {d("label.offset")}
               <NumberField step={0.01} value={offsetNow()} onChange={(value) => setOffset(value ?? 0)} /> s
             </label>
             <button
               type="button"
               class="button quiet icon dense"
-              aria-label={d("musicGone", { name: music.file.name })}
+              aria-label={d("button.musicGone", { name: music.file.name })}
               onClick={() => {
                 if (music.address) URL.revokeObjectURL(music.address);
                 bench.music.value = null;
@@ -172,14 +172,14 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
         ) : (
           <span class="row">
             <label class="row">
-              {d("tempo")}
+              {d("label.tempo")}
               <NumberField least={40} most={240} value={Number(param("bpm")) || USUAL_BPM} onChange={write("bpm")} />
             </label>
-            <span class="dim">{d("bpm")}</span>
+            <span class="dim">{d("label.bpm")}</span>
             <button
               type="button"
               class="button"
-              title={d("tapHelp")}
+              title={d("help.tapHelp")}
               onPointerDown={(event) => {
                 if (event.button === 0) tap(event.timeStamp);
               }}
@@ -187,16 +187,16 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
                 if (event.detail === 0) tap(event.timeStamp);
               }}
             >
-              {d("tap")}
-              {taps.value.length > 1 && <span class="dim">{d("taps", { n: taps.value.length })}</span>}
+              {d("button.tap")}
+              {taps.value.length > 1 && <span class="dim">{d("label.taps", { n: taps.value.length })}</span>}
             </button>
-            <label class="button" title={d("musicHelp")}>
-              {d("music")}…
+            <label class="button" title={d("help.musicHelp")}>
+              {d("label.music")}…
               <input
                 class="unseen"
                 type="file"
                 accept=".wav,.flac,.mp3,audio/*"
-                aria-label={d("music")}
+                aria-label={d("label.music")}
                 onChange={(event) => {
                   const file = event.currentTarget.files?.[0];
                   if (file) void open(file);
@@ -206,7 +206,7 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
           </span>
         )}
         <label class="row">
-          {d("bars")}
+          {d("label.bars")}
           <NumberField
             least={1}
             most={MOST_BARS}
@@ -215,8 +215,8 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
             onChange={write("bars")}
           />
         </label>
-        <label class="row" title={d("seedHelp")}>
-          {d("seed")}
+        <label class="row" title={d("help.seedHelp")}>
+          {d("label.seed")}
           <NumberField
             least={0}
             step={1}
@@ -228,15 +228,15 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
         {job ? (
           <span class="row grow bench-job" role="status">
             <progress class="grow" value={job.share} aria-label={job.stage ?? ""} />
-            <span class="dim">{d("making", { stage: job.stage ?? "" })}</span>
+            <span class="dim">{d("label.making", { stage: job.stage ?? "" })}</span>
             <button type="button" class="button" onClick={() => void cancelJob(job)}>
-              {w("cancel")}
+              {w("button.cancel")}
             </button>
           </span>
         ) : (
           <span class="row">
             <button type="button" class="button" disabled={bench.job.value !== null} onClick={() => void run(true)}>
-              {d("dryRun")}
+              {d("button.dryRun")}
             </button>
             <button
               type="button"
@@ -244,14 +244,14 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
               disabled={bench.job.value !== null}
               onClick={() => void run(false)}
             >
-              {d("make")}
+              {d("button.make")}
             </button>
           </span>
         )}
       </header>
       {reading && (
         <p class="row bench-reading" role="status">
-          <span class="dim">{d("readingMusic", { name: reading })}</span>
+          <span class="dim">{d("label.readingMusic", { name: reading })}</span>
           <span class="busy grow" />
         </p>
       )}
@@ -291,7 +291,7 @@ async function takeBack(result: string, document: string, name: string, bench: B
     const params = new URLSearchParams(route.peek().params);
     for (const id of bench.documents) params.append("doc", id);
     go(`/dance?${params}`);
-    note(d("taken", { name }));
+    note(d("label.taken", { name }));
   } catch (error) {
     refuse(error);
   }

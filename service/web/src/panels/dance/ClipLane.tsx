@@ -104,7 +104,7 @@ export function ClipLane({ bench, row, index }: { bench: Bench; row: ClipRow; in
       class={`lane ${active ? "active" : ""}`}
       role="listbox"
       tabIndex={0}
-      aria-label={d("rowOf", { name: row.name })}
+      aria-label={d("label.rowOf", { name: row.name })}
       aria-activedescendant={beat >= 0 && row.beats[beat] ? option(beat) : undefined}
       onKeyDown={key}
       onFocus={() => {
@@ -134,12 +134,12 @@ export function ClipLane({ bench, row, index }: { bench: Bench; row: ClipRow; in
       )}
       {row.beats.map((one, place) => (
         <span key={place} class="unseen" role="option" id={option(place)} aria-selected={place === beat}>
-          {d("beatOf", { n: place + 1, at: number(one.at, 3), kind: d(one.kind) })}
+          {d("label.beatOf", { n: place + 1, at: number(one.at, 3), kind: d(`label.${one.kind}`) })}
         </span>
       ))}
       {!row.beats.length && (
         <span class="unseen" role="option" aria-selected="false">
-          {d("beatsOf", { n: 0 })}
+          {d("label.beatsOf", { n: 0 })}
         </span>
       )}
     </div>
@@ -148,9 +148,9 @@ export function ClipLane({ bench, row, index }: { bench: Bench; row: ClipRow; in
 
 /** Why a minimum is no beat. */
 export function reasonOf(one: Candidate): string {
-  if (one.verdict === "F2") return d("F2", { dip: number(one.dip, 2), least: number(2 / 15, 2) });
-  if (one.verdict === "F3") return d("F3", { rest: number(one.rest, 2), most: 1 });
-  return d(one.verdict);
+  if (one.verdict === "F2") return d("label.F2", { dip: number(one.dip, 2), least: number(2 / 15, 2) });
+  if (one.verdict === "F3") return d("label.F3", { rest: number(one.rest, 2), most: 1 });
+  return d(`label.${one.verdict}`);
 }
 
 function tipOf(
@@ -165,10 +165,10 @@ function tipOf(
   if (beat >= 0)
     return {
       x,
-      text: d("beatOf", {
+      text: d("label.beatOf", {
         n: beat + 1,
         at: number(itemAt(row.beats, beat).at, 3),
-        kind: d(itemAt(row.beats, beat).kind),
+        kind: d(`label.${itemAt(row.beats, beat).kind}`),
       }),
     };
   const near = row.candidates

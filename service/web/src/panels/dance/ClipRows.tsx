@@ -23,42 +23,42 @@ export function ClipRows({ bench }: { bench: Bench }) {
   return (
     <>
       <div class="row wrap bench-tools">
-        <strong class="cut">{row?.name ?? d("clipsWord")}</strong>
+        <strong class="cut">{row?.name ?? d("label.clipsWord")}</strong>
         <button
           type="button"
           class="button dense"
           disabled={!row}
-          title={`${d("addBeat")} (B)`}
+          title={`${d("button.addBeat")} (B)`}
           onClick={() => row && bench.addBeat(row.id, bench.at.peek())}
         >
-          {d("addBeat")}
+          {d("button.addBeat")}
         </button>
         <button
           type="button"
           class="button dense"
           disabled={!row || held < 0}
-          title={`${d("deleteBeat")} (Del)`}
+          title={`${d("button.deleteBeat")} (Del)`}
           onClick={() => row && bench.removeBeat(row.id, held)}
         >
-          {d("deleteBeat")}
+          {d("button.deleteBeat")}
         </button>
         <button
           type="button"
           class="button dense"
           disabled={!row?.beats.some((one) => one.kind === "tracked")}
-          title={`${d("accept")} (Shift+B)`}
+          title={`${d("button.accept")} (Shift+B)`}
           onClick={() => row && bench.accept(row.id)}
         >
-          {d("accept")}
+          {d("button.accept")}
         </button>
-        <span class="dim grow cut bench-legend" title={d("legend")}>
-          {d("legend")}
+        <span class="dim grow cut bench-legend" title={d("help.legend")}>
+          {d("help.legend")}
         </span>
         <button
           type="button"
           class="button quiet icon dense"
-          aria-label={w("undo")}
-          title={w("undo")}
+          aria-label={w("button.undo")}
+          title={w("button.undo")}
           disabled={!canUndo.value}
           onClick={() => bench.steps.undo()}
         >
@@ -67,8 +67,8 @@ export function ClipRows({ bench }: { bench: Bench }) {
         <button
           type="button"
           class="button quiet icon dense"
-          aria-label={w("redo")}
-          title={w("redo")}
+          aria-label={w("button.redo")}
+          title={w("button.redo")}
           disabled={!canRedo.value}
           onClick={() => bench.steps.redo()}
         >
@@ -79,7 +79,7 @@ export function ClipRows({ bench }: { bench: Bench }) {
       <div class="bench-busy">
         {bench.stale.value.size > 0 && (
           <div class="busy" role="status">
-            <span class="unseen">{d("busyBeats")}</span>
+            <span class="unseen">{d("label.busyBeats")}</span>
           </div>
         )}
       </div>
@@ -92,14 +92,14 @@ export function ClipRows({ bench }: { bench: Bench }) {
             <Icon name="warn" />
             <a href={`/clips/${id}`}>{why}</a>
             <span class="dim">
-              {d("leftOut")} {remedy}
+              {d("help.leftOut")} {remedy}
             </span>
           </p>
         ))}
         {bench.unfit.value.length > 0 && (
           <p class="bench-untimed">
             <button type="button" class="button dense" onClick={() => bench.again()}>
-              {w("again")}
+              {w("button.again")}
             </button>
           </p>
         )}
@@ -110,7 +110,7 @@ export function ClipRows({ bench }: { bench: Bench }) {
         {rows.length > most && (
           <p>
             <button type="button" class="button dense" onClick={() => setMost(most + AT_FIRST)}>
-              {d("moreClips", { n: rows.length - most })}
+              {d("button.moreClips", { n: rows.length - most })}
             </button>
           </p>
         )}
@@ -140,9 +140,9 @@ function Untimed({ bench, id, name }: { bench: Bench; id: string; name: string }
     >
       <Icon name="warn" />
       <a href={`/clips/${id}`}>{name}</a>
-      <span class="dim">{d("untimed")}</span>
+      <span class="dim">{d("help.untimed")}</span>
       <label class="row">
-        {d("rateOf")}{" "}
+        {d("label.rateOf")}{" "}
         <input
           class="field number"
           type="number"
@@ -154,7 +154,7 @@ function Untimed({ bench, id, name }: { bench: Bench; id: string; name: string }
         />
       </label>
       <button type="submit" class="button dense primary" disabled={busy || !(Number(hertz) > 0)}>
-        {w("apply")}
+        {w("button.apply")}
       </button>
     </form>
   );
@@ -173,7 +173,7 @@ function Row({ bench, row, index }: { bench: Bench; row: ClipRow; index: number 
           </a>
           <select
             class="field dense"
-            aria-label={`${d("from")}: ${row.name}`}
+            aria-label={`${d("label.from")}: ${row.name}`}
             value={correction.beats_from ?? "auto"}
             onChange={(event) =>
               bench.correct(row.id, {
@@ -182,18 +182,18 @@ function Row({ bench, row, index }: { bench: Bench; row: ClipRow; index: number 
               })
             }
           >
-            <option value="auto">{d("auto")}</option>
-            <option value="detected">{d("detected")}</option>
-            <option value="tracked">{d("tracked")}</option>
+            <option value="auto">{d("label.auto")}</option>
+            <option value="detected">{d("label.detected")}</option>
+            <option value="tracked">{d("label.tracked")}</option>
           </select>
         </div>
         <Tempi bench={bench} row={row} given={correction.source_bpm} />
         <span class="dim row-facts" data-bars={row.bars.length}>
           {row.bars.length ? (
-            `${d("barsOf", { n: row.bars.length })} · ${d("beatsOf", { n: row.beats.length })}`
+            `${d("label.barsOf", { n: row.bars.length })} · ${d("label.beatsOf", { n: row.beats.length })}`
           ) : (
             <>
-              {d("noBars", {
+              {d("help.noBars", {
                 f1: entryOf(row.refused, "F1"),
                 f2: entryOf(row.refused, "F2"),
                 f3: entryOf(row.refused, "F3"),
@@ -204,7 +204,7 @@ function Row({ bench, row, index }: { bench: Bench; row: ClipRow; index: number 
                   class="link"
                   onClick={() => bench.correct(row.id, { beats_from: "tracked", beats: undefined })}
                 >
-                  {d("useTracked")}
+                  {d("button.useTracked")}
                 </button>
               )}
             </>
@@ -229,14 +229,18 @@ function offersOf(row: ClipRow, given?: number): Offer[] {
   const offers: Offer[] = row.peaks.slice(0, 3).map((one) => ({
     bpm: one.bpm,
     word: "",
-    title: d("strength", { bpm: number(one.bpm, 1), s: number(one.period, 3), strength: number(one.strength, 2) }),
+    title: d("label.strength", {
+      bpm: number(one.bpm, 1),
+      s: number(one.period, 3),
+      strength: number(one.strength, 2),
+    }),
   }));
-  const stated = given ? [{ bpm: given, word: "", title: `${d("tempo")}: ${number(given, 1)}` }] : [];
+  const stated = given ? [{ bpm: given, word: "", title: `${d("label.tempo")}: ${number(given, 1)}` }] : [];
   if (!offers.length) offers.push(...stated);
   const own = offers[0]?.bpm ?? 0;
   for (const [factor, word] of [
-    [0.5, d("half")],
-    [2, d("double")],
+    [0.5, d("label.half")],
+    [2, d("label.double")],
   ] as const) {
     const bpm = own * factor;
     // A rival may be the half or the double itself.
@@ -266,7 +270,7 @@ function Tempi({ bench, row, given }: { bench: Bench; row: ClipRow; given?: numb
   const chosen = given ?? row.bpm ?? row.peaks[0]?.bpm;
   const isGiven = (one: Offer) => given !== undefined && isNear(given, one.bpm, 0.015);
   return (
-    <div class="row tempi" role="group" aria-label={`${d("tempo")}: ${row.name}`} onPointerDown={hold}>
+    <div class="row tempi" role="group" aria-label={`${d("label.tempo")}: ${row.name}`} onPointerDown={hold}>
       {offers.map((one, place) => (
         <button
           key={place}
@@ -284,10 +288,10 @@ function Tempi({ bench, row, given }: { bench: Bench; row: ClipRow; given?: numb
       {row.clear !== null && (
         <span
           class={row.clear ? "good" : "weak"}
-          title={row.steady === null ? "" : d("steady", { n: Math.round(row.steady * 100) })}
+          title={row.steady === null ? "" : d("label.steady", { n: Math.round(row.steady * 100) })}
         >
           <Icon name={row.clear ? "check" : "warn"} />
-          <span class="unseen">{d(row.clear ? "clear" : "unclear")}</span>
+          <span class="unseen">{d(row.clear ? "label.clear" : "label.unclear")}</span>
         </span>
       )}
     </div>
@@ -301,18 +305,18 @@ function Refused({ bench, row }: { bench: Bench; row: ClipRow }) {
   return (
     <details class="bench-refused">
       <summary>
-        {d("refused", { n: refused.length })} · {row.name}
+        {d("label.refused", { n: refused.length })} · {row.name}
       </summary>
-      <div class="scrolls" role="region" tabIndex={0} aria-label={d("refused", { n: refused.length })}>
+      <div class="scrolls" role="region" tabIndex={0} aria-label={d("label.refused", { n: refused.length })}>
         <table>
           <thead>
             <tr>
-              <th class="n">{d("at")}</th>
-              <th>{d("reason")}</th>
-              <th class="n">{d("dip")}</th>
-              <th class="n">{d("rest")}</th>
+              <th class="n">{d("label.at")}</th>
+              <th>{d("label.reason")}</th>
+              <th class="n">{d("label.dip")}</th>
+              <th class="n">{d("label.rest")}</th>
               <th>
-                <span class="unseen">{d("take")}</span>
+                <span class="unseen">{d("button.take")}</span>
               </th>
             </tr>
           </thead>
@@ -331,10 +335,10 @@ function Refused({ bench, row }: { bench: Bench; row: ClipRow }) {
                   <button
                     type="button"
                     class="button dense"
-                    aria-label={`${d("take")}: ${number(one.at, 2)} s`}
+                    aria-label={`${d("button.take")}: ${number(one.at, 2)} s`}
                     onClick={() => bench.addBeat(row.id, one.at)}
                   >
-                    {d("take")}
+                    {d("button.take")}
                   </button>
                 </td>
               </tr>

@@ -55,7 +55,7 @@ function OfResult({ id }: { id: string }) {
   }, [found]);
   return (
     <>
-      <h1 class="unseen">{d("title")}</h1>
+      <h1 class="unseen">{d("label.title")}</h1>
       <Trouble error={result.error} retry={result.again} />
       {result.busy && <div class="busy" />}
       {found && <Opened documents={found.inputs.map((one) => one.document).sort()} result={found} />}
@@ -118,29 +118,29 @@ function Opened({ documents, result, onOthers }: { documents: string[]; result?:
   }, [bench, result?.id]);
   return (
     <div class={`bench at-${tab}`}>
-      {!result && <h1 class="unseen">{d("title")}</h1>}
+      {!result && <h1 class="unseen">{d("label.title")}</h1>}
       <BenchBar bench={bench} onOthers={onOthers} />
       <div class="bench-tabs">
         <Tabs
-          label={d("title")}
+          label={d("label.title")}
           tabs={[
-            { id: "beats", text: d("beatsTab") },
-            { id: "graph", text: d("graph") },
-            { id: "stage", text: d("stage") },
+            { id: "beats", text: d("label.beatsTab") },
+            { id: "graph", text: d("label.graph") },
+            { id: "stage", text: d("label.stage") },
           ]}
           open={tab}
           onOpen={(one) => setParams({ tab: one })}
         />
       </div>
-      <section class="bench-clips" id="panel-beats" aria-label={d("beatsTab")}>
+      <section class="bench-clips" id="panel-beats" aria-label={d("label.beatsTab")}>
         <ClipRows bench={bench} />
       </section>
       <div class="bench-lower">
-        <section class="bench-graph" id="panel-graph" aria-label={d("graph")}>
+        <section class="bench-graph" id="panel-graph" aria-label={d("label.graph")}>
           <GraphPane bench={bench} />
           <PathStrip bench={bench} made={result} />
         </section>
-        <section class="bench-stage" id="panel-stage" aria-label={d("stage")}>
+        <section class="bench-stage" id="panel-stage" aria-label={d("label.stage")}>
           <StagePane bench={bench} />
         </section>
       </div>

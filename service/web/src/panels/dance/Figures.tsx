@@ -41,36 +41,37 @@ export function Figures({ bench, result, dry }: { bench: Bench; result: Result; 
   const percent = (value?: number | null) =>
     value === null || value === undefined ? "–" : `${number(value * 100, 0)} %`;
   const sizes = (value?: number | null) =>
-    value === null || value === undefined ? "–" : d("perSecond", { n: number(value, 3) });
+    value === null || value === undefined ? "–" : d("label.perSecond", { n: number(value, 3) });
   const rows: [string, string, string, string?][] = [
-    [d("onBeat"), percent(values.grid_hits_70ms), ""],
-    [d("alignMusic"), percent(values.beat_align_music), ""],
-    [d("alignMotion"), percent(values.beat_align_motion), ""],
-    [d("inside"), number(values.beats_in_transitions ?? 0), number(values.classic_beats_in_transitions ?? 0)],
-    [d("skate"), sizes(values.foot_skate_in_transitions), sizes(values.classic_foot_skate_in_transitions)],
-    [d("skateOutside"), sizes(values.foot_skate_outside), ""],
+    [d("label.onBeat"), percent(values.grid_hits_70ms), ""],
+    [d("label.alignMusic"), percent(values.beat_align_music), ""],
+    [d("label.alignMotion"), percent(values.beat_align_motion), ""],
+    [d("label.inside"), number(values.beats_in_transitions ?? 0), number(values.classic_beats_in_transitions ?? 0)],
+    [d("label.skate"), sizes(values.foot_skate_in_transitions), sizes(values.classic_foot_skate_in_transitions)],
+    [d("label.skateOutside"), sizes(values.foot_skate_outside), ""],
     [
-      d("turning"),
-      d("degrees", { n: number(values.greatest_rotation_speed ?? 0, 0) }),
+      d("label.turning"),
+      d("label.degrees", { n: number(values.greatest_rotation_speed ?? 0, 0) }),
       "",
-      d("degrees", { n: number(values.source_greatest_rotation_speed ?? 0, 0) }),
+      d("label.degrees", { n: number(values.source_greatest_rotation_speed ?? 0, 0) }),
     ],
-    [d("moving"), sizes(values.greatest_body_speed), "", sizes(values.source_greatest_body_speed)],
-    [d("stretch"), d("times", { n: number(values.greatest_rate ?? 1, 2) }), ""],
+    [d("label.moving"), sizes(values.greatest_body_speed), "", sizes(values.source_greatest_body_speed)],
+    [d("label.stretch"), d("label.times", { n: number(values.greatest_rate ?? 1, 2) }), ""],
   ];
   return (
     <div class="bench-figures">
       {!dry && <Kept result={result} />}
       <p class="dim">
-        {duration(values.seconds)} · {d("barsOf", { n: values.bars ?? 0 })} · {d("jumps")}: {number(values.jumps ?? 0)}
+        {duration(values.seconds)} · {d("label.barsOf", { n: values.bars ?? 0 })} · {d("label.jumps")}:{" "}
+        {number(values.jumps ?? 0)}
       </p>
       <table class="figures">
         <thead>
           <tr>
-            <th>{d("figures")}</th>
-            <th class="n">{d("thisDance")}</th>
-            <th class="n">{d("classic")}</th>
-            <th class="n">{d("sourceWord")}</th>
+            <th>{d("label.figures")}</th>
+            <th class="n">{d("label.thisDance")}</th>
+            <th class="n">{d("label.classic")}</th>
+            <th class="n">{d("label.sourceWord")}</th>
           </tr>
         </thead>
         <tbody>
@@ -87,7 +88,7 @@ export function Figures({ bench, result, dry }: { bench: Bench; result: Result; 
       <Transitions bench={bench} result={result} dry={dry} />
       {warnings.length > 0 && (
         <details>
-          <summary>{d("warningsWord", { n: warnings.length })}</summary>
+          <summary>{d("label.warningsWord", { n: warnings.length })}</summary>
           {warnings.map((one) => (
             <p key={one.warning} class="dim">
               {one.warning}
@@ -115,15 +116,15 @@ function Transitions({ bench, result, dry }: { bench: Bench; result: Result; dry
     if (from && to) bench.shown.value = { kind: "step", from, to };
   };
   return (
-    <div class="scrolls bench-transitions" role="region" tabIndex={0} aria-label={d("transitions")}>
+    <div class="scrolls bench-transitions" role="region" tabIndex={0} aria-label={d("label.transitions")}>
       <table>
         <thead>
           <tr>
-            <th>{d("transitions")}</th>
-            <th class="n">{d("when")}</th>
-            <th class="n">{d("distance")}</th>
-            <th class="n">{d("feet")}</th>
-            <th class="n">{d("classic")}</th>
+            <th>{d("label.transitions")}</th>
+            <th class="n">{d("label.when")}</th>
+            <th class="n">{d("label.distance")}</th>
+            <th class="n">{d("label.feet")}</th>
+            <th class="n">{d("label.classic")}</th>
           </tr>
         </thead>
         <tbody>
@@ -136,13 +137,15 @@ function Transitions({ bench, result, dry }: { bench: Bench; result: Result; dry
                   <button
                     type="button"
                     class="link"
-                    aria-label={`${d("play")}: ${d("edgeOf", { from: itemAt(steps, at).node, to: step.node })}`}
+                    aria-label={`${d("button.play")}: ${d("label.edgeOf", { from: itemAt(steps, at).node, to: step.node })}`}
                     disabled={dry && nodes.length === 0}
                     onClick={() => play(step, itemAt(steps, at))}
                   >
                     {itemAt(steps, at).node} → {step.node}
                   </button>{" "}
-                  <span class={step.natural ? "dim" : "weak"}>{d(step.natural ? "naturalWord" : "jump")}</span>
+                  <span class={step.natural ? "dim" : "weak"}>
+                    {d(step.natural ? "label.naturalWord" : "label.jump")}
+                  </span>
                 </td>
                 <td class="n">{number(step.start, 2)} s</td>
                 <td class="n">{step.natural ? "" : number(step.distance ?? 0, 3)}</td>
@@ -171,7 +174,9 @@ function Kept({ result }: { result: Result }) {
       match: detail.revision,
     });
     clip.again();
-    note(d("saved", { name }), { action: { text: w("open"), run: () => location.assign(`/clips/${id}`) } });
+    note(d("label.saved", { name }), {
+      action: { text: w("button.open"), run: () => location.assign(`/clips/${id}`) },
+    });
   };
   return (
     <div class="row wrap">
@@ -179,10 +184,10 @@ function Kept({ result }: { result: Result }) {
       <span class="dim">{clip.value?.project}</span>
       <span class="grow" />
       <button type="button" class="button primary" onClick={() => setAsking(true)}>
-        {d("save")}…
+        {d("button.save")}…
       </button>
       <Menu
-        label={d("exportWord")}
+        label={d("button.exportWord")}
         side="right"
         items={exportItems(
           {
@@ -197,25 +202,25 @@ function Kept({ result }: { result: Result }) {
           { give: () => location.assign(`/clips/${id}?tab=info`) },
         )}
       >
-        {d("exportWord")}
+        {d("button.exportWord")}
         <Icon name="down" />
       </Menu>
       <a class="button" href={address("/results/{id}/picture", { id: result.id }, {})} target="_blank" rel="noreferrer">
-        {d("picture")}
+        {d("label.picture")}
       </a>
       <a class="button" href={`/clips/${id}`}>
-        {w("open")}
+        {w("button.open")}
       </a>
       {asking && (
         <AskName
-          title={d("saveAs")}
+          title={d("label.saveAs")}
           initial={clip.value?.name ?? result.name}
           onName={save}
           onClose={() => setAsking(false)}
         >
           <p>
             <label class="row">
-              {w("project")}
+              {w("label.project")}
               <input
                 class="field grow"
                 value={project ?? clip.value?.project ?? ""}

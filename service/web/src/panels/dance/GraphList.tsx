@@ -20,13 +20,13 @@ export function GraphList({
   const follow = new Map<number, Edge[]>();
   for (const edge of graph.edges) follow.set(edge.from, [...(follow.get(edge.from) ?? []), edge]);
   return (
-    <div class="scrolls bench-list" role="region" tabIndex={0} aria-label={d("graph")}>
+    <div class="scrolls bench-list" role="region" tabIndex={0} aria-label={d("label.graph")}>
       <table>
         <thead>
           <tr>
-            <th class="n">{d("bar")}</th>
-            <th>{d("ofClip")}</th>
-            <th>{d("follow")}</th>
+            <th class="n">{d("label.bar")}</th>
+            <th>{d("label.ofClip")}</th>
+            <th>{d("label.follow")}</th>
           </tr>
         </thead>
         <tbody>
@@ -36,7 +36,7 @@ export function GraphList({
                 <button
                   type="button"
                   class="link"
-                  aria-label={d("barWord", { n: node.bar })}
+                  aria-label={d("label.barWord", { n: node.bar })}
                   onClick={() => onPick(node)}
                 >
                   {node.bar}
@@ -54,10 +54,11 @@ export function GraphList({
                       key={edge.to}
                       type="button"
                       class={`chip ${edge.natural ? "natural" : ""}`}
-                      aria-label={`${d("play")}: ${d("edgeOf", { from: node.bar, to: itemAt(graph.nodes, edge.to).bar })}`}
+                      aria-label={`${d("button.play")}: ${d("label.edgeOf", { from: node.bar, to: itemAt(graph.nodes, edge.to).bar })}`}
                       onClick={() => onPlay(node, itemAt(graph.nodes, edge.to))}
                     >
-                      {itemAt(graph.nodes, edge.to).bar} · {edge.natural ? d("naturalWord") : number(edge.distance, 3)}
+                      {itemAt(graph.nodes, edge.to).bar} ·{" "}
+                      {edge.natural ? d("label.naturalWord") : number(edge.distance, 3)}
                     </button>
                   ))}
               </td>

@@ -63,22 +63,22 @@ export function GraphPane({ bench }: { bench: Bench }) {
   return (
     <>
       <div class="row wrap bench-tools">
-        <strong>{d("graph")}</strong>
+        <strong>{d("label.graph")}</strong>
         {graph && (
-          <span class="dim" role="status" title={d("largest", { n: parts.largest })}>
-            {d("graphOf", { bars: graph.nodes.length, edges: graph.all, components: parts.count })}
+          <span class="dim" role="status" title={d("label.largest", { n: parts.largest })}>
+            {d("label.graphOf", { bars: graph.nodes.length, edges: graph.all, components: parts.count })}
           </span>
         )}
         <span class="grow" />
         {graph && (
           <label class="row">
-            {d("threshold")}
+            {d("label.threshold")}
             <input
               type="range"
               min={0}
               max={STEPS}
               value={Math.round((graph.threshold / graph.greatest) * STEPS)}
-              aria-valuetext={`${number(graph.threshold, 3)} ${d("sizes")}`}
+              aria-valuetext={`${number(graph.threshold, 3)} ${d("label.sizes")}`}
               onInput={(event) =>
                 setParams({
                   near: String(Math.round((Number(event.currentTarget.value) / STEPS) * graph.greatest * 1e4) / 1e4),
@@ -95,22 +95,22 @@ export function GraphPane({ bench }: { bench: Bench }) {
             aria-pressed={by === "component"}
             onClick={() => setBy(by === "clip" ? "component" : "clip")}
           >
-            {d("byComponent")}
+            {d("label.byComponent")}
           </button>
         )}
         {graph && (
           <button type="button" class="button dense" aria-pressed={list} onClick={() => setList(!list)}>
-            {d("asList")}
+            {d("label.asList")}
           </button>
         )}
         {job ? (
           <>
             <progress value={job.share} aria-label={job.stage ?? ""} />
             <span class="dim" role="status">
-              {d("making2", { stage: job.stage ?? "" })}
+              {d("label.making2", { stage: job.stage ?? "" })}
             </span>
             <button type="button" class="button dense" onClick={() => void cancelJob(job)}>
-              {w("cancel")}
+              {w("button.cancel")}
             </button>
           </>
         ) : (
@@ -120,11 +120,11 @@ export function GraphPane({ bench }: { bench: Bench }) {
             disabled={running !== null || bench.rows.value.length === 0}
             onClick={() => void make()}
           >
-            {result ? d("graphAgain") : d("makeGraph")}
+            {result ? d("button.graphAgain") : d("button.makeGraph")}
           </button>
         )}
       </div>
-      {old && <p class="bench-old">{d("old")}</p>}
+      {old && <p class="bench-old">{d("help.old")}</p>}
       <Trouble error={error ?? found.error} retry={found.error ? found.again : undefined} />
       {graph ? (
         <div class={`bench-graph-body ${found.value ? "" : "stale"}`} aria-busy={found.busy}>
@@ -145,7 +145,7 @@ export function GraphPane({ bench }: { bench: Bench }) {
       ) : (
         !job && (
           <div class="empty bench-hint">
-            <p>{d("graphHelp")}</p>
+            <p>{d("help.graphHelp")}</p>
           </div>
         )
       )}

@@ -101,7 +101,7 @@ export function GraphView({
       <canvas
         ref={canvas}
         role="img"
-        aria-label={d("graphOf", {
+        aria-label={d("label.graphOf", {
           bars: graph.nodes.length,
           edges: graph.all,
           components: new Set(graph.components).size,
@@ -133,14 +133,14 @@ export function GraphView({
         >
           <BarLoop place={itemAt(graph.nodes, shown)} />
           <span class="cut">
-            {d("barOf", { n: itemAt(graph.nodes, shown).bar, name: names(itemAt(graph.nodes, shown).document) })}
+            {d("label.barOf", { n: itemAt(graph.nodes, shown).bar, name: names(itemAt(graph.nodes, shown).document) })}
           </span>
         </div>
       )}
       {edge && (
         <span class="lane-tip" style={{ left: `${hover.x}px`, top: `${Math.max(2, hover.y - 30)}px` }}>
-          {d("edgeOf", { from: itemAt(graph.nodes, edge.from).bar, to: itemAt(graph.nodes, edge.to).bar })} ·{" "}
-          {edge.natural ? d("naturalWord") : number(edge.distance, 3)}
+          {d("label.edgeOf", { from: itemAt(graph.nodes, edge.from).bar, to: itemAt(graph.nodes, edge.to).bar })} ·{" "}
+          {edge.natural ? d("label.naturalWord") : number(edge.distance, 3)}
         </span>
       )}
       <Walker graph={graph} focus={focus} names={names} onFocus={setFocus} onPick={onPick} onPlay={onPlay} />
@@ -180,7 +180,7 @@ function Walker({
       class="unseen"
       role="listbox"
       tabIndex={0}
-      aria-label={d("graph")}
+      aria-label={d("label.graph")}
       aria-activedescendant={focus >= 0 ? `node-${focus}` : undefined}
       onKeyDown={key}
       onFocus={() => onFocus(Math.max(0, focus))}
@@ -188,7 +188,7 @@ function Walker({
     >
       {graph.nodes.map((node, at) => (
         <li key={node.bar} id={`node-${at}`} role="option" aria-selected={at === focus}>
-          {d("barOf", { n: node.bar, name: names(node.document) })}
+          {d("label.barOf", { n: node.bar, name: names(node.document) })}
         </li>
       ))}
     </ul>

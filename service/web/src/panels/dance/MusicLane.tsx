@@ -29,19 +29,19 @@ export function MusicLane({ music }: { music: Music }) {
     setOffset(drag.current.offset - ((event.clientX - drag.current.x) / canvas.current!.clientWidth) * music.seconds);
   };
   return (
-    <article class="bench-row" aria-label={d("music")}>
+    <article class="bench-row" aria-label={d("label.music")}>
       <header>
         <strong class="cut">{music.file.name}</strong>
-        <span class="dim">{music.even ? d("ofMusic", { bpm: number(music.bpm, 1) }) : d("uneven")}</span>
-        <span class="dim cut" title={d("offsetHelp")}>
-          {music.address ? d("longMusic") : music.buffer ? d("offsetHelp") : d("notSound")}
+        <span class="dim">{music.even ? d("label.ofMusic", { bpm: number(music.bpm, 1) }) : d("label.uneven")}</span>
+        <span class="dim cut" title={d("help.offsetHelp")}>
+          {music.address ? d("help.longMusic") : music.buffer ? d("help.offsetHelp") : d("error.notSound")}
         </span>
       </header>
       <div
         class="lane music"
         role="slider"
         tabIndex={0}
-        aria-label={d("offset")}
+        aria-label={d("label.offset")}
         aria-valuenow={offset}
         aria-valuemin={-music.seconds}
         aria-valuemax={music.seconds}
@@ -66,7 +66,7 @@ export function MusicLane({ music }: { music: Music }) {
           }}
         />
         <span class="unseen">
-          {d("downbeat")} {music.downbeat}: {number(first ?? 0, 2)} s
+          {d("label.downbeat")} {music.downbeat}: {number(first ?? 0, 2)} s
         </span>
       </div>
     </article>

@@ -35,20 +35,20 @@ export function PathStrip({ bench, made }: { bench: Bench; made?: Result }) {
     setParams({ allow: writeAllowed(next) || null });
   };
   return (
-    <div class="bench-path" role="group" aria-label={d("path")}>
+    <div class="bench-path" role="group" aria-label={d("label.path")}>
       <div class="row wrap">
-        <strong>{d("path")}</strong>
+        <strong>{d("label.path")}</strong>
         <span class="dim grow cut">
-          {position ? d("allowHelp", { n: position }) : start ? d("startsWith", { n: start }) : ""}
+          {position ? d("help.allowHelp", { n: position }) : start ? d("label.startsWith", { n: start }) : ""}
         </span>
         {position > 0 && (
           <label class="row">
-            {d("allowField", { n: position })}
+            {d("label.allowField", { n: position })}
             <input
               class="field bench-allow"
               key={`${position} ${param("allow")}`}
               defaultValue={(allowed.get(position) ?? []).join(" ")}
-              placeholder={d("anyBar")}
+              placeholder={d("label.anyBar")}
               onChange={(event) => write(event.currentTarget.value)}
             />
           </label>
@@ -64,7 +64,7 @@ export function PathStrip({ bench, made }: { bench: Bench; made?: Result }) {
               })
             }
           >
-            {d("startHere")}
+            {d("button.startHere")}
           </button>
         )}
         {(allowed.size > 0 || start > 0) && (
@@ -76,7 +76,7 @@ export function PathStrip({ bench, made }: { bench: Bench; made?: Result }) {
               bench.position.value = 0;
             }}
           >
-            {d("clearPath")}
+            {d("button.clearPath")}
           </button>
         )}
       </div>
@@ -93,8 +93,8 @@ export function PathStrip({ bench, made }: { bench: Bench; made?: Result }) {
                 class={`${wanted ? "wanted" : ""} ${step?.natural === false ? "jump" : ""}`}
                 aria-pressed={position === at + 1}
                 style={clip >= 0 ? { borderBottomColor: `var(--name${clip % 8})` } : undefined}
-                aria-label={`${d("position", { n: at + 1 })}: ${step ? d("barWord", { n: step.node }) : wanted ? wanted.join(", ") : d("free")}`}
-                title={step?.distance ? `${d("distance")} ${number(step.distance, 3)}` : undefined}
+                aria-label={`${d("label.position", { n: at + 1 })}: ${step ? d("label.barWord", { n: step.node }) : wanted ? wanted.join(", ") : d("label.free")}`}
+                title={step?.distance ? `${d("label.distance")} ${number(step.distance, 3)}` : undefined}
                 onClick={() => {
                   bench.position.value = position === at + 1 ? 0 : at + 1;
                 }}

@@ -11,7 +11,7 @@ export function SoundBar() {
         aria-pressed={clicking.value}
         onClick={() => (clicking.value = !clicking.value)}
       >
-        {d("clicks")}
+        {d("label.clicks")}
       </button>
       <button
         type="button"
@@ -19,7 +19,7 @@ export function SoundBar() {
         aria-pressed={muted.value}
         onClick={() => (muted.value = !muted.value)}
       >
-        {d("mute")}
+        {d("label.mute")}
       </button>
       <input
         class="bench-volume"
@@ -27,7 +27,7 @@ export function SoundBar() {
         min={0}
         max={1}
         step={0.01}
-        aria-label={d("volume")}
+        aria-label={d("label.volume")}
         value={volume.value}
         onInput={(event) => (volume.value = Number(event.currentTarget.value))}
       />

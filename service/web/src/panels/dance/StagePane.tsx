@@ -94,7 +94,7 @@ export function StagePane({ bench }: { bench: Bench }) {
   return (
     <>
       <div class="row bench-tools">
-        <strong>{d("stage")}</strong>
+        <strong>{d("label.stage")}</strong>
         <span class="dim cut grow" role="status">
           {titleOf(bench, shown)}
         </span>
@@ -108,17 +108,17 @@ export function StagePane({ bench }: { bench: Bench }) {
         )
       ) : (
         <div class="empty bench-hint">
-          <p>{d("nothingYet")}</p>
+          <p>{d("help.nothingYet")}</p>
         </div>
       )}
-      {dry && <p class="bench-old">{d("dryNote")}</p>}
+      {dry && <p class="bench-old">{d("help.dryNote")}</p>}
       {(dry ?? dance) && <Figures bench={bench} result={(dry ?? dance)!} dry={dry !== null} />}
     </>
   );
 }
 
 function titleOf(bench: Bench, shown: Shown | null): string {
-  if (shown?.kind === "step") return d("step", { from: shown.from.bar, to: shown.to.bar });
+  if (shown?.kind === "step") return d("label.step", { from: shown.from.bar, to: shown.to.bar });
   if (shown?.kind === "dance") return shown.result.name;
   return shown ? (bench.found.value.get(shown.document)?.name ?? "") : "";
 }

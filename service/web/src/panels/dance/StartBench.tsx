@@ -36,18 +36,18 @@ export function StartBench({ onOpen }: { onOpen: () => void }) {
   return (
     <div class="bench-start">
       <section>
-        <h1>{d("title")}</h1>
-        <p>{d("intro")}</p>
+        <h1>{d("label.title")}</h1>
+        <p>{d("help.intro")}</p>
         {projects.value?.items.includes(DEMO) && (
           <p>
             <button type="button" class="button primary" onClick={() => void demo()}>
-              {d("demo")}
+              {d("button.demo")}
             </button>
           </p>
         )}
-        <h2>{d("recent")}</h2>
+        <h2>{d("label.recent")}</h2>
         <Trouble error={before.error} retry={before.again} />
-        {before.value && !before.value.length && <p class="dim">{d("none")}</p>}
+        {before.value && !before.value.length && <p class="dim">{d("help.none")}</p>}
         <ul class="bench-recent">
           {(before.value ?? []).map((one) => (
             <li key={one.id}>
@@ -65,8 +65,8 @@ export function StartBench({ onOpen }: { onOpen: () => void }) {
           open(chosen);
         }}
       >
-        <h2>{d("clipsWord")}</h2>
-        <p class="dim">{d("needs")}</p>
+        <h2>{d("label.clipsWord")}</h2>
+        <p class="dim">{d("help.needs")}</p>
         <ClipSelection
           members={members}
           left={left}
@@ -79,7 +79,7 @@ export function StartBench({ onOpen }: { onOpen: () => void }) {
         />
         <p>
           <button type="submit" class="button primary" disabled={members.busy || !chosen.length}>
-            {d("openBench")}
+            {d("button.openBench")}
           </button>
         </p>
       </form>

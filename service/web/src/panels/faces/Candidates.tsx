@@ -33,7 +33,7 @@ export function Candidates({
         );
   useEffect(() => space.want(shown.map((one) => numberAt(level.candidates, one))), [level, from]);
   return (
-    <ul class="faces-candidates" aria-label={f("candidates", { n: level.candidates.length })}>
+    <ul class="faces-candidates" aria-label={f("label.candidates", { n: level.candidates.length })}>
       {shown.map((one) => {
         const { take, frame } = space.wordsOf(numberAt(level.candidates, one));
         return (
@@ -41,7 +41,7 @@ export function Candidates({
             <button
               type="button"
               class={near.has(one) ? "near" : ""}
-              title={f("shown", { take, frame })}
+              title={f("label.shown", { take, frame })}
               onPointerEnter={() => onHover(numberAt(level.candidates, one))}
               onPointerLeave={() => onHover(-1)}
               onFocus={() => onHover(numberAt(level.candidates, one))}
@@ -49,8 +49,10 @@ export function Candidates({
               onClick={() => onPick(one)}
             >
               <FaceThumb space={space} frame={numberAt(level.candidates, one)} />
-              <span class="unseen">{f("shown", { take, frame })}</span>
-              <span>{near.has(one) ? f("linkedTo", { n: Math.round(near.get(one)!) }) : from < 0 ? "" : "–"}</span>
+              <span class="unseen">{f("label.shown", { take, frame })}</span>
+              <span>
+                {near.has(one) ? f("label.linkedTo", { n: Math.round(near.get(one)!) }) : from < 0 ? "" : "–"}
+              </span>
             </button>
           </li>
         );

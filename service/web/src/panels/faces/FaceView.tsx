@@ -59,7 +59,7 @@ export function FaceView({
       setParams({ skin: "mesh" });
       stage.current?.pose(face.peek() ?? space.neutral);
     } catch {
-      note(f("badMesh"), { bad: true });
+      note(f("error.badMesh"), { bad: true });
     }
   };
   const wear = (next: Skin) => {
@@ -69,7 +69,7 @@ export function FaceView({
   return (
     <section
       class="faces-face"
-      aria-label={f("face")}
+      aria-label={f("label.face")}
       onDragOver={(event) => {
         if (event.dataTransfer?.types.includes("Files")) {
           event.preventDefault();
@@ -85,19 +85,19 @@ export function FaceView({
         }
       }}
     >
-      <div class="stage" ref={host} role="img" aria-label={f("face")} />
+      <div class="stage" ref={host} role="img" aria-label={f("label.face")} />
       <div class="row faces-skin">
         <p class="dim grow cut" ref={words} />
-        <div class="segments" role="group" aria-label={f("face")}>
+        <div class="segments" role="group" aria-label={f("label.face")}>
           {(["markers", "surface", "mesh"] as const).map((one) => (
             <button
               key={one}
               type="button"
               aria-pressed={skin === one}
-              title={one === "mesh" ? f("openMesh") : undefined}
+              title={one === "mesh" ? f("button.openMesh") : undefined}
               onClick={() => wear(one)}
             >
-              {f(`${one}Skin`)}
+              {f(`label.${one}Skin`)}
             </button>
           ))}
         </div>
@@ -106,7 +106,7 @@ export function FaceView({
           type="file"
           hidden
           accept=".obj,.glb,.gltf"
-          aria-label={f("openMesh")}
+          aria-label={f("button.openMesh")}
           onChange={(event) => {
             const chosen = event.currentTarget.files?.[0];
             if (chosen) void bindMesh(chosen);

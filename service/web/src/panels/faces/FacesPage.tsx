@@ -47,7 +47,7 @@ function Opened({ id }: { id: string }) {
   }, [found.value]);
   return (
     <div class="faces">
-      <h1 class="unseen">{f("title")}</h1>
+      <h1 class="unseen">{f("label.title")}</h1>
       <Trouble error={found.error} retry={found.again} />
       {found.busy && <div class="busy" />}
       {found.value && <Walked space={found.value.space} path={found.value.path} />}
@@ -86,7 +86,7 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
     [space, playing, keys],
   );
   const about = useMemo(
-    () => computed(() => (hovered.value >= 0 ? f("shown", space.wordsOf(hovered.value)) : "")),
+    () => computed(() => (hovered.value >= 0 ? f("label.shown", space.wordsOf(hovered.value)) : "")),
     [space],
   );
   const pathAbout = path?.parts?.path?.data.path as { keys: [string, number][] } | undefined;
@@ -140,9 +140,9 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
     if (!path && keys.length && !kept) {
       const before = keys;
       change([]);
-      note(f("levelOf", { n: other.candidates.length }), {
+      note(f("label.levelOf", { n: other.candidates.length }), {
         action: {
-          text: w("undo"),
+          text: w("button.undo"),
           run: () => {
             setParams({ level: String(level.number) });
             change(before);
@@ -160,7 +160,7 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
         space.id,
         "path",
         { level: level.number, keys: keys.map((key) => space.keyOf(key)) },
-        { name: `${space.name}: ${f("pathOf")}` },
+        { name: `${space.name}: ${f("label.pathOf")}` },
       );
       go(`/faces/${done.result}?level=${Math.min(last, level.number + 1)}`);
     } catch (error) {
@@ -211,22 +211,22 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
       <section class="faces-left">
         <div class="row wrap faces-tools">
           <label class="row">
-            {f("level")}
+            {f("label.level")}
             <input
               type="range"
               min={0}
               max={last}
               value={level.number}
-              aria-valuetext={f("candidates", { n: level.candidates.length })}
+              aria-valuetext={f("label.candidates", { n: level.candidates.length })}
               onInput={(event) => choose(Number(event.currentTarget.value))}
             />
           </label>
-          <strong>{f("candidates", { n: level.candidates.length })}</strong>
+          <strong>{f("label.candidates", { n: level.candidates.length })}</strong>
           <button type="button" class="button dense" aria-pressed={links} onClick={() => setLinks(!links)}>
-            {f("links")}
+            {f("label.links")}
           </button>
           {level.links.a.length > MOST_LINKS && (
-            <span class="dim">{f("linksHidden", { n: level.links.a.length })}</span>
+            <span class="dim">{f("label.linksHidden", { n: level.links.a.length })}</span>
           )}
           <span class="grow" />
           <Takes space={space} dimmed={dimmed} />

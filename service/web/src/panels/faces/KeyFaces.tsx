@@ -19,16 +19,16 @@ interface Props {
 
 export function KeyFaces({ space, keys, route, busy, onKeys, onRoute, onMake }: Props) {
   return (
-    <section class="faces-path" aria-label={f("path")}>
-      <h3>{f("path")}</h3>
-      {!keys.length && <p class="dim">{f("pathHelp")}</p>}
+    <section class="faces-path" aria-label={f("label.path")}>
+      <h3>{f("label.path")}</h3>
+      {!keys.length && <p class="dim">{f("help.pathHelp")}</p>}
       <ol class="faces-keys">
         {keys.map((key, at) => (
           <li key={`${key}-${at}`}>
             <button
               type="button"
-              title={f("removeKey", { n: at + 1 })}
-              aria-label={f("removeKey", { n: at + 1 })}
+              title={f("button.removeKey", { n: at + 1 })}
+              aria-label={f("button.removeKey", { n: at + 1 })}
               onClick={() => onKeys(keys.slice(0, at))}
             >
               <FaceThumb space={space} frame={key} />
@@ -40,21 +40,23 @@ export function KeyFaces({ space, keys, route, busy, onKeys, onRoute, onMake }: 
       {route && (
         <div class="banner warn" role="alert">
           <div class="grow">
-            <strong>{f("notLinked")}</strong>
+            <strong>{f("help.notLinked")}</strong>
             <p>
-              {route === "none" ? f("noRoute") : f("route", { n: route.way.length - 2, mm: number(route.length, 0) })}
+              {route === "none"
+                ? f("help.noRoute")
+                : f("help.route", { n: route.way.length - 2, mm: number(route.length, 0) })}
             </p>
           </div>
           {route !== "none" && (
             <button type="button" class="button" onClick={onRoute}>
-              {f("takeRoute")}
+              {f("button.takeRoute")}
             </button>
           )}
         </div>
       )}
       <div class="row">
         <button type="button" class="button primary" disabled={keys.length < 2 || busy} onClick={onMake}>
-          {busy ? f("walking") : f("walk")}
+          {busy ? f("label.walking") : f("button.walk")}
         </button>
       </div>
     </section>

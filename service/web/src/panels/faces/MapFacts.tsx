@@ -22,35 +22,35 @@ export function MapFacts({ space }: { space: Space }) {
   const marks = useMemo(() => [{ at: space.tau.chosen, ink: "select", dash: [4, 3] }], [space]);
   const curves = useMemo(
     () => [
-      { name: f("correlation"), values: curve.r, points: "too" as const },
-      { name: f("stress"), values: curve.stress, ink: "text3", points: "too" as const },
+      { name: f("label.correlation"), values: curve.r, points: "too" as const },
+      { name: f("label.stress"), values: curve.stress, ink: "text3", points: "too" as const },
     ],
     [curve],
   );
   const stretch = useMemo(
-    () => [{ name: f("stretch"), values: curve.stretch, ink: "select", points: "too" as const }],
+    () => [{ name: f("label.stretch"), values: curve.stretch, ink: "select", points: "too" as const }],
     [curve],
   );
   return (
-    <section class="faces-facts" aria-label={f("thisMap")}>
-      <h3>{f("thisMap")}</h3>
+    <section class="faces-facts" aria-label={f("label.thisMap")}>
+      <h3>{f("label.thisMap")}</h3>
       <dl>
-        <dt>{f("frames")}</dt>
-        <dd>{f("framesOf", { frames: summary.frames, takes: summary.takes })}</dd>
-        <dt>{f("markersUsed")}</dt>
+        <dt>{f("label.frames")}</dt>
+        <dd>{f("label.framesOf", { frames: summary.frames, takes: summary.takes })}</dd>
+        <dt>{f("label.markersUsed")}</dt>
         <dd>
           {number(summary.markers)}
-          {summary.markers_dropped.length > 0 && `, ${f("leftOut", { n: summary.markers_dropped.length })}`}
+          {summary.markers_dropped.length > 0 && `, ${f("label.leftOut", { n: summary.markers_dropped.length })}`}
         </dd>
-        <dt>{f("threshold")}</dt>
+        <dt>{f("label.threshold")}</dt>
         <dd>
-          {f("thresholdOf", { mm: number(summary.tau_mm, 0) })},{" "}
-          {summary.bridges ? f("bridges", { n: summary.bridges }) : f("unbroken")}
+          {f("label.thresholdOf", { mm: number(summary.tau_mm, 0) })},{" "}
+          {summary.bridges ? f("label.bridges", { n: summary.bridges }) : f("label.unbroken")}
         </dd>
-        <dt>{f("fits")}</dt>
+        <dt>{f("label.fits")}</dt>
         <dd>
-          {f("fitOf", { r: number(summary.r ?? 0, 3), stress: number(summary.stress ?? 0, 2) })}{" "}
-          {(summary.stress ?? 0) > WEAK && <strong class="weak">{f("weak")}</strong>}
+          {f("label.fitOf", { r: number(summary.r ?? 0, 3), stress: number(summary.stress ?? 0, 2) })}{" "}
+          {(summary.stress ?? 0) > WEAK && <strong class="weak">{f("label.weak")}</strong>}
         </dd>
       </dl>
       {summary.warnings.map((one) => (
@@ -60,10 +60,10 @@ export function MapFacts({ space }: { space: Space }) {
       ))}
       {curve.x.length > 1 && (
         <details>
-          <summary>{f("tauCurve")}</summary>
-          <Plot x={curve.x} curves={curves} marks={marks} label={f("tauCurve")} xLabel="mm" height={150} />
-          <p class="dim">{f("stretchHelp")}</p>
-          <Plot x={curve.x} curves={stretch} marks={marks} label={f("stretch")} xLabel="mm" height={110} />
+          <summary>{f("label.tauCurve")}</summary>
+          <Plot x={curve.x} curves={curves} marks={marks} label={f("label.tauCurve")} xLabel="mm" height={150} />
+          <p class="dim">{f("help.stretchHelp")}</p>
+          <Plot x={curve.x} curves={stretch} marks={marks} label={f("label.stretch")} xLabel="mm" height={110} />
         </details>
       )}
       <p>
@@ -73,7 +73,7 @@ export function MapFacts({ space }: { space: Space }) {
           target="_blank"
           rel="noreferrer"
         >
-          {f("picture")}
+          {f("label.picture")}
         </a>
       </p>
     </section>

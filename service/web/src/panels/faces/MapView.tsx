@@ -160,7 +160,7 @@ export function MapView({
       ref={host}
       role="application"
       tabIndex={0}
-      aria-label={f("mapLabel", { n: space.summary.frames })}
+      aria-label={f("label.mapLabel", { n: space.summary.frames })}
       onKeyDown={(event) => {
         if (event.key === "+" || event.key === "-")
           zoom(view.current.x, view.current.y, event.key === "+" ? 1.25 : 0.8);
@@ -206,8 +206,8 @@ export function MapView({
       <button
         type="button"
         class="button quiet icon faces-fit"
-        aria-label={f("fit")}
-        title={f("fit")}
+        aria-label={f("button.fit")}
+        title={f("button.fit")}
         onPointerDown={(event) => event.stopPropagation()}
         onPointerUp={(event) => event.stopPropagation()}
         onClick={fit}

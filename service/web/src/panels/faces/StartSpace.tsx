@@ -42,9 +42,9 @@ export function StartSpace() {
   return (
     <div class="faces-start">
       <section>
-        <h1>{f("title")}</h1>
-        <p>{f("intro")}</p>
-        <p class="dim">{f("needs")}</p>
+        <h1>{f("label.title")}</h1>
+        <p>{f("help.intro")}</p>
+        <p class="dim">{f("help.needs")}</p>
         {projects.value?.items.includes(DEMO) && (
           <p>
             <button
@@ -53,7 +53,7 @@ export function StartSpace() {
               disabled={running !== null}
               onClick={() => void build({ project: DEMO })}
             >
-              {f("demo")}
+              {f("button.demo")}
             </button>
           </p>
         )}
@@ -62,16 +62,16 @@ export function StartSpace() {
           <div class="row">
             <progress class="grow" value={job.share} aria-label={job.stage ?? ""} />
             <span class="dim" role="status">
-              {f("building", { stage: job.stage ?? "" })}
+              {f("label.building", { stage: job.stage ?? "" })}
             </span>
             <button type="button" class="button" onClick={() => void cancelJob(job)}>
-              {w("cancel")}
+              {w("button.cancel")}
             </button>
           </div>
         )}
-        <h2>{f("recent")}</h2>
+        <h2>{f("label.recent")}</h2>
         <Trouble error={before.error} retry={before.again} />
-        {before.value && !maps.length && <p class="dim">{f("none")}</p>}
+        {before.value && !maps.length && <p class="dim">{f("help.none")}</p>}
         <ul class="faces-recent">
           {maps.map((one) => (
             <li key={one.id}>
@@ -89,7 +89,7 @@ export function StartSpace() {
           void build(chosen());
         }}
       >
-        <h2>{f("takes")}</h2>
+        <h2>{f("label.takes")}</h2>
         <ClipSelection
           members={members}
           left={left}
@@ -101,13 +101,13 @@ export function StartSpace() {
           }}
         />
         <details>
-          <summary>{f("options")}</summary>
+          <summary>{f("label.options")}</summary>
           {info.value && <SchemaForm schema={info.value.parameters} values={values} onChange={setValues} />}
         </details>
         <Trouble error={info.error} />
         <p>
           <button type="submit" class="button primary" disabled={!members.value?.length || running !== null}>
-            {f("build")}
+            {f("button.build")}
           </button>
         </p>
       </form>

@@ -9,12 +9,12 @@ export function Takes({ space, dimmed }: { space: Space; dimmed: ReadonlySet<num
   return (
     <details class="faces-takes">
       <summary class="button dense">
-        {f("takes")} {space.names.length - dimmed.size}/{space.names.length}
+        {f("label.takes")} {space.names.length - dimmed.size}/{space.names.length}
       </summary>
       <ul>
         <li>
           <button type="button" class="button dense" onClick={() => write(new Set())}>
-            {f("allTakes")}
+            {f("label.allTakes")}
           </button>
         </li>
         {space.names.map((name, at) => (

@@ -139,9 +139,11 @@ export function Walk({
   };
   const save = async () => {
     try {
-      const name = `${space.name}: ${f("pathOf")}`;
+      const name = `${space.name}: ${f("label.pathOf")}`;
       const done = await applyResult<Motion>(path.id, "playback", wish, { save: true, name });
-      note(f("saved", { name }), { action: { text: w("open"), run: () => go(`/clips/${done.document}`) } });
+      note(f("label.saved", { name }), {
+        action: { text: w("button.open"), run: () => go(`/clips/${done.document}`) },
+      });
     } catch (error) {
       refuse(error);
     }
@@ -163,7 +165,7 @@ export function Walk({
   };
   const seconds = made.value?.value.duration_s ?? 0;
   return (
-    <section class="faces-walk" aria-label={f("path")}>
+    <section class="faces-walk" aria-label={f("label.path")}>
       {player && (
         <PlayBar player={player}>
           <span class="dim">{number(seconds, 1)} s</span>
@@ -172,22 +174,22 @@ export function Walk({
       <Trouble error={made.error} retry={made.again} />
       <div class="row wrap faces-save">
         <button type="button" class="button primary" disabled={!made.value} onClick={() => void save()}>
-          {f("save")}
+          {f("button.save")}
         </button>
-        <Menu label={f("export")} items={() => fileItems(download)}>
-          {f("export")}
+        <Menu label={f("button.export")} items={() => fileItems(download)}>
+          {f("button.export")}
           <Icon name="down" />
         </Menu>
         <a class="button" href={address("/results/{id}/picture", { id: path.id }, {})} target="_blank" rel="noreferrer">
-          {f("picture")}
+          {f("label.picture")}
         </a>
         <a class="button quiet" href={`/faces/${space.id}${location.search}`}>
-          {f("newPath")}
+          {f("button.newPath")}
         </a>
       </div>
       <div class="row wrap">
         <label class="row">
-          {f("speed")}
+          {f("label.speed")}
           <input
             class="field faces-number"
             inputMode="decimal"
@@ -199,23 +201,23 @@ export function Walk({
         </label>
         <label class="row">
           <input type="checkbox" checked={loop} onChange={(event) => setLoop(event.currentTarget.checked)} />
-          {f("loop")}
+          {f("label.loop")}
         </label>
         <label class="row">
           <input type="checkbox" checked={smooth} onChange={(event) => setSmooth(event.currentTarget.checked)} />
-          {f("smooth")}
+          {f("label.smooth")}
         </label>
       </div>
       <h3>
-        {f("version", { n: about.version })} · {f("total", { mm: Math.round(about.length_mm) })}
-        {about.bridges > 0 && ` · ${f("bridges", { n: about.bridges })}`}
+        {f("label.version", { n: about.version })} · {f("label.total", { mm: Math.round(about.length_mm) })}
+        {about.bridges > 0 && ` · ${f("label.bridges", { n: about.bridges })}`}
       </h3>
       <ol class="faces-keys">
         {keys.map((key, at) => (
           <li key={at}>
             <button
               type="button"
-              title={f("keyOf", { n: at + 1 })}
+              title={f("label.keyOf", { n: at + 1 })}
               onPointerEnter={() => space.want([key])}
               onClick={() => player && seekKey(player, made.value!.value, space, key)}
             >
@@ -227,9 +229,9 @@ export function Walk({
       </ol>
       <Versions path={path} />
       <h3>
-        {f("refine")}{" "}
+        {f("label.refine")}{" "}
         <span class="dim">
-          {offered.busy ? "" : offers.length ? f("offered", { n: offers.length }) : f("noOffers")}
+          {offered.busy ? "" : offers.length ? f("label.offered", { n: offers.length }) : f("help.noOffers")}
         </span>
       </h3>
       <Trouble error={offered.error} />
@@ -240,11 +242,11 @@ export function Walk({
               <button
                 type="button"
                 disabled={busy}
-                title={f("add")}
+                title={f("button.add")}
                 onClick={() => void refine({ keys: [space.keyOf(one.frame)] })}
               >
                 <FaceThumb space={space} frame={one.frame} />
-                <span>{f("detour", { mm: number(one.apart, 1) })}</span>
+                <span>{f("label.detour", { mm: number(one.apart, 1) })}</span>
               </button>
             </li>
           ))}
@@ -257,10 +259,10 @@ export function Walk({
           disabled={busy || !offers.length}
           onClick={() => void refine({ auto: true, delta: delta / 100 })}
         >
-          {f("auto")}
+          {f("button.auto")}
         </button>
         <label class="row">
-          {f("bound")}
+          {f("label.bound")}
           <input
             class="field faces-number"
             type="number"
@@ -306,7 +308,7 @@ function Versions({ path }: { path: Result }) {
   const versions = [...(found.value?.before ?? [path]), ...(found.value?.after ?? [])];
   if (versions.length < 2) return null;
   return (
-    <nav class="row wrap faces-versions" aria-label={f("versions")}>
+    <nav class="row wrap faces-versions" aria-label={f("label.versions")}>
       {versions.map((one, at) => (
         <a
           key={one.id}
@@ -314,7 +316,7 @@ function Versions({ path }: { path: Result }) {
           aria-current={one.id === path.id ? "page" : undefined}
           href={`/faces/${one.id}${location.search}`}
         >
-          {f("version", { n: Math.min(at + 1, (found.value?.before.length ?? 1) + 1) })}
+          {f("label.version", { n: Math.min(at + 1, (found.value?.before.length ?? 1) + 1) })}
         </a>
       ))}
     </nav>

@@ -49,7 +49,7 @@ export function CardGrid() {
         <VirtualList
           rows={rows}
           height={TALL + GAP}
-          label={w("library")}
+          label={w("label.library")}
           role="grid"
           at={Math.floor(focus / columns)}
           onSeen={(from, to) => {

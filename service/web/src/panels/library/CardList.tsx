@@ -17,20 +17,20 @@ export function CardList() {
   const total = library.total.value ?? 12;
   return (
     <div class="card-list">
-      <div class="list-row list-head" role="group" aria-label={w("sort")}>
+      <div class="list-row list-head" role="group" aria-label={w("label.sort")}>
         <span />
         <SortHeading column="name" />
         <SortHeading column="project" />
         <SortHeading column="format" />
         <SortHeading column="duration" numeric />
-        <SortHeading column="rate" word="rateWord" numeric />
-        <span>{w("names")}</span>
+        <SortHeading column="rate" word="label.rateWord" numeric />
+        <span>{w("label.names")}</span>
         <SortHeading column="modified" />
       </div>
       <VirtualList
         rows={total}
         height={TALL}
-        label={w("library")}
+        label={w("label.library")}
         role="grid"
         at={focus}
         onSeen={(first, last) => library.look(Math.max(0, first), Math.min(total - 1, last))}
@@ -45,7 +45,7 @@ export function CardList() {
         }}
         render={(row) => {
           const card = library.cardAt(row);
-          if (!card) return <div class="list-row waiting" role="row" data-row={row} aria-label={w("loading")} />;
+          if (!card) return <div class="list-row waiting" role="row" data-row={row} aria-label={w("label.loading")} />;
           const isPicked = library.picked.value.has(card.id);
           return (
             <div

@@ -50,7 +50,9 @@ export function CardView({
 }) {
   const [scrub, setScrub] = useState<number | null>(null);
   if (!card)
-    return <div class="card waiting" role="gridcell" data-row={row} tabIndex={tabIndex} aria-label={w("loading")} />;
+    return (
+      <div class="card waiting" role="gridcell" data-row={row} tabIndex={tabIndex} aria-label={w("label.loading")} />
+    );
   const isPicked = library.picked.value.has(card.id);
   const names = [...new Set(card.labels.map((label) => label.name))];
   return (
@@ -95,7 +97,7 @@ export function CardView({
         {names.length > 0 && <span class="unseen">{names.slice(0, 4).join(", ")}</span>}
         <span class="dim cut">
           {(card.duration === null || card.duration === undefined
-            ? [w("frames", { n: card.frames }), card.format]
+            ? [w("label.frames", { n: card.frames }), card.format]
             : [duration(card.duration), rate(card.seconds_per_frame), card.format]
           ).join(" · ")}
         </span>
@@ -104,7 +106,7 @@ export function CardView({
         type="button"
         class="card-pick"
         tabIndex={-1}
-        aria-label={w("pickClip", { name: card.name })}
+        aria-label={w("button.pickClip", { name: card.name })}
         aria-pressed={isPicked}
         onClick={(event) => {
           event.stopPropagation();

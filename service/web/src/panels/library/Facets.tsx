@@ -40,25 +40,25 @@ export function Facets() {
           class="button dense clear-filters"
           onClick={() => setParams(Object.fromEntries(library.FILTERS.map((name) => [name, null])), true)}
         >
-          {w("clearFilters")}
+          {w("button.clearFilters")}
         </button>
       )}
       <SavedFilters collections={collections} />
-      <Group word="project" name="project" choices={counts(found.projects)} />
+      <Group word="label.project" name="project" choices={counts(found.projects)} />
       <Collections collections={collections} />
       <Group
-        word="motionName"
+        word="label.motionName"
         name="motion_name"
         choices={counts(found.motion_names).map((one) => ({ ...one, colour: nameColour(one.value) }))}
       />
       <Group
-        word="format"
+        word="label.format"
         name="format"
         choices={counts(found.formats).map((one) => ({ ...one, text: labelOf(one.value) }))}
       />
       <Lengths found={found.lengths} />
       <Group
-        word="frameRate"
+        word="label.frameRate"
         name="rate"
         choices={found.rates.map((one) => ({
           value: String(one.value),
@@ -67,11 +67,11 @@ export function Facets() {
         }))}
       />
       <Group
-        word="skeleton"
+        word="label.skeleton"
         name="skeleton"
         choices={found.skeletons.map((one) => ({
           value: String(one.skeleton),
-          text: `${one.skeleton} · ${w("jointCount", { n: one.joints })}`,
+          text: `${one.skeleton} · ${w("label.jointCount", { n: one.joints })}`,
           count: one.documents,
         }))}
       />
@@ -109,7 +109,7 @@ function Group({ word, name, choices }: { word: Word; name: string; choices: Cho
       {all.length > SHOWN && (
         <details>
           <summary class="facet-item dim">
-            {w("more")} ({number(all.length - SHOWN)})
+            {w("label.more")} ({number(all.length - SHOWN)})
           </summary>
           {all.slice(SHOWN).map(item)}
         </details>
@@ -171,11 +171,11 @@ function Lengths({ found }: { found: Schemas["Histogram"] | null | undefined }) 
   const histogram = length === undefined ? found : (wide.value ?? wide.before ?? found);
   if (!histogram) return null;
   return (
-    <section class="facet" aria-label={w("length")}>
-      <h3>{w("length")}</h3>
+    <section class="facet" aria-label={w("label.length")}>
+      <h3>{w("label.length")}</h3>
       <Histogram
         histogram={histogram}
-        label={w("lengthInSeconds")}
+        label={w("label.lengthInSeconds")}
         chosen={param("length")}
         onChoose={(value) => setParams({ length: value }, true)}
         text={duration}
@@ -192,5 +192,5 @@ function Collections({ collections }: { collections: readonly Schemas["Collectio
       text: one.name,
       count: null,
     }));
-  return <Group word="collections" name="collection" choices={choices} />;
+  return <Group word="label.collections" name="collection" choices={choices} />;
 }

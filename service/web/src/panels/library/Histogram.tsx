@@ -47,7 +47,7 @@ export function Histogram({
     set: (value: number | null) => string | null,
   ) => (
     <NumberField
-      label={`${label}, ${w(word)}`}
+      label={`${label}, ${w(`label.${word}`)}`}
       placeholder={String(Number(end.toPrecision(3)))}
       value={value}
       onChange={(now) => onChoose(set(now))}
@@ -102,7 +102,7 @@ export function Histogram({
         {field("trimTo", greatest, numberAt(edges, edges.length - 1), (value) => writeRange([least, value]))}
         {chosen && (
           <button type="button" class="button quiet dense" onClick={() => onChoose(null)}>
-            {w("clear")}
+            {w("button.clear")}
           </button>
         )}
       </div>

@@ -34,29 +34,29 @@ export function LibraryPage() {
     return offer("library", [
       {
         id: "open",
-        word: "openClip",
+        word: "button.openClip",
         keys: ["Enter"],
         run: () => library.current.value && go(`/clips/${library.current.value}`),
         when: () => library.current.value !== null,
       },
-      { id: "preview", word: "preview", keys: ["Space"], run: () => (previewOpen.value = !previewOpen.value) },
+      { id: "preview", word: "label.preview", keys: ["Space"], run: () => (previewOpen.value = !previewOpen.value) },
       {
         id: "delete",
-        word: "delete",
+        word: "button.delete",
         keys: ["Del"],
         run: () => void library.removeDocuments([...library.picked.value]),
         when: () => library.picked.value.size > 0 && mayEdit(),
       },
       {
         id: "compose",
-        word: "moveToComposer",
+        word: "button.moveToComposer",
         keys: ["M"],
         run: () => go(`/compose?s=${[...library.picked.value].join(",")}`),
         when: () => library.picked.value.size > 0,
       },
       {
         id: "none",
-        word: "pickNone",
+        word: "button.pickNone",
         keys: ["Esc"],
         run: () => (library.picked.value = new Set()),
         when: () => library.picked.value.size > 0,
@@ -77,31 +77,31 @@ export function LibraryPage() {
     <div class="library">
       {!leftFolded.value && (
         <>
-          <aside class="facets" style={{ width: `${facetsWide.value}px` }} aria-label={w("filters")}>
+          <aside class="facets" style={{ width: `${facetsWide.value}px` }} aria-label={w("label.filters")}>
             <Facets />
           </aside>
-          <Splitter size={facetsWide} least={180} most={420} initial={240} label={w("filters")} from="start" />
+          <Splitter size={facetsWide} least={180} most={420} initial={240} label={w("label.filters")} from="start" />
         </>
       )}
-      <section class="cards" aria-label={w("library")}>
-        <h1 class="unseen">{w("library")}</h1>
+      <section class="cards" aria-label={w("label.library")}>
+        <h1 class="unseen">{w("label.library")}</h1>
         <div class="toolbar row">
-          <div class="segments" role="group" aria-label={w("view")}>
+          <div class="segments" role="group" aria-label={w("label.view")}>
             <button type="button" aria-pressed={view === "grid"} onClick={() => setParams({ view: null })}>
-              {w("grid")}
+              {w("label.grid")}
             </button>
             <button type="button" aria-pressed={view === "list"} onClick={() => setParams({ view: "list" })}>
-              {w("list")}
+              {w("label.list")}
             </button>
           </div>
           <SortMenu />
           <span class="grow" />
           <span class="dim" role="status">
-            {total === null ? "" : w("clips", { n: total })}
+            {total === null ? "" : w("label.clips", { n: total })}
           </span>
           <button type="button" class="button primary" onClick={() => chooseFiles()}>
             <Icon name="upload" />
-            {w("queue")}
+            {w("button.queue")}
           </button>
         </div>
         {first && <Welcome clips={total} />}
@@ -110,31 +110,31 @@ export function LibraryPage() {
         {total === 0 && !library.trouble.value ? (
           newProject ? (
             <div class="empty">
-              <h2>{w("emptyProject", { name: newProject })}</h2>
-              <p>{w("emptyProjectHelp")}</p>
+              <h2>{w("label.emptyProject", { name: newProject })}</h2>
+              <p>{w("help.emptyProjectHelp")}</p>
               <p>
                 <button type="button" class="button primary" onClick={() => chooseFiles()}>
-                  {w("chooseFiles")}
+                  {w("button.chooseFiles")}
                 </button>
               </p>
             </div>
           ) : filtered ? (
             <div class="empty">
-              <h2>{w("noneMatch")}</h2>
-              <p>{w("noneMatchHelp")}</p>
+              <h2>{w("label.noneMatch")}</h2>
+              <p>{w("help.noneMatchHelp")}</p>
               <p>
                 <a class="button" href="/library">
-                  {w("clearFilters")}
+                  {w("button.clearFilters")}
                 </a>
               </p>
             </div>
           ) : (
             <div class="empty">
-              <h2>{w("emptyLibrary")}</h2>
-              <p>{w("emptyLibraryHelp")}</p>
+              <h2>{w("label.emptyLibrary")}</h2>
+              <p>{w("help.emptyLibraryHelp")}</p>
               <p>
                 <button type="button" class="button primary" onClick={() => chooseFiles()}>
-                  {w("chooseFiles")}
+                  {w("button.chooseFiles")}
                 </button>
               </p>
             </div>
@@ -147,8 +147,8 @@ export function LibraryPage() {
       </section>
       {previewOpen.value && (
         <>
-          <Splitter size={previewWide} least={260} most={520} initial={320} label={w("preview")} />
-          <aside class="preview" style={{ width: `${previewWide.value}px` }} aria-label={w("preview")}>
+          <Splitter size={previewWide} least={260} most={520} initial={320} label={w("label.preview")} />
+          <aside class="preview" style={{ width: `${previewWide.value}px` }} aria-label={w("label.preview")}>
             <Preview />
           </aside>
         </>

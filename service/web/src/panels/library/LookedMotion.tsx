@@ -6,5 +6,5 @@ import { w } from "../../words";
 
 export function LookedMotion({ told }: { told: Told }) {
   const motion = useMemo(() => wholeOf(told, numbersOf(told)), [told]);
-  return <WholeMotion motion={motion} label={w("previewWord")} className="looked-motion" />;
+  return <WholeMotion motion={motion} label={w("label.previewWord")} className="looked-motion" />;
 }

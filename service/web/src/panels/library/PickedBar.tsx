@@ -39,67 +39,67 @@ export function PickedBar() {
     }
   };
   return (
-    <div class="picked-bar" role="toolbar" aria-label={w("picked", { n: ids.length })}>
-      <strong>{w("picked", { n: ids.length })}</strong>
+    <div class="picked-bar" role="toolbar" aria-label={w("label.picked", { n: ids.length })}>
+      <strong>{w("label.picked", { n: ids.length })}</strong>
       {edits && (
         <button type="button" class="button dense" onClick={() => setNaming(true)}>
           <Icon name="label" />
-          {w("nameThese")}
+          {w("button.nameThese")}
         </button>
       )}
       <button type="button" class="button dense" onClick={() => go(`/compose?s=${ids.join(",")}`)}>
         <Icon name="compose" />
-        {w("composeThese")}
+        {w("button.composeThese")}
       </button>
       <Menu
-        label={w("exportWord")}
+        label={w("button.exportWord")}
         className="button dense"
         items={() =>
           writtenFormats().map(({ name, label }) => ({
-            text: w("exportAs", { format: label }),
+            text: w("label.exportAs", { format: label }),
             run: () => void exportAll(name),
           }))
         }
       >
         <Icon name="export" />
-        {w("exportWord")}
+        {w("button.exportWord")}
         <Icon name="down" />
       </Menu>
       {edits && (
         <button type="button" class="button dense" onClick={() => setCollecting(true)}>
           <Icon name="list" />
-          {w("collect")}
+          {w("button.collect")}
         </button>
       )}
       {edits && (
         <button type="button" class="button dense" onClick={() => setSharing(true)}>
           <Icon name="eye" />
-          {w("shareLink")}
+          {w("button.shareLink")}
         </button>
       )}
       {edits && (
         <Menu
-          label={w("project")}
+          label={w("label.project")}
           className="button dense"
           items={[
-            { text: w("copyToProject"), run: () => setGoing("copy") },
-            { text: w("moveToProject"), run: () => setGoing("move") },
+            { text: w("button.copyToProject"), run: () => setGoing("copy") },
+            { text: w("button.moveToProject"), run: () => setGoing("move") },
           ]}
         >
           <Icon name="layer" />
-          {w("project")}
+          {w("label.project")}
           <Icon name="down" />
         </Menu>
       )}
       {edits && (
         <button type="button" class="button dense" onClick={() => void library.removeDocuments(ids)}>
           <Icon name="trash" />
-          {w("delete")}
+          {w("button.delete")}
         </button>
       )}
       <span class="grow" />
       <button type="button" class="button quiet dense" onClick={() => (library.picked.value = new Set())}>
-        {w("pickNone")}
+        {w("button.pickNone")}
       </button>
       {going && <ToProject ids={ids} move={going === "move"} onClose={() => setGoing("")} />}
       {sharing && <ShareDialog ids={ids} onClose={() => setSharing(false)} />}
@@ -116,7 +116,7 @@ function NameAll({ ids, onClose }: { ids: string[]; onClose: () => void }) {
       await ask("post", "/labels", {
         body: { name: chosen, xpath: "//frame", document: ids, remove: false, strict: false },
       });
-      note(w("labelled", { n: ids.length, name: chosen }));
+      note(w("label.labelled", { n: ids.length, name: chosen }));
       library.refresh();
       onClose();
     } catch (error) {
@@ -124,26 +124,26 @@ function NameAll({ ids, onClose }: { ids: string[]; onClose: () => void }) {
     }
   };
   return (
-    <Dialog title={w("labelPicked")} onClose={onClose}>
+    <Dialog title={w("label.labelPicked")} onClose={onClose}>
       <form
         onSubmit={(event) => {
           event.preventDefault();
           if (name.trim()) void done(name.trim());
         }}
       >
-        <p class="dim">{w("labelPickedHelp")}</p>
+        <p class="dim">{w("help.labelPickedHelp")}</p>
         <p class="row">
           <input
             class="field grow"
             autoFocus
             list="picked-names"
-            aria-label={w("spanName")}
-            placeholder={w("spanName")}
+            aria-label={w("label.spanName")}
+            placeholder={w("label.spanName")}
             value={name}
             onInput={(event) => setName(event.currentTarget.value)}
           />
           <button type="submit" class="button primary" disabled={!name.trim()}>
-            {w("nameThese")}
+            {w("button.nameThese")}
           </button>
         </p>
         <datalist id="picked-names">
@@ -160,12 +160,12 @@ function NameAll({ ids, onClose }: { ids: string[]; onClose: () => void }) {
 function Collect({ ids, onClose }: { ids: string[]; onClose: () => void }) {
   const keep = async (name: string) => {
     await ask("put", "/collections/{name}", { path: { name }, body: { documents: ids, description: "" } });
-    note(w("savedAs", { name }));
+    note(w("label.savedAs", { name }));
     collectionsChanged.value++;
   };
   return (
-    <AskName title={w("collect")} onName={keep} onClose={onClose}>
-      <p class="dim">{w("collectHelp")}</p>
+    <AskName title={w("button.collect")} onName={keep} onClose={onClose}>
+      <p class="dim">{w("help.collectHelp")}</p>
     </AskName>
   );
 }

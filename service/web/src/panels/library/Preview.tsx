@@ -20,10 +20,12 @@ export function Preview() {
   const names = [...new Set(card.labels.map((label) => label.name))];
   const fact = (word: "unit" | "up", value: string | null | undefined) => (
     <dd>
-      <span class={guessed.has(word) ? "guess" : ""}>{value ?? w(word === "unit" ? "unitUnknown" : "upUnknown")}</span>
+      <span class={guessed.has(word) ? "guess" : ""}>
+        {value ?? w(word === "unit" ? "label.unitUnknown" : "label.upUnknown")}
+      </span>
       {guessed.has(word) && value && !value.includes("/") && (
         <button type="button" class="button quiet dense" onClick={() => void confirmFact([card.id], { [word]: value })}>
-          {w("confirm")}
+          {w("button.confirm")}
         </button>
       )}
     </dd>
@@ -38,25 +40,27 @@ export function Preview() {
           {card.name}
         </h2>
         <p class="dim">
-          {[card.project, w("revision", { n: card.revision }), when(card.modified)].filter(Boolean).join(" · ")}
+          {[card.project, w("label.revision", { n: card.revision }), when(card.modified)].filter(Boolean).join(" · ")}
         </p>
       </div>
       <dl class="facts">
-        <dt>{w("unit")}</dt>
+        <dt>{w("label.unit")}</dt>
         {fact("unit", passport?.unit)}
-        <dt>{w("rateWord")}</dt>
+        <dt>{w("label.rateWord")}</dt>
         <dd>
           <span class={guessed.has("rate") ? "guess" : ""}>{rate(card.seconds_per_frame)}</span>
         </dd>
-        <dt>{w("up")}</dt>
+        <dt>{w("label.up")}</dt>
         {fact("up", passport?.up)}
-        <dt>{w("joints")}</dt>
+        <dt>{w("label.joints")}</dt>
         <dd>{passport ? number(passport.joints) : "–"}</dd>
-        <dt>{w("length")}</dt>
-        <dd>{w("framesAndTime", { frames: w("frames", { n: card.frames }), time: duration(card.duration) })}</dd>
+        <dt>{w("label.length")}</dt>
+        <dd>
+          {w("label.framesAndTime", { frames: w("label.frames", { n: card.frames }), time: duration(card.duration) })}
+        </dd>
         {names.length > 0 && (
           <>
-            <dt>{w("names")}</dt>
+            <dt>{w("label.names")}</dt>
             <dd>
               {names.map((name) => (
                 <span key={name} class="name-chip">
@@ -70,10 +74,10 @@ export function Preview() {
       </dl>
       <div class="row wrap">
         <a class="button primary" href={`/clips/${card.id}`}>
-          {w("open")}
+          {w("button.open")}
         </a>
         <Menu
-          label={w("exportWord")}
+          label={w("button.exportWord")}
           items={() =>
             exportItems(
               {
@@ -97,11 +101,11 @@ export function Preview() {
             )
           }
         >
-          {w("exportWord")}
+          {w("button.exportWord")}
           <Icon name="down" />
         </Menu>
         <button type="button" class="button" onClick={() => go(`/compose?s=${card.id}`)}>
-          {w("composeThese")}
+          {w("button.composeThese")}
         </button>
       </div>
     </>

@@ -61,12 +61,12 @@ export function SavedFilters({ collections }: { collections: readonly Schemas["C
       await ask("put", "/queries/{name}", { path: { name }, body: { q: question, description: "" } });
     else await ask("put", "/collections/{name}", { path: { name }, body: { where: conditions, description: "" } });
     collectionsChanged.value++;
-    note(w("savedAs", { name }));
+    note(w("label.savedAs", { name }));
   };
   if (!saved.length && !filtered) return null;
   return (
-    <section class="facet" aria-label={w("savedFilters")}>
-      <h3>{w("savedFilters")}</h3>
+    <section class="facet" aria-label={w("label.savedFilters")}>
+      <h3>{w("label.savedFilters")}</h3>
       {saved.map((one) => {
         const chosen = sameFilter(one.filter, now);
         return (
@@ -86,7 +86,7 @@ export function SavedFilters({ collections }: { collections: readonly Schemas["C
             <button
               type="button"
               class="button quiet icon dense"
-              aria-label={w("removeFilter", { name: one.name })}
+              aria-label={w("button.removeFilter", { name: one.name })}
               onClick={() => void remove(one)}
             >
               <Icon name="close" />
@@ -99,14 +99,14 @@ export function SavedFilters({ collections }: { collections: readonly Schemas["C
         (conditions || question !== null ? (
           <button type="button" class="facet-item dim" onClick={() => setNaming(true)}>
             <Icon name="plus" />
-            {w("saveFilter")}
+            {w("button.saveFilter")}
           </button>
         ) : (
-          <p class="dim facet-note">{w("saveFilterNot")}</p>
+          <p class="dim facet-note">{w("help.saveFilterNot")}</p>
         ))}
       {naming && (
-        <AskName title={w("saveFilter")} onName={keep} onClose={() => setNaming(false)}>
-          <p class="dim">{w("saveFilterHelp")}</p>
+        <AskName title={w("button.saveFilter")} onName={keep} onClose={() => setNaming(false)}>
+          <p class="dim">{w("help.saveFilterHelp")}</p>
         </AskName>
       )}
     </section>
@@ -118,9 +118,9 @@ async function remove({ kind, name, project, version, body }: Saved): Promise<vo
   try {
     await ask("delete", path, { path: { name }, query: { project }, match: version });
     collectionsChanged.value++;
-    note(w("filterRemoved", { name }), {
+    note(w("label.filterRemoved", { name }), {
       action: {
-        text: w("undo"),
+        text: w("button.undo"),
         run: () => {
           ask("put", path, { path: { name }, query: { project }, body: body as never }).then(
             () => collectionsChanged.value++,

@@ -44,7 +44,7 @@ export function SearchBox() {
     >
       <Icon name={isXpath ? "xpath" : "search"} />
       {name && (
-        <button type="button" class="chip" title={w("remove")} onClick={() => setParams({ motion_name: null })}>
+        <button type="button" class="chip" title={w("button.remove")} onClick={() => setParams({ motion_name: null })}>
           <span class="swatch" style={{ background: nameColour(name) }} />
           {name}
           <Icon name="close" />
@@ -58,8 +58,8 @@ export function SearchBox() {
         role="combobox"
         aria-expanded={names.length > 0}
         aria-controls="search-names"
-        aria-label={w("search")}
-        placeholder={w("searchAll")}
+        aria-label={w("label.search")}
+        placeholder={w("label.searchAll")}
         value={text}
         onInput={(event) => {
           setText(event.currentTarget.value);
@@ -84,7 +84,7 @@ export function SearchBox() {
         }}
       />
       {names.length > 0 && (
-        <ul id="search-names" class="menu-list left" role="listbox" aria-label={w("motionName")}>
+        <ul id="search-names" class="menu-list left" role="listbox" aria-label={w("label.motionName")}>
           {names.map((one, index) => (
             <li
               key={one}

@@ -20,10 +20,10 @@ export function SortMenu() {
       if (column !== order.column) sortBy(pressed(order, column));
     },
   }));
-  const direction = w(order.down ? "descending" : "ascending");
+  const direction = w(order.down ? "label.descending" : "label.ascending");
   return (
     <span class="row sort">
-      <Menu label={w("sort")} className="button quiet" items={items}>
+      <Menu label={w("label.sort")} className="button quiet" items={items}>
         {w(COLUMNS[order.column].word)}
         <Icon name="down" />
       </Menu>
@@ -31,7 +31,7 @@ export function SortMenu() {
         type="button"
         class="button quiet icon"
         title={direction}
-        aria-label={`${w("sort")}: ${direction}`}
+        aria-label={`${w("label.sort")}: ${direction}`}
         onClick={() => sortBy({ ...order, down: !order.down })}
       >
         <Arrow down={order.down} />
@@ -57,7 +57,7 @@ export function SortHeading({
       <button
         type="button"
         class={`sort-heading ${now ? "now" : ""}`}
-        aria-label={`${w("sort")}: ${w(word)}${now ? `, ${w(now)}` : ""}`}
+        aria-label={`${w("label.sort")}: ${w(word)}${now ? `, ${w(`label.${now}`)}` : ""}`}
         aria-pressed={now !== null}
         onClick={() => sortBy(pressed(order, column))}
       >

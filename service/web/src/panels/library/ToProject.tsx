@@ -23,27 +23,27 @@ export function ToProject({ ids, move, onClose }: { ids: string[]; move: boolean
     }
   };
   return (
-    <Dialog title={w(move ? "moveToProject" : "copyToProject")} onClose={onClose}>
+    <Dialog title={w(move ? "button.moveToProject" : "button.copyToProject")} onClose={onClose}>
       <form
         onSubmit={(event) => {
           event.preventDefault();
           if (name.trim() && !busy) void act();
         }}
       >
-        <p class="dim">{w(move ? "moveHelp" : "copyHelp")}</p>
+        <p class="dim">{w(move ? "help.moveHelp" : "help.copyHelp")}</p>
         <p class="row">
           <input
             class="field grow"
             autoFocus
             list="projects-there"
             maxLength={256}
-            aria-label={w("project")}
-            placeholder={w("projectOrNew")}
+            aria-label={w("label.project")}
+            placeholder={w("label.projectOrNew")}
             value={name}
             onInput={(event) => setName(event.currentTarget.value)}
           />
           <button type="submit" class="button primary" disabled={!name.trim() || busy}>
-            {w(move ? "move" : "copy")}
+            {w(move ? "button.move" : "button.copy")}
           </button>
         </p>
         <datalist id="projects-there">
@@ -61,8 +61,8 @@ async function copied(ids: string[], project: string): Promise<void> {
     body: { selection: { documents: ids, include_made: true, property: [] }, project },
   });
   library.refresh();
-  note(w("copiedTo", { n: documents.length, name: project }), {
-    action: { text: w("undo"), run: () => void remove(documents) },
+  note(w("label.copiedTo", { n: documents.length, name: project }), {
+    action: { text: w("button.undo"), run: () => void remove(documents) },
   });
 }
 
@@ -71,7 +71,7 @@ async function remove(documents: string[]): Promise<void> {
     const { items } = await ask("post", "/selections/delete", {
       body: { documents, include_made: true, property: [] },
     });
-    note(w("deleted", { n: items.length }));
+    note(w("label.deleted", { n: items.length }));
   } catch (error) {
     refuse(error);
   }
@@ -84,13 +84,13 @@ async function moved(ids: string[], project: string): Promise<void> {
     before.set(id, library.cardOf(id)?.project ?? (await get("/documents/{id}", { path: { id } })).project);
   const gone = await into(ids, project);
   if (!gone.length) {
-    note(w("allThere", { name: project }));
+    note(w("help.allThere", { name: project }));
     return;
   }
   // They may be no part of what the library shows now: what is done next must not be done to them unseen.
   library.picked.value = new Set();
-  note(w("movedTo", { n: gone.length, name: project }), {
-    action: { text: w("undo"), run: () => void takeBack(gone, before) },
+  note(w("label.movedTo", { n: gone.length, name: project }), {
+    action: { text: w("button.undo"), run: () => void takeBack(gone, before) },
   });
 }
 
@@ -121,5 +121,5 @@ async function takeBack(gone: string[], before: Map<string, string>): Promise<vo
       refuse(error);
     }
   }
-  if (done) note(w("movedBack", { n: done }));
+  if (done) note(w("label.movedBack", { n: done }));
 }

@@ -40,24 +40,24 @@ export function UploadTray() {
     <>
       {looked.value && <LookedAt />}
       {trayOpen.value && all.length > 0 && (
-        <section class="tray" aria-label={w("queue")}>
+        <section class="tray" aria-label={w("button.queue")}>
           <header class="row">
-            <strong>{w("queue")}</strong>
+            <strong>{w("button.queue")}</strong>
             {of > 1 && <span class="dim pace">{progressOf(done, of)}</span>}
             {/* What changes twice a second is not announced. */}
             <span class="unseen" role="status">
-              {done === of && w("uploads", { done, n: of })}
+              {done === of && w("label.uploads", { done, n: of })}
             </span>
-            <progress class="grow" value={done} max={of} aria-label={w("queue")} />
+            <progress class="grow" value={done} max={of} aria-label={w("button.queue")} />
             {done < of && (
               <button type="button" class="button dense" onClick={cancelAll}>
-                {w("cancel")}
+                {w("button.cancel")}
               </button>
             )}
             <button
               type="button"
               class="button quiet icon dense"
-              aria-label={w("hideQueue")}
+              aria-label={w("button.hideQueue")}
               onClick={() => {
                 trayOpen.value = false;
                 if (done === of) uploads.value = [];
@@ -90,7 +90,7 @@ function UploadRows({ all }: { all: Upload[] }) {
       {rows.length > most && (
         <li>
           <button type="button" class="button dense" onClick={() => setMost(most + ROWS)}>
-            {w("rowsMore", { n: rows.length - most })}
+            {w("button.rowsMore", { n: rows.length - most })}
           </button>
         </li>
       )}
@@ -100,24 +100,24 @@ function UploadRows({ all }: { all: Upload[] }) {
 
 /** What became of a row: also where some of its files were stored and others not. */
 function stateOf({ state, documents, problems }: Upload): string {
-  if (state !== "stored") return w(state);
-  if (problems.length) return w("storedPartly", { stored: documents.length, refused: problems.length });
-  return documents.every((one) => one.skipped) ? w("skippedTwin") : w("stored");
+  if (state !== "stored") return w(`label.${state}`);
+  if (problems.length) return w("label.storedPartly", { stored: documents.length, refused: problems.length });
+  return documents.every((one) => one.skipped) ? w("label.skippedTwin") : w("label.stored");
 }
 
 const FEW = 3;
 
 function progressOf(done: number, of: number): string {
   const told = done < of ? pace.value : null;
-  if (!told) return w("uploads", { done, n: of });
+  if (!told) return w("label.uploads", { done, n: of });
   const { rate, left } = told;
   const speed =
     rate >= 10
-      ? w("filesASecond", { n: Math.round(rate) })
+      ? w("label.filesASecond", { n: Math.round(rate) })
       : rate >= 0.1
-        ? w("filesASecond", { n: Math.round(10 * rate) / 10 })
-        : w("filesAMinute", { n: Math.round(600 * rate) / 10 });
-  return w("uploadsPace", { done, of, speed, left: timeLeft(left) });
+        ? w("label.filesASecond", { n: Math.round(10 * rate) / 10 })
+        : w("label.filesAMinute", { n: Math.round(600 * rate) / 10 });
+  return w("label.uploadsPace", { done, of, speed, left: timeLeft(left) });
 }
 
 function UploadRow({ upload, alone }: { upload: Upload; alone: boolean }) {
@@ -125,7 +125,7 @@ function UploadRow({ upload, alone }: { upload: Upload; alone: boolean }) {
   const { files, documents } = upload;
   const first = documents[0];
   const folder = files.length ? folderOf(files[0]!) : "";
-  const name = files.length > FEW ? w("filesAnd", { name: files[0]!.name, n: files.length - 1 }) : upload.name;
+  const name = files.length > FEW ? w("label.filesAnd", { name: files[0]!.name, n: files.length - 1 }) : upload.name;
   const hasTwin = documents.some((one) => !one.skipped && one.receipt.twins.length > 0);
   return (
     <li>
@@ -136,7 +136,7 @@ function UploadRow({ upload, alone }: { upload: Upload; alone: boolean }) {
         <span class="cut grow" title={folder + upload.name}>
           {name} {folder && <span class="dim">{folder}</span>}
         </span>
-        {hasTwin && <span class="dim">{w("twin")}</span>}
+        {hasTwin && <span class="dim">{w("help.twin")}</span>}
         {upload.state === "sending" ? (
           <progress value={upload.sent} max={1} aria-label={upload.name} />
         ) : (
@@ -146,7 +146,7 @@ function UploadRow({ upload, alone }: { upload: Upload; alone: boolean }) {
           <button
             type="button"
             class="button quiet icon dense"
-            aria-label={w("cancel")}
+            aria-label={w("button.cancel")}
             onClick={() => cancel(upload.id)}
           >
             <Icon name="close" />
@@ -154,17 +154,17 @@ function UploadRow({ upload, alone }: { upload: Upload; alone: boolean }) {
         )}
         {files.length > 0 && /refused|cancelled/.test(upload.state) && (
           <button type="button" class="button dense" onClick={() => retry(upload.id)}>
-            {w("retry")}
+            {w("button.retry")}
           </button>
         )}
         {documents.length === 1 && (
           <a class="button dense" href={`/clips/${first!.id}`}>
-            {w("open")}
+            {w("button.open")}
           </a>
         )}
         {first && (
           <button type="button" class="button quiet dense" aria-expanded={open} onClick={() => setOpen(!open)}>
-            {w("receipts")}
+            {w("label.receipts")}
           </button>
         )}
       </div>
@@ -176,7 +176,7 @@ function UploadRow({ upload, alone }: { upload: Upload; alone: boolean }) {
           {documents.map((one) => (
             <li key={one.id}>
               <a href={`/clips/${one.id}`}>{one.name}</a>{" "}
-              <span class="dim">{w(one.skipped ? "skippedTwin" : "stored")}</span>
+              <span class="dim">{w(one.skipped ? "label.skippedTwin" : "label.stored")}</span>
             </li>
           ))}
         </ul>
@@ -185,7 +185,7 @@ function UploadRow({ upload, alone }: { upload: Upload; alone: boolean }) {
       {open && first && !first.skipped && (
         <p>
           <button type="button" class="button dense" onClick={() => void undoImport(upload)}>
-            {w("undoImport")}
+            {w("button.undoImport")}
           </button>
         </p>
       )}
@@ -194,7 +194,7 @@ function UploadRow({ upload, alone }: { upload: Upload; alone: boolean }) {
 }
 
 function Refusal({ file, problem }: { file: string; problem: Problem }) {
-  const place = [problem.where?.line && w("line", { n: problem.where.line }), problem.where?.element]
+  const place = [problem.where?.line && w("label.line", { n: problem.where.line }), problem.where?.element]
     .filter(Boolean)
     .join(", ");
   return (
@@ -227,7 +227,7 @@ export function ReceiptView({ receipt, documents }: { receipt: Receipt; document
           {value ? (
             <span class={one.stated || said[name] ? "" : "guess"}>{value}</span>
           ) : (
-            <span class="guess">{w(name === "unit" ? "unitUnknown" : "upUnknown")}</span>
+            <span class="guess">{w(name === "unit" ? "label.unitUnknown" : "label.upUnknown")}</span>
           )}{" "}
           <span class="dim">{one.why}</span>
         </dd>
@@ -248,24 +248,24 @@ export function ReceiptView({ receipt, documents }: { receipt: Receipt; document
   const { naming } = receipt;
   return (
     <dl class="receipt">
-      <dt>{w("receiptUnit")}</dt>
+      <dt>{w("label.receiptUnit")}</dt>
       {fact("unit", receipt.unit, UNITS)}
-      <dt>{w("receiptRate")}</dt>
+      <dt>{w("label.receiptRate")}</dt>
       <dd>
         {receipt.frame_rate.frames_per_second
           ? `${number(receipt.frame_rate.frames_per_second, 4)} Hz`
-          : w("rateUnknown")}{" "}
+          : w("label.rateUnknown")}{" "}
         <span class="dim">{receipt.frame_rate.why}</span>
       </dd>
       <dd>{receipt.frame_rate.stated && <Icon name="check" />}</dd>
-      <dt>{w("receiptUp")}</dt>
+      <dt>{w("label.receiptUp")}</dt>
       {fact("up", receipt.up_axis, AXES)}
       {documents.length > 0 && <CalibrationRow id={itemAt(documents, 0)} said={said} />}
       {naming && (
         <>
-          <dt>{w("receiptJoints")}</dt>
+          <dt>{w("label.receiptJoints")}</dt>
           <dd>
-            {w("jointsMapped", {
+            {w("label.jointsMapped", {
               mapped: Object.keys(naming.mapped).length,
               n: receipt.joints,
               rig: naming.rig,
@@ -273,7 +273,7 @@ export function ReceiptView({ receipt, documents }: { receipt: Receipt; document
             })}
             {naming.joints.length + naming.unmapped.length > 0 && (
               <details>
-                <summary>{w("show")}</summary>
+                <summary>{w("label.show")}</summary>
                 <ul>
                   {naming.joints.map((one) => (
                     <li key={one.source}>
@@ -293,15 +293,15 @@ export function ReceiptView({ receipt, documents }: { receipt: Receipt; document
           <dd />
         </>
       )}
-      <dt>{w("receiptNumbers")}</dt>
+      <dt>{w("label.receiptNumbers")}</dt>
       <dd>
-        {w("receiptNumbersText", { channels: receipt.channels, frames: receipt.frames })}
-        {receipt.twins.length > 0 && <p class="dim">{w("twin")}</p>}
+        {w("label.receiptNumbersText", { channels: receipt.channels, frames: receipt.frames })}
+        {receipt.twins.length > 0 && <p class="dim">{w("help.twin")}</p>}
       </dd>
       <dd />
       {receipt.notices.length > 0 && (
         <>
-          <dt>{w("notices")}</dt>
+          <dt>{w("label.notices")}</dt>
           <dd>
             <ul>
               {receipt.notices.slice(0, 20).map((one, index) => (
@@ -325,7 +325,7 @@ function CalibrationRow({ id, said }: { id: string; said: object }) {
   if (!known) return null;
   return (
     <>
-      <dt>{w("receiptBody")}</dt>
+      <dt>{w("label.receiptBody")}</dt>
       <dd class="calibrated">
         {(Object.keys(FACTS) as Fact[]).map((name) => (
           <span key={name} title={known[name].reason}>
@@ -343,7 +343,7 @@ function CalibrationRow({ id, said }: { id: string; said: object }) {
 function LookedAt() {
   const { files, result } = looked.value!;
   return (
-    <Dialog title={w("lookedAt")} onClose={() => (looked.value = null)} wide>
+    <Dialog title={w("button.lookedAt")} onClose={() => (looked.value = null)} wide>
       {(result.clips as { files: string[]; receipt: Receipt; motion?: Told | null }[]).map((clip, index) => (
         <section key={index}>
           <h3>{clip.files.join(" + ")}</h3>
@@ -364,10 +364,10 @@ function LookedAt() {
               addFiles(files);
             }}
           >
-            {w("keep")}
+            {w("button.keep")}
           </button>
         )}
-        <span class="dim">{w("notStored")}</span>
+        <span class="dim">{w("label.notStored")}</span>
       </p>
     </Dialog>
   );

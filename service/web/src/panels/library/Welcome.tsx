@@ -21,27 +21,29 @@ export function Welcome({ clips }: { /** In the whole library. */ clips: number 
   const called = (beginning: string) => demo.value?.items.find((one) => one.name.startsWith(beginning));
   const [dance, walk] = [called("dance"), called("walk")];
   const make =
-    walk && dance ? `/compose?s=${walk.id}:1-150,${dance.id}&name=${encodeURIComponent(w("welcomeMake"))}` : "/compose";
+    walk && dance
+      ? `/compose?s=${walk.id}:1-150,${dance.id}&name=${encodeURIComponent(w("label.welcomeMake"))}`
+      : "/compose";
   return (
-    <section class="welcome" aria-label={w("welcome")}>
+    <section class="welcome" aria-label={w("label.welcome")}>
       <div class="welcome-figure">{dance && <Loop id={dance.id} />}</div>
       <div class="welcome-words">
-        <h2>{w("welcome")}</h2>
-        <p>{w("welcomeHelp", { n: clips })}</p>
+        <h2>{w("label.welcome")}</h2>
+        <p>{w("help.welcomeHelp", { n: clips })}</p>
         <ul>
           <li>
             <button type="button" class="offer" onClick={() => chooseFiles()}>
-              <Offer icon="upload" word="welcomeDrop" help="welcomeDropHelp" />
+              <Offer icon="upload" word="button.welcomeDrop" help="help.welcomeDropHelp" />
             </button>
           </li>
           <li>
             <a class="offer" href={`/xpath?q=${encodeURIComponent(ASKED)}`}>
-              <Offer icon="xpath" word="welcomeAsk" help="welcomeAskHelp" />
+              <Offer icon="xpath" word="label.welcomeAsk" help="help.welcomeAskHelp" />
             </a>
           </li>
           <li>
             <a class="offer" href={demo.busy ? undefined : make}>
-              <Offer icon="compose" word="welcomeMake" help="welcomeMakeHelp" />
+              <Offer icon="compose" word="label.welcomeMake" help="help.welcomeMakeHelp" />
             </a>
           </li>
         </ul>
@@ -49,8 +51,8 @@ export function Welcome({ clips }: { /** In the whole library. */ clips: number 
       <button
         type="button"
         class="button quiet icon welcome-close"
-        aria-label={w("welcomeGone")}
-        title={w("welcomeGone")}
+        aria-label={w("button.welcomeGone")}
+        title={w("button.welcomeGone")}
         onClick={() => (welcomed.value = true)}
       >
         <Icon name="close" />
@@ -97,5 +99,5 @@ function Loop({ id }: { id: string }) {
         : [],
     [motion, player],
   );
-  return actors.length ? <MotionView actors={actors} label={w("welcomePlays", { name: motion!.name })} /> : null;
+  return actors.length ? <MotionView actors={actors} label={w("label.welcomePlays", { name: motion!.name })} /> : null;
 }

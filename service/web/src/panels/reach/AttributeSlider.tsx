@@ -46,13 +46,13 @@ export function AttributeSlider({
         {support !== "inside" && (
           <span class={`support ${support}`}>
             <Icon name="warn" />
-            {b(support)}
+            {b(`label.${support}`)}
           </span>
         )}
         <input
           class="field number"
           inputMode="decimal"
-          aria-label={b("valueOf", { name: title })}
+          aria-label={b("label.valueOf", { name: title })}
           value={text ?? String(onStep(value, step / 100))}
           onFocus={(event) => event.currentTarget.select()}
           onInput={(event) => setText(event.currentTarget.value)}
@@ -96,7 +96,7 @@ export function AttributeSlider({
           aria-valuemin={low}
           aria-valuemax={high}
           aria-valuenow={value}
-          aria-valuetext={`${number(value, 4)} ${unitOf(unit)}, ${b(support)}`}
+          aria-valuetext={`${number(value, 4)} ${unitOf(unit)}, ${b(`label.${support}`)}`}
           onKeyDown={(event) => {
             if (event.key === "Home") onHome();
             else {
@@ -125,7 +125,7 @@ export function AttributeSlider({
             .filter(([from, to]) => share(to) - share(from) > 24)
             .map(([from, to]) => (
               <span key={from} class="gap-name" style={{ left: `${share((from + to) / 2)}%` }}>
-                {b("nobodyHere")}
+                {b("label.nobodyHere")}
               </span>
             ))}
           <span style={{ left: `${share(greatest)}%` }}>{number(greatest, 2)}</span>

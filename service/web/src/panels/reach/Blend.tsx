@@ -47,10 +47,10 @@ export function Blend({ model, speeds }: { model: Model; speeds: Speeds | undefi
   useEffect(
     () =>
       offer("reach-blend", [
-        { id: "play", word: "play", keys: ["Space"], run: () => player.toggle() },
-        { id: "nextFrame", word: "nextFrame", keys: ["Right", "."], run: () => player.step(1) },
-        { id: "backFrame", word: "backFrame", keys: ["Left", ","], run: () => player.step(-1) },
-        { id: "nearestExample", word: "toNearest", keys: ["Home"], run: home },
+        { id: "play", word: "button.play", keys: ["Space"], run: () => player.toggle() },
+        { id: "nextFrame", word: "label.nextFrame", keys: ["Right", "."], run: () => player.step(1) },
+        { id: "backFrame", word: "label.backFrame", keys: ["Left", ","], run: () => player.step(-1) },
+        { id: "nearestExample", word: "button.toNearest", keys: ["Home"], run: home },
       ]),
     [blending],
   );
@@ -86,12 +86,12 @@ export function Blend({ model, speeds }: { model: Model; speeds: Speeds | undefi
   }, [there, view, beside]);
   return (
     <div class="blend">
-      <section class="blend-view" aria-label={b("made")}>
+      <section class="blend-view" aria-label={b("label.made")}>
         <div class="row wrap blend-tools">
-          <div class="segments" role="group" aria-label={b("nearest")}>
+          <div class="segments" role="group" aria-label={b("label.nearest")}>
             {VIEWS.map((one) => (
               <button key={one} type="button" aria-pressed={view === one} onClick={() => setParams({ near: one })}>
-                {b(one)}
+                {b(`label.${one}`)}
               </button>
             ))}
           </div>
@@ -102,7 +102,7 @@ export function Blend({ model, speeds }: { model: Model; speeds: Speeds | undefi
         {actors.length ? (
           <MotionView
             actors={actors}
-            label={b("madeOf", {
+            label={b("label.madeOf", {
               values: model.attributes
                 .map((one) => `${one.name} ${number(entryOf(blending.values.peek(), one.name), 4)}`)
                 .join(", "),
@@ -118,7 +118,7 @@ export function Blend({ model, speeds }: { model: Model; speeds: Speeds | undefi
         <PlayBar player={player} />
         <MadePhases blending={blending} speeds={speeds} model={model} />
       </section>
-      <aside class="blend-side" aria-label={b("blend")}>
+      <aside class="blend-side" aria-label={b("label.blend")}>
         <Head model={model} />
         <Wrong blending={blending} />
         <Sliders model={model} blending={blending} onHome={home} />
@@ -136,9 +136,9 @@ function Head({ model: { summary, result } }: { model: Model }) {
     <div>
       <h2 class="cut">{result.name}</h2>
       <p class="dim">
-        {b("examplesOf", { n: summary.used })} · {b("people", { n: summary.subjects })}
+        {b("label.examplesOf", { n: summary.used })} · {b("label.people", { n: summary.subjects })}
         {summary.variance !== null &&
-          ` · ${b("componentsKeep", { n: summary.components, share: number(summary.variance * 100, 0) })}`}
+          ` · ${b("label.componentsKeep", { n: summary.components, share: number(summary.variance * 100, 0) })}`}
       </p>
     </div>
   );
@@ -157,7 +157,9 @@ function Wrong({ blending }: { blending: Blending }) {
 
 function Took({ blending }: { blending: Blending }) {
   const took = blending.took.value;
-  return took ? <span class="dim n took">{b("newMotionIn", { ms: number(took, took < 10 ? 1 : 0) })}</span> : null;
+  return took ? (
+    <span class="dim n took">{b("label.newMotionIn", { ms: number(took, took < 10 ? 1 : 0) })}</span>
+  ) : null;
 }
 
 function NearestName({ model, blending, shown }: { model: Model; blending: Blending; shown: boolean }) {
@@ -165,7 +167,7 @@ function NearestName({ model, blending, shown }: { model: Model; blending: Blend
   if (!near || !shown) return null;
   return (
     <a class="cut" href={`/clips/${near.document}?rev=${near.revision}`}>
-      {b("nearestIs", { name: model.byId.get(near.document)?.name ?? near.name })}
+      {b("label.nearestIs", { name: model.byId.get(near.document)?.name ?? near.name })}
     </a>
   );
 }
@@ -191,7 +193,7 @@ function TwoAtOnce({ model, blending, onHome }: { model: Model; blending: Blendi
   if (model.attributes.length < 2) return null;
   return (
     <details class="pad-fold" open>
-      <summary>{b("twoAtOnce")}</summary>
+      <summary>{b("label.twoAtOnce")}</summary>
       <Pad model={model} values={blending.values.value} onChange={(changes) => blending.set(changes)} onHome={onHome} />
     </details>
   );
@@ -212,7 +214,7 @@ function MadePhases({ blending, speeds, model }: { blending: Blending; speeds: S
   const { t1, t2, end } = shown.answer;
   return (
     <div class="blend-phases">
-      <p class="dim">{b("madePhases", { joint: model.summary.phase_joint })}</p>
+      <p class="dim">{b("label.madePhases", { joint: model.summary.phase_joint })}</p>
       <PhaseChart
         curve={curve}
         times={{ t1: t1.frames, t2: t2.frames, end: end.frames }}
@@ -220,7 +222,11 @@ function MadePhases({ blending, speeds, model }: { blending: Blending; speeds: S
         most={most}
         behind={behind}
         player={blending.player}
-        label={b("phasesWords", { t1: number(t1.seconds, 2), t2: number(t2.seconds, 2), end: number(end.seconds, 2) })}
+        label={b("help.phasesWords", {
+          t1: number(t1.seconds, 2),
+          t2: number(t2.seconds, 2),
+          end: number(end.seconds, 2),
+        })}
       />
     </div>
   );
@@ -247,10 +253,10 @@ function Errors({ model: { summary } }: { model: Model }) {
   if (!found.length) return null;
   return (
     <section class="blend-errors">
-      <h3>{b(by === "subject" ? "peopleLeftOut" : "clipsLeftOut")}</h3>
+      <h3>{b(by === "subject" ? "label.peopleLeftOut" : "label.clipsLeftOut")}</h3>
       {found.map((one) => (
         <div key={one!.predictor} class="bar-row">
-          <span>{b(`by_${one!.predictor}` as "by_model")}</span>
+          <span>{b(`label.by_${one!.predictor}` as "label.by_model")}</span>
           <span class="meter">
             <span class={one!.predictor} style={{ width: `${(one!.joint_degrees! / most) * 100}%` }} />
           </span>

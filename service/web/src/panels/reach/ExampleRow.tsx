@@ -42,7 +42,7 @@ export function ExampleRow({
       <td>
         <input
           type="checkbox"
-          aria-label={b("includeClip", { name: row.name })}
+          aria-label={b("label.includeClip", { name: row.name })}
           checked={!left}
           onClick={(event) => event.stopPropagation()}
           onChange={(event) => corrections.leave([row.document], !event.currentTarget.checked)}
@@ -71,11 +71,11 @@ export function ExampleRow({
       <td class={`n ${set ? "set" : ""}`}>{time(times?.end)}</td>
       <td>
         {left ? (
-          <span class="dim">{b("notTaken")}</span>
+          <span class="dim">{b("label.notTaken")}</span>
         ) : set && times ? (
           <span class="support inside">
             <Icon name="check" />
-            {b("corrected")}
+            {b("label.corrected")}
           </span>
         ) : row.used ? (
           <span class="dim">{row.flags.map(flagOf).join(", ")}</span>
@@ -119,7 +119,7 @@ function Cell({
     <input
       class={`field cell ${edited ? "edited" : ""}`}
       inputMode="decimal"
-      aria-label={b("cellOf", { name: row.name, attribute: nameOf(name) })}
+      aria-label={b("label.cellOf", { name: row.name, attribute: nameOf(name) })}
       value={text ?? value}
       onFocus={(event) => event.currentTarget.select()}
       onInput={(event) => setText(event.currentTarget.value)}
@@ -159,9 +159,9 @@ async function write(
   });
   corrections.edit({ [row.document]: { [name]: value } }, async () => {
     await ask("patch", "/documents/{id}", { path: { id: row.document }, body: { properties: old } as never });
-    note(b("valueBack", { name: row.name, value: before }));
+    note(b("label.valueBack", { name: row.name, value: before }));
   });
-  note(b("valueWritten", { name: row.name, attribute: nameOf(name), value }), {
-    action: { text: w("undo"), run: () => corrections.undo() },
+  note(b("label.valueWritten", { name: row.name, attribute: nameOf(name), value }), {
+    action: { text: w("button.undo"), run: () => corrections.undo() },
   });
 }

@@ -104,28 +104,28 @@ export function Examples({
         <input
           class="field"
           type="search"
-          aria-label={w("search")}
-          placeholder={b("filterClips")}
+          aria-label={w("label.search")}
+          placeholder={b("label.filterClips")}
           value={text}
           onInput={(event) => setText(event.currentTarget.value)}
         />
-        <span class="dim">{b("usedOf", { used: model.used.length, n: model.rows.length })}</span>
+        <span class="dim">{b("label.usedOf", { used: model.used.length, n: model.rows.length })}</span>
         <span class="grow" />
         <button type="button" class="button quiet" onClick={() => setPasting(true)}>
-          {b("paste")}
+          {b("label.paste")}
         </button>
         <button
           type="button"
           class="button quiet icon"
-          aria-label={w("undo")}
-          title={w("undo")}
+          aria-label={w("button.undo")}
+          title={w("button.undo")}
           disabled={!corrections.steps.value.length}
           onClick={() => corrections.undo()}
         >
           <Icon name="undo" />
         </button>
         <button type="button" class={`button ${count ? "primary" : ""}`} disabled={fit.busy} onClick={again}>
-          {count ? b("fitAgainWith", { n: count }) : b("fitAgain")}
+          {count ? b("button.fitAgainWith", { n: count }) : b("button.fitAgain")}
         </button>
       </div>
       {fit.job && <FitProgress job={fit.job} />}
@@ -137,20 +137,20 @@ export function Examples({
         }}
       />
       <Trouble error={extra.error} retry={extra.again} />
-      <div class="examples-table" tabIndex={0} role="region" aria-label={b("examples")}>
+      <div class="examples-table" tabIndex={0} role="region" aria-label={b("label.examples")}>
         <table>
           <thead>
             <tr>
               <th>
-                <span class="unseen">{b("include")}</span>
+                <span class="unseen">{b("label.include")}</span>
               </th>
-              {head("name", w("name"))}
-              {head("subject", b("subject"))}
+              {head("name", w("label.name"))}
+              {head("subject", b("label.subject"))}
               {names.map((one) => head(one, nameOf(one), unitOf(units.get(one) ?? "")))}
               {head("t1_seconds", "t1", "s")}
               {head("t2_seconds", "t2", "s")}
-              {head("end_seconds", b("endShort"), "s")}
-              {head("reason", b("state"))}
+              {head("end_seconds", b("label.endShort"), "s")}
+              {head("reason", b("label.state"))}
             </tr>
           </thead>
           <tbody>
@@ -168,8 +168,8 @@ export function Examples({
             ))}
           </tbody>
         </table>
-        {rows.length > MOST_ROWS && <p class="dim more-rows">{b("moreRows", { n: rows.length - MOST_ROWS })}</p>}
-        {!rows.length && <p class="dim more-rows">{w("nothingFound")}</p>}
+        {rows.length > MOST_ROWS && <p class="dim more-rows">{b("label.moreRows", { n: rows.length - MOST_ROWS })}</p>}
+        {!rows.length && <p class="dim more-rows">{w("help.nothingFound")}</p>}
       </div>
       {chosen && (
         <PhaseEditor

@@ -37,14 +37,14 @@ function Summary({ model: { summary, attributes } }: { model: Model }) {
   const gain = own?.joint_degrees && near?.joint_degrees ? (1 - own.joint_degrees / near.joint_degrees) * 100 : null;
   return (
     <>
-      <h2>{b("summary")}</h2>
+      <h2>{b("label.summary")}</h2>
       <p>
-        {b("fittedTo", { n: summary.used })} {b("peopleMove", { n: summary.subjects })}{" "}
-        {summary.excluded > 0 && b("leftOutClips", { n: summary.excluded })}
+        {b("help.fittedTo", { n: summary.used })} {b("help.peopleMove", { n: summary.subjects })}{" "}
+        {summary.excluded > 0 && b("help.leftOutClips", { n: summary.excluded })}
       </p>
       {summary.variance !== null && (
         <p>
-          {b("keepsShare", {
+          {b("help.keepsShare", {
             n: summary.components,
             share: number(summary.variance * 100, 0),
             error: mm(summary.reconstruction.hand),
@@ -53,13 +53,13 @@ function Summary({ model: { summary, attributes } }: { model: Model }) {
       )}
       {own && (
         <p>
-          {b(own.left_out === "subject" ? "unseenPeople" : "unseenClips", {
+          {b(own.left_out === "subject" ? "help.unseenPeople" : "help.unseenClips", {
             degrees: number(own.joint_degrees ?? 0, 1),
             size: mm(own.hand),
           })}{" "}
-          {gain !== null && (gain > 1 ? b("betterThanNearest", { share: number(gain, 0) }) : b("notBetter"))}{" "}
+          {gain !== null && (gain > 1 ? b("help.betterThanNearest", { share: number(gain, 0) }) : b("help.notBetter"))}{" "}
           {line?.joint_degrees && own.joint_degrees && Math.abs(line.joint_degrees / own.joint_degrees - 1) < 0.02
-            ? b("likeLine")
+            ? b("help.likeLine")
             : ""}
         </p>
       )}
@@ -68,7 +68,7 @@ function Summary({ model: { summary, attributes } }: { model: Model }) {
         .map((one) => (
           <p key={one.name} class="row say">
             <Icon name="warn" />
-            {b("gapsWords", {
+            {b("help.gapsWords", {
               name: nameOf(one.name),
               ranges: one.gaps.map(([low, high]) => `${number(low, 2)}–${number(high, 2)}`).join(", "),
               unit: unitOf(one.unit),
@@ -79,9 +79,9 @@ function Summary({ model: { summary, attributes } }: { model: Model }) {
         <p key={at} class="row say">
           <Icon name="warn" />
           <span>
-            {isWord(`warn_${one.code}`) ? (
+            {isWord(`help.warn_${one.code}`) ? (
               <>
-                <strong>{b(`warn_${one.code}` as "warn_jump")}</strong>{" "}
+                <strong>{b(`help.warn_${one.code}` as "help.warn_jump")}</strong>{" "}
                 <span class="dim" lang="en">
                   {one.what}
                 </span>
@@ -95,7 +95,7 @@ function Summary({ model: { summary, attributes } }: { model: Model }) {
       {!summary.warnings.length && attributes.every((one) => !one.gaps.length) && (
         <p class="row say good">
           <Icon name="check" />
-          {b("noWarnings")}
+          {b("help.noWarnings")}
         </p>
       )}
     </>
@@ -106,7 +106,7 @@ function Picture({ id }: { id: string }) {
   const file = (format: string) => address("/results/{id}/picture", { id }, { name: "fit", format });
   return (
     <div class="row wrap">
-      <span class="dim">{w("picturesFor")}</span>
+      <span class="dim">{w("button.picturesFor")}</span>
       {["svg", "png"].map((format) => (
         <a key={format} class="button dense" href={file(format)} download>
           <Icon name="export" />
@@ -114,7 +114,7 @@ function Picture({ id }: { id: string }) {
         </a>
       ))}
       <a class="button dense" href={`/results/${id}`}>
-        {b("allParts")}
+        {b("label.allParts")}
       </a>
     </div>
   );
@@ -138,24 +138,27 @@ function Variance({ model }: { model: Model }) {
     return {
       x: Float64Array.from({ length }, (_, at) => at + 1),
       curves: [
-        { name: b("eigenmotions"), values: shares(motion), points: "too" as const },
-        ...(pose ? [{ name: b("eigenposes"), values: shares(pose), ink: "name1", points: "too" as const }] : []),
+        { name: b("label.eigenmotions"), values: shares(motion), points: "too" as const },
+        ...(pose ? [{ name: b("label.eigenposes"), values: shares(pose), ink: "name1", points: "too" as const }] : []),
       ],
     };
   }, [found.value]);
   const kept = model.summary.components;
-  const marks = useMemo(() => [{ at: kept, ink: "text2", text: b("keptHere", { n: kept }), dash: [3, 3] }], [kept]);
+  const marks = useMemo(
+    () => [{ at: kept, ink: "text2", text: b("label.keptHere", { n: kept }), dash: [3, 3] }],
+    [kept],
+  );
   return (
     <div class="fit-chart">
-      <h3>{b("variance")}</h3>
+      <h3>{b("label.variance")}</h3>
       <Trouble error={found.error} retry={found.again} />
       {drawn ? (
         <Plot
           x={drawn.x}
           curves={drawn.curves}
           marks={marks}
-          label={b("variance")}
-          xLabel={b("componentsAxis")}
+          label={b("label.variance")}
+          xLabel={b("label.componentsAxis")}
           yLabel="%"
           height={220}
         />
@@ -185,24 +188,24 @@ function Errors({ model: { summary } }: { model: Model }) {
   const most = Math.max(1e-9, ...summary.left_out.map((one) => measure(one, of) ?? 0));
   return (
     <div class="fit-chart">
-      <h3>{b("leftOutErrors")}</h3>
-      <div class="segments" role="group" aria-label={b("errorOf")}>
+      <h3>{b("label.leftOutErrors")}</h3>
+      <div class="segments" role="group" aria-label={b("label.errorOf")}>
         {MEASURES.map((one) => (
           <button key={one} type="button" aria-pressed={one === of} onClick={() => setOf(one)}>
-            {b(`of_${one}`)}
+            {b(`label.of_${one}`)}
           </button>
         ))}
       </div>
       {groups.map((group) => (
         <div key={group} class="error-group">
-          <p class="dim">{b(group === "subject" ? "peopleLeftOut" : "clipsLeftOut")}</p>
+          <p class="dim">{b(group === "subject" ? "label.peopleLeftOut" : "label.clipsLeftOut")}</p>
           {summary.left_out
             .filter((one) => one.left_out === group)
             .map((one) => {
               const value = measure(one, of);
               return (
                 <div key={one.predictor} class="bar-row">
-                  <span>{b(`by_${one.predictor}` as "by_model")}</span>
+                  <span>{b(`label.by_${one.predictor}` as "label.by_model")}</span>
                   <span class="meter">
                     <span class={one.predictor} style={{ width: `${((value ?? 0) / most) * 100}%` }} />
                   </span>
@@ -212,7 +215,9 @@ function Errors({ model: { summary } }: { model: Model }) {
             })}
         </div>
       ))}
-      <p class="dim">{b(of === "joint" || of === "arm" ? "degreesHelp" : of === "hand" ? "handHelp" : "framesHelp")}</p>
+      <p class="dim">
+        {b(of === "joint" || of === "arm" ? "help.degreesHelp" : of === "hand" ? "help.handHelp" : "help.framesHelp")}
+      </p>
     </div>
   );
 }
@@ -241,15 +246,15 @@ function Tried({ model }: { model: Model }) {
   const taken = of === "motion" ? [summary.s, summary.lam] : [summary.time_s, summary.time_lam];
   return (
     <div class="fit-chart">
-      <h3>{b("tried")}</h3>
-      <div class="segments" role="group" aria-label={b("tried")}>
+      <h3>{b("label.tried")}</h3>
+      <div class="segments" role="group" aria-label={b("label.tried")}>
         {(["motion", "times"] as const).map((one) => (
           <button key={one} type="button" aria-pressed={one === of} onClick={() => setOf(one)}>
-            {b(`tried_${one}`)}
+            {b(`label.tried_${one}`)}
           </button>
         ))}
       </div>
-      <div class="scrolls" tabIndex={0} role="group" aria-label={b("tried")}>
+      <div class="scrolls" tabIndex={0} role="group" aria-label={b("label.tried")}>
         <table class="tried">
           <thead>
             <tr>
@@ -286,7 +291,7 @@ function Tried({ model }: { model: Model }) {
           </tbody>
         </table>
       </div>
-      <p class="dim">{b("triedHelp", { s: number(numberAt(taken, 0), 3), lam: number(numberAt(taken, 1), 4) })}</p>
+      <p class="dim">{b("help.triedHelp", { s: number(numberAt(taken, 0), 3), lam: number(numberAt(taken, 1), 4) })}</p>
     </div>
   );
 }

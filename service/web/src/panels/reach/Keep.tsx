@@ -58,10 +58,10 @@ export function Keep({
   return (
     <div class="row wrap keep">
       <button type="button" class="button primary" onClick={() => setAsking(true)}>
-        {b("saveAsClip")}
+        {b("button.saveAsClip")}
       </button>
       <Menu
-        label={b("exportMade")}
+        label={b("label.exportMade")}
         className="button"
         side="right"
         items={() => [
@@ -70,10 +70,10 @@ export function Keep({
             detail: extension,
             run: () => void file(name, extension),
           })),
-          { text: b("pictureOfIt"), detail: ".png", run: () => void save() },
+          { text: b("label.pictureOfIt"), detail: ".png", run: () => void save() },
         ]}
       >
-        {w("exportWord")}
+        {w("button.exportWord")}
         <Icon name="down" />
       </Menu>
       {asking && <Saving model={model} suggested={suggested()} wish={wish()} onClose={() => setAsking(false)} />}
@@ -101,7 +101,9 @@ function Saving({
     setBusy(true);
     try {
       const done = await applyResult(model.id, "synthesize", wish, { save: true, name, project: project || undefined });
-      note(b("saved", { name }), { action: { text: w("open"), run: () => go(`/clips/${done.document}`) } });
+      note(b("label.saved", { name }), {
+        action: { text: w("button.open"), run: () => go(`/clips/${done.document}`) },
+      });
       onClose();
     } catch (refused) {
       setError(refused);
@@ -109,7 +111,7 @@ function Saving({
     }
   };
   return (
-    <Dialog title={b("saveAsClip")} onClose={onClose}>
+    <Dialog title={b("button.saveAsClip")} onClose={onClose}>
       <form
         class="keep-form"
         onSubmit={(event) => {
@@ -118,7 +120,7 @@ function Saving({
         }}
       >
         <label>
-          {w("name")}
+          {w("label.name")}
           <input
             class="field"
             autoFocus
@@ -128,7 +130,7 @@ function Saving({
           />
         </label>
         <label>
-          {w("project")}
+          {w("label.project")}
           <input
             class="field"
             list="keep-projects"
@@ -141,12 +143,12 @@ function Saving({
             <option key={one} value={one} />
           ))}
         </datalist>
-        <p class="dim">{b("savedHelp")}</p>
+        <p class="dim">{b("help.savedHelp")}</p>
         <Trouble error={error} />
         <div class="row">
           <span class="grow" />
           <button type="submit" class="button primary" disabled={busy || !name}>
-            {w("save")}
+            {w("button.save")}
           </button>
         </div>
       </form>

@@ -72,15 +72,15 @@ export function Pad({
   return (
     <div class="reach-pad">
       <div class="row wrap">
-        {select(0, b("across"))}
-        {select(1, b("upwards"))}
+        {select(0, b("label.across"))}
+        {select(1, b("label.upwards"))}
       </div>
       <div
         ref={box}
         class="pad"
         role="slider"
         tabIndex={0}
-        aria-label={b("padOf", { x: nameOf(x.name), y: nameOf(y.name) })}
+        aria-label={b("label.padOf", { x: nameOf(x.name), y: nameOf(y.name) })}
         aria-valuemin={left}
         aria-valuemax={right}
         aria-valuenow={values[x.name]}

@@ -46,10 +46,12 @@ export function PasteTable({
               query: { revision: one.revision },
               match: one.revision,
             });
-          note(b("pasteBack", { n: items.length }));
+          note(b("label.pasteBack", { n: items.length }));
         },
       );
-      note(b("pasted", { n: given.length }), { action: { text: w("undo"), run: () => corrections.undo() } });
+      note(b("label.pasted", { n: given.length }), {
+        action: { text: w("button.undo"), run: () => corrections.undo() },
+      });
       onClose();
     } catch (refused) {
       setError(refused);
@@ -57,7 +59,7 @@ export function PasteTable({
     }
   };
   return (
-    <Dialog title={b("paste")} onClose={onClose} wide>
+    <Dialog title={b("label.paste")} onClose={onClose} wide>
       <form
         class="keep-form"
         onSubmit={(event) => {
@@ -65,11 +67,11 @@ export function PasteTable({
           void write();
         }}
       >
-        <p class="dim">{b("pasteHelp")}</p>
+        <p class="dim">{b("help.pasteHelp")}</p>
         <textarea
           class="field code"
           rows={10}
-          aria-label={b("paste")}
+          aria-label={b("label.paste")}
           placeholder={`${example}\n…`}
           value={text}
           onInput={(event) => setText(event.currentTarget.value)}
@@ -78,7 +80,7 @@ export function PasteTable({
         <div class="row">
           <span class="grow" />
           <button type="submit" class="button primary" disabled={busy || !text.trim()}>
-            {b("writeValues")}
+            {b("button.writeValues")}
           </button>
         </div>
       </form>

@@ -68,7 +68,7 @@ export function PhaseChart({
                 width: share(numberAt(bounds, at + 1) - numberAt(bounds, at)),
               }}
             >
-              <span class="cut">{b(one)}</span>
+              <span class="cut">{b(`label.${one}`)}</span>
             </span>
           ))}
         {behind && <Behind curves={behind} seconds={seconds} most={most} />}
@@ -86,12 +86,12 @@ export function PhaseChart({
               role="slider"
               tabIndex={0}
               style={{ left: share(times[one]) }}
-              aria-label={b(`${one}Edge`)}
-              title={b(`${one}Edge`)}
+              aria-label={b(`label.${one}Edge`)}
+              title={b(`label.${one}Edge`)}
               aria-valuemin={0}
               aria-valuemax={Math.round(seconds * curve.fps)}
               aria-valuenow={Math.round(times[one] * 10) / 10}
-              aria-valuetext={b("edgeAt", {
+              aria-valuetext={b("label.edgeAt", {
                 frames: number(times[one], 1),
                 seconds: number(times[one] / curve.fps, 2),
               })}
@@ -116,7 +116,7 @@ export function PhaseChart({
                 event.stopPropagation();
               }}
             >
-              <span>{one === "end" ? b("endShort") : one}</span>
+              <span>{one === "end" ? b("label.endShort") : one}</span>
             </span>
           ))}
       </div>

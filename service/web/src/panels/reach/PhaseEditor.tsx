@@ -34,7 +34,7 @@ export function PhaseEditor({
     if (times) corrections.setTimes(row.document, moved(times, which, frame, last), `${which} ${gesture.current}`);
   };
   return (
-    <section class="phase-editor" aria-label={b("phasesOf", { name: row.name })}>
+    <section class="phase-editor" aria-label={b("label.phasesOf", { name: row.name })}>
       <div class="row wrap">
         <h2 class="cut">{row.name}</h2>
         {!row.used && <span class="dim">{reasonOf(row.reason ?? "")}</span>}
@@ -59,16 +59,16 @@ export function PhaseEditor({
             disabled={!values}
             onClick={() => corrections.setTimes(row.document, guess(model, last))}
           >
-            {b("setByHand")}
+            {b("button.setByHand")}
           </button>
         )}
         {corrections.isSet(row.document) && (
           <button type="button" class="button quiet" onClick={() => corrections.setTimes(row.document, null)}>
-            {b("asFound")}
+            {b("button.asFound")}
           </button>
         )}
         <a class="button quiet" href={`/clips/${row.document}`}>
-          {b("openClip")}
+          {b("button.openClip")}
         </a>
       </div>
       {values ? (
@@ -77,7 +77,7 @@ export function PhaseEditor({
           times={times}
           seconds={Math.max(last, times?.end ?? 0) / row.fps}
           most={most}
-          label={b("speedOf", { joint: model.summary.phase_joint, name: row.name })}
+          label={b("label.speedOf", { joint: model.summary.phase_joint, name: row.name })}
           onMove={move}
           onEnd={() => gesture.current++}
         />
@@ -106,12 +106,12 @@ function TimeField({
     setText(null);
   };
   return (
-    <label class="row time-field" title={b(`${name}Edge`)}>
-      <span>{name === "end" ? b("endShort") : name}</span>
+    <label class="row time-field" title={b(`label.${name}Edge`)}>
+      <span>{name === "end" ? b("label.endShort") : name}</span>
       <input
         class="field number"
         inputMode="decimal"
-        aria-label={`${b(`${name}Edge`)}, ${b("inFrames")}`}
+        aria-label={`${b(`label.${name}Edge`)}, ${b("label.inFrames")}`}
         value={text ?? String(Math.round(value * 10) / 10)}
         onInput={(event) => setText(event.currentTarget.value)}
         onBlur={keep}

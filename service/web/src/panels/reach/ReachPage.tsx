@@ -36,7 +36,7 @@ function Opened({ id }: { id: string }) {
   if (result.error || !found)
     return (
       <>
-        <h1 class="unseen">{w("reach")}</h1>
+        <h1 class="unseen">{w("label.reach")}</h1>
         {result.error ? (
           <Trouble error={result.error} retry={result.again} />
         ) : (
@@ -47,9 +47,9 @@ function Opened({ id }: { id: string }) {
   if (found.analysis !== "reach" || !found.parts?.model)
     return (
       <div class="empty">
-        <h1>{w("reach")}</h1>
+        <h1>{w("label.reach")}</h1>
         <p>
-          {b("noModel")} <a href={`/results/${id}`}>{w("openResult")}</a>
+          {b("error.noModel")} <a href={`/results/${id}`}>{w("button.openResult")}</a>
         </p>
       </div>
     );
@@ -66,12 +66,12 @@ function Ready({ model: made }: { model: Model }) {
   useEffect(
     () =>
       offer("reach", [
-        { id: "tabExamples", word: "reachExamples", keys: ["1"], run: () => open("examples") },
-        { id: "tabFit", word: "reachFit", keys: ["2"], run: () => open("fit") },
-        { id: "tabBlend", word: "reachBlend", keys: ["3"], run: () => open("blend") },
+        { id: "tabExamples", word: "label.reachExamples", keys: ["1"], run: () => open("examples") },
+        { id: "tabFit", word: "label.reachFit", keys: ["2"], run: () => open("fit") },
+        { id: "tabBlend", word: "label.reachBlend", keys: ["3"], run: () => open("blend") },
         {
           id: "undo",
-          word: "undo",
+          word: "button.undo",
           keys: ["Ctrl+Z"],
           run: () => corrections.undo(),
           when: () => corrections.steps.peek().length > 0,
@@ -82,24 +82,24 @@ function Ready({ model: made }: { model: Model }) {
   const count = corrections.count.value;
   return (
     <div class="reach">
-      <h1 class="unseen">{`${w("reach")}: ${model.result.name}`}</h1>
+      <h1 class="unseen">{`${w("label.reach")}: ${model.result.name}`}</h1>
       <div class="row reach-head">
         <Tabs
-          label={w("reach")}
+          label={w("label.reach")}
           open={tab}
           onOpen={open}
           tabs={TABS.map((one) => ({
             id: one,
             text:
               one === "fit"
-                ? b("fitTab")
+                ? b("label.fitTab")
                 : one === "examples" && count
-                  ? `${b(one)} · ${b("corrections", { n: count })}`
-                  : b(one),
+                  ? `${b(`label.${one}`)} · ${b("label.corrections", { n: count })}`
+                  : b(`label.${one}`),
           }))}
         />
         <a class="button quiet" href="/reach">
-          {b("otherModels")}
+          {b("label.otherModels")}
         </a>
       </div>
       <div id={`panel-${tab}`} class="reach-tab" role="tabpanel" aria-labelledby={`tab-${tab}`}>

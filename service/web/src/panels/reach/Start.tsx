@@ -44,26 +44,26 @@ export function Start() {
       }}
     >
       <section class="start-words">
-        <h1>{w("reach")}</h1>
-        <p>{b("intro")}</p>
-        <p class="dim">{b("needs")}</p>
+        <h1>{w("label.reach")}</h1>
+        <p>{b("help.intro")}</p>
+        <p class="dim">{b("help.needs")}</p>
         {projects.value?.items.includes(DEMO) && (
           <p>
             <button
               type="button"
               class="button"
               disabled={fit.busy}
-              onClick={() => void fit.start({ inputs: { project: DEMO }, name: b("demoName") })}
+              onClick={() => void fit.start({ inputs: { project: DEMO }, name: b("label.demoName") })}
             >
-              {b("demo")}
+              {b("button.demo")}
             </button>
           </p>
         )}
         {fit.job && <FitProgress job={fit.job} />}
         <FitTrouble error={fit.error} onExclude={exclude} />
       </section>
-      <section class="analysis-clips" aria-label={b("clipsTitle")}>
-        <h2>{b("clipsTitle")}</h2>
+      <section class="analysis-clips" aria-label={b("label.clipsTitle")}>
+        <h2>{b("label.clipsTitle")}</h2>
         <ClipSelection
           members={members}
           left={left}
@@ -76,25 +76,25 @@ export function Start() {
         />
         {info && (
           <details class="start-options">
-            <summary>{b("options")}</summary>
+            <summary>{b("label.options")}</summary>
             <SchemaForm schema={info.parameters} values={values} onChange={setValues} leave={["times"]} />
           </details>
         )}
         <div class="schema-field">
-          <label for="model-name">{b("nameOfModel")}</label>
+          <label for="model-name">{b("label.nameOfModel")}</label>
           <input
             id="model-name"
             class="field"
             value={name}
-            placeholder={b("namePlaceholder")}
+            placeholder={b("label.namePlaceholder")}
             onInput={(event) => setName(event.currentTarget.value)}
           />
         </div>
         <div class="row">
           <button type="submit" class="button primary" disabled={fit.busy || count < FEWEST}>
-            {count >= FEWEST ? b("fitClips", { n: count }) : b("fit")}
+            {count >= FEWEST ? b("button.fitClips", { n: count }) : b("button.fit")}
           </button>
-          {selection && !members.busy && count < FEWEST && <span class="dim">{b("tooFew", { n: FEWEST })}</span>}
+          {selection && !members.busy && count < FEWEST && <span class="dim">{b("help.tooFew", { n: FEWEST })}</span>}
         </div>
       </section>
       <Recent />
@@ -110,10 +110,10 @@ function Recent() {
     [jobs.value.filter((one) => one.state === "done").length],
   );
   return (
-    <aside class="recent" aria-label={b("recent")}>
-      <h2>{b("recent")}</h2>
+    <aside class="recent" aria-label={b("label.recent")}>
+      <h2>{b("label.recent")}</h2>
       <Trouble error={found.error} retry={found.again} />
-      {found.value && !found.value.items.length && <p class="dim">{b("noModels")}</p>}
+      {found.value && !found.value.items.length && <p class="dim">{b("help.noModels")}</p>}
       <ul>
         {(found.value?.items ?? []).map((one) => (
           <li key={one.id}>

@@ -24,17 +24,17 @@ export function Trust({ model, blending }: { model: Model; blending: Blending })
   });
   const biggest = Math.abs(weights[0]?.weight ?? 1) || 1;
   return (
-    <section class={`trust ${support}`} aria-label={b("trust")}>
+    <section class={`trust ${support}`} aria-label={b("label.trust")}>
       <p role="status">
         <strong class={`support ${support}`}>
           <Icon name={support === "inside" ? "check" : "warn"} />
-          {b(`${support}Data`)}
+          {b(`label.${support}Data`)}
         </strong>
-        {size && <> · {b(known ? "aboutAtHand" : "moreAtHand", { size })}</>}
+        {size && <> · {b(known ? "label.aboutAtHand" : "label.moreAtHand", { size })}</>}
       </p>
       {gap && inGap && (
         <p>
-          {b("gapWords", {
+          {b("help.gapWords", {
             low: number(inGap[0], 2),
             high: number(inGap[1], 2),
             name: nameOf(gap.name),
@@ -42,19 +42,19 @@ export function Trust({ model, blending }: { model: Model; blending: Blending })
           })}
         </p>
       )}
-      {support === "outside" && <p>{b("outsideWords")}</p>}
-      {support === "inside" && nn_ratio > 2 && <p>{b("sparseWords", { times: number(nn_ratio, 1) })}</p>}
+      {support === "outside" && <p>{b("help.outsideWords")}</p>}
+      {support === "inside" && nn_ratio > 2 && <p>{b("help.sparseWords", { times: number(nn_ratio, 1) })}</p>}
       {row && (
         <p class="dim">
-          {b("nearestValues")}{" "}
+          {b("label.nearestValues")}{" "}
           {model.attributes.map((one) => `${number(row[one.name] as number, 2)} ${unitOf(one.unit)}`).join(", ")}{" "}
           <button type="button" class="as-link" onClick={() => blending.set(valuesOf(model, row))}>
-            {b("goThere")}
+            {b("button.goThere")}
           </button>
         </p>
       )}
       <details>
-        <summary>{b("madeOfExamples")}</summary>
+        <summary>{b("label.madeOfExamples")}</summary>
         <ul class="weights">
           {weights.slice(0, MOST).map(({ clip, weight }) => (
             <li key={clip.document} class="bar-row">

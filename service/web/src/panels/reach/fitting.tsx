@@ -38,15 +38,15 @@ export function useFit(): Fitting {
 }
 
 export function FitProgress({ job }: { job: Job }) {
-  const stage = `stage_${job.stage ?? "waiting"}`;
+  const stage = `label.stage_${job.stage ?? "waiting"}`;
   return (
     <div class="row fit-progress" role="status">
-      <progress class="grow" value={job.share} aria-label={b("fitting")} />
+      <progress class="grow" value={job.share} aria-label={b("label.fitting")} />
       <span class="dim">
         {isWord(stage) ? b(stage) : job.stage} {number((job.share ?? 0) * 100, 0)} %
       </span>
       <button type="button" class="button" onClick={() => void cancelJob(job)}>
-        {w("cancel")}
+        {w("button.cancel")}
       </button>
     </div>
   );
@@ -61,7 +61,7 @@ export function FitTrouble({ error, onExclude }: { error: unknown; onExclude: (d
       {found && found.length > 0 && (
         <p>
           <button type="button" class="button" onClick={() => onExclude(found)}>
-            {b("excludeThese", { n: found.length })}
+            {b("button.excludeThese", { n: found.length })}
           </button>
         </p>
       )}

@@ -86,7 +86,7 @@ export function Many({
   const failed = rows.filter((one) => one.problem).length;
   const running = state === "running";
   return (
-    <Dialog title={w("applyMany", { name: body.name })} onClose={onClose} wide>
+    <Dialog title={w("button.applyMany", { name: body.name })} onClose={onClose} wide>
       {state === "choosing" && (
         <form
           class="many-choose"
@@ -95,7 +95,7 @@ export function Many({
             if (chosen) void run();
           }}
         >
-          <div class="segments" role="group" aria-label={w("whichClips")}>
+          <div class="segments" role="group" aria-label={w("label.whichClips")}>
             {(["picked", "collection", "project", "xpath"] as const).map((one) => (
               <button
                 key={one}
@@ -104,35 +104,37 @@ export function Many({
                 disabled={one === "picked" && !picked.length}
                 onClick={() => setKind(one)}
               >
-                {one === "picked" ? w("picked", { n: picked.length }) : w(one === "collection" ? "collections" : one)}
+                {one === "picked"
+                  ? w("label.picked", { n: picked.length })
+                  : w(one === "collection" ? "label.collections" : `label.${one}`)}
               </button>
             ))}
           </div>
           {kind === "collection" && (
             <Choice
-              label={w("collections")}
+              label={w("label.collections")}
               value={text}
               options={(collections.value?.items ?? []).map((one) =>
                 one.project === "default" ? one.name : `${one.project}/${one.name}`,
               )}
               onChange={(collection) => setTexts({ ...texts, collection })}
-              empty={w("noCollections")}
+              empty={w("label.noCollections")}
             />
           )}
           {kind === "project" && (
             <Choice
-              label={w("project")}
+              label={w("label.project")}
               value={text}
               options={projects.value?.items ?? []}
               onChange={(project) => setTexts({ ...texts, project })}
-              empty={w("choose")}
+              empty={w("button.choose")}
             />
           )}
           {kind === "xpath" && (
             <input
               class="field code"
-              aria-label={w("xpath")}
-              placeholder={w("queryPlaceholder")}
+              aria-label={w("label.xpath")}
+              placeholder={w("label.queryPlaceholder")}
               value={texts.xpath}
               onInput={(event) => setTexts({ ...texts, xpath: event.currentTarget.value })}
             />
@@ -140,10 +142,10 @@ export function Many({
           <Trouble error={error ?? (chosen ? count.error : null)} />
           <p class="row">
             <span class="grow dim" role="status">
-              {chosen && total !== null ? w("clips", { n: total }) : w("applyHelp")}
+              {chosen && total !== null ? w("label.clips", { n: total }) : w("help.applyHelp")}
             </span>
             <button type="submit" class="button primary" disabled={!chosen || total === 0 || Boolean(count.error)}>
-              {w("applyNow")}
+              {w("button.applyNow")}
             </button>
           </p>
         </form>
@@ -153,19 +155,19 @@ export function Many({
           <div class="row many-progress">
             <span role="status">
               {running
-                ? w("manyRunning", { done: rows.length, n: total ?? 0 })
-                : w(state === "stopped" ? "manyStopped" : "manyDone", { n: made.length })}
-              {failed > 0 && ` ${w("manyFailed", { n: failed })}`}
+                ? w("label.manyRunning", { done: rows.length, n: total ?? 0 })
+                : w(state === "stopped" ? "help.manyStopped" : "help.manyDone", { n: made.length })}
+              {failed > 0 && ` ${w("help.manyFailed", { n: failed })}`}
             </span>
             <progress
               class="grow"
               value={running ? rows.length : 1}
               max={running ? Math.max(1, total ?? 1) : 1}
-              aria-label={w("retargeting")}
+              aria-label={w("label.retargeting")}
             />
             {running ? (
               <button type="button" class="button" onClick={() => stop.current?.abort()}>
-                {w("cancel")}
+                {w("button.cancel")}
               </button>
             ) : (
               <>
@@ -179,11 +181,11 @@ export function Many({
                       setState("choosing");
                     }}
                   >
-                    {w("undo")}
+                    {w("button.undo")}
                   </button>
                 )}
                 <button type="button" class="button" onClick={() => setState("choosing")}>
-                  {w("chooseAgain")}
+                  {w("button.chooseAgain")}
                 </button>
               </>
             )}
@@ -217,7 +219,7 @@ function Choice({
 }) {
   return (
     <select class="field" aria-label={label} value={value} onChange={(event) => onChange(event.currentTarget.value)}>
-      <option value="">{options.length ? w("choose") : empty}</option>
+      <option value="">{options.length ? w("button.choose") : empty}</option>
       {options.map((one) => (
         <option key={one} value={one}>
           {one}
@@ -237,18 +239,20 @@ function Result({ row }: { row: Row }) {
           <Icon name={problem ? "warn" : "check"} />
         </span>
         <span class="cut grow">{row.name}</span>
-        {row.made && <span class={worst > LARGE ? "guess" : "dim"}>{w("manyWorst", { value: number(worst, 1) })}</span>}
+        {row.made && (
+          <span class={worst > LARGE ? "guess" : "dim"}>{w("label.manyWorst", { value: number(worst, 1) })}</span>
+        )}
         {row.made?.document && (
           <a
             class="button dense"
             href={`/clips/${row.made.document}${row.made.worst_frame ? `?f=${row.made.worst_frame}` : ""}`}
           >
-            {w("open")}
+            {w("button.open")}
           </a>
         )}
         {problem && (
           <a class="button quiet dense" href={`/clips/${row.source}`}>
-            {w("open")}
+            {w("button.open")}
           </a>
         )}
       </div>

@@ -44,9 +44,9 @@ export function MappingTable({
       <table>
         <thead>
           <tr>
-            <th>{w("targetClip")}</th>
-            <th>{w("sourceClip")}</th>
-            <th class="n">{w("confidenceWord")}</th>
+            <th>{w("label.targetClip")}</th>
+            <th>{w("label.sourceClip")}</th>
+            <th class="n">{w("label.confidenceWord")}</th>
           </tr>
         </thead>
         <tbody>
@@ -69,7 +69,7 @@ export function MappingTable({
                   value={row.from}
                   onChange={(event) => set(row.bone, event.currentTarget.value)}
                 >
-                  <option value="">{w("notMapped")}</option>
+                  <option value="">{w("label.notMapped")}</option>
                   {source.view.bones.map((one) => (
                     <option key={one.name} value={one.name}>
                       {one.name}

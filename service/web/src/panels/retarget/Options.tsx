@@ -35,11 +35,11 @@ export function Options({
   return (
     <details class="options" open={changed || undefined}>
       <summary>
-        <h2>{w("options")}</h2>{" "}
-        <span class="dim">{w("scaleOf", { value: fitted === undefined ? "–" : number(fitted, 3) })}</span>
+        <h2>{w("label.options")}</h2>{" "}
+        <span class="dim">{w("label.scaleOf", { value: fitted === undefined ? "–" : number(fitted, 3) })}</span>
       </summary>
-      {check("clean_feet", "cleanFeet", "cleanFeetHelp")}
-      {check("match_rest", "matchRest", "matchRestHelp")}
+      {check("clean_feet", "label.cleanFeet", "help.cleanFeetHelp")}
+      {check("match_rest", "label.matchRest", "help.matchRestHelp")}
       <div class="option">
         <input
           type="checkbox"
@@ -51,16 +51,16 @@ export function Options({
           }
         />
         <span>
-          <label for="own-scale">{w("ownScale")}</label>
+          <label for="own-scale">{w("label.ownScale")}</label>
           {choices.scale !== null && (
             <NumberField
-              label={w("ownScale")}
+              label={w("label.ownScale")}
               least={0.0001}
               value={choices.scale}
               onChange={(scale) => scale !== null && scale > 0 && onChange({ ...choices, scale })}
             />
           )}
-          <span class="dim block">{w("ownScaleHelp")}</span>
+          <span class="dim block">{w("help.ownScaleHelp")}</span>
         </span>
       </div>
     </details>

@@ -14,29 +14,29 @@ export function Report({
 }) {
   const worst = [...fit.bones].sort((a, b) => b.largest - a.largest).slice(0, WORST);
   const frame = (at: number) => (
-    <button type="button" class="link" aria-label={w("goToFrame", { n: at })} onClick={() => onFrame(at)}>
+    <button type="button" class="link" aria-label={w("button.goToFrame", { n: at })} onClick={() => onFrame(at)}>
       {number(at)}
     </button>
   );
   return (
     <details class="report" open>
       <summary>
-        <h2>{w("report")}</h2>
+        <h2>{w("label.report")}</h2>
       </summary>
       {fit.worst_frame && (
         <p>
           <button type="button" class="link" onClick={() => onFrame(fit.worst_frame!)}>
-            {w("worstFrame", { n: fit.worst_frame })}
+            {w("label.worstFrame", { n: fit.worst_frame })}
           </button>
         </p>
       )}
       <table>
         <thead>
           <tr>
-            <th>{w("bone")}</th>
-            <th class="n">{w("mean")}</th>
-            <th class="n">{w("largest")}</th>
-            <th class="n">{w("atFrame")}</th>
+            <th>{w("label.bone")}</th>
+            <th class="n">{w("label.mean")}</th>
+            <th class="n">{w("label.largest")}</th>
+            <th class="n">{w("label.atFrame")}</th>
           </tr>
         </thead>
         <tbody>
@@ -54,19 +54,21 @@ export function Report({
       </table>
       {fit.feet.map(({ contacts = [], ...one }) => (
         <p key={one.foot}>
-          {w("footSlides", { foot: one.foot, before: number(one.before, 1), after: number(one.after, 1) })}{" "}
+          {w("label.footSlides", { foot: one.foot, before: number(one.before, 1), after: number(one.after, 1) })}{" "}
           {contacts.slice(0, CONTACTS).map((span) => (
             <button
               key={span.first}
               type="button"
               class="chip contact"
-              aria-label={w("contactOf", { foot: one.foot, first: span.first, last: span.last })}
+              aria-label={w("label.contactOf", { foot: one.foot, first: span.first, last: span.last })}
               onClick={() => onFrame(span.first, span.last)}
             >
               {number(span.first)}–{number(span.last)}
             </button>
           ))}
-          {contacts.length > CONTACTS && <span class="dim"> {w("andMore", { n: contacts.length - CONTACTS })}</span>}
+          {contacts.length > CONTACTS && (
+            <span class="dim"> {w("label.andMore", { n: contacts.length - CONTACTS })}</span>
+          )}
         </p>
       ))}
       {fit.notices.map((one) => (

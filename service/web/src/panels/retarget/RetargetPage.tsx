@@ -34,16 +34,16 @@ export function RetargetPage() {
   const target = useAsync(async () => (to ? motionOf(to) : null), [to]);
   return (
     <div class="retarget">
-      <h1 class="unseen">{w("retarget")}</h1>
+      <h1 class="unseen">{w("label.retarget")}</h1>
       <div class="retarget-choose row wrap">
         <ClipChooser
-          label={w("sourceClip")}
+          label={w("label.sourceClip")}
           chosen={source.value?.name}
           onChoose={(id) => setParams({ from: id }, true)}
         />
         <Icon name="right" />
         <ClipChooser
-          label={w("targetClip")}
+          label={w("label.targetClip")}
           chosen={target.value?.name}
           onChoose={(id) => setParams({ to: id }, true)}
         />
@@ -55,8 +55,8 @@ export function RetargetPage() {
         !source.error && !target.error && <div class="busy" />
       ) : (
         <div class="empty">
-          <h2>{w("retargetEmpty")}</h2>
-          <p>{w("retargetHelp")}</p>
+          <h2>{w("button.retargetEmpty")}</h2>
+          <p>{w("help.retargetHelp")}</p>
         </div>
       )}
     </div>
@@ -158,7 +158,7 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
         path: { id: source.id },
         body: { ...request, name: `${source.name} on ${target.name}` } as Schemas["RetargetRequest"],
       });
-      note(w("retargeted", { name: `${source.name} on ${target.name}` }));
+      note(w("label.retargeted", { name: `${source.name} on ${target.name}` }));
       go(`/clips/${made.document}`);
     } catch (error) {
       refuse(error);
@@ -168,7 +168,7 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
   };
   const keep = async (name: string) => {
     await ask("put", "/mappings/{name}", { path: { name }, body: { pairs: shown } });
-    note(w("savedAs", { name }));
+    note(w("label.savedAs", { name }));
     mappings.again();
   };
   const choose = (next: Choices) => {
@@ -206,7 +206,7 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
           <button
             type="button"
             class="button quiet icon play"
-            aria-label={w(player.playing.value ? "pause" : "play")}
+            aria-label={w(player.playing.value ? "button.pause" : "button.play")}
             onClick={() => {
               player.loop.value = null;
               player.toggle();
@@ -217,14 +217,14 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
           <Scrubber player={player} />
         </div>
       </section>
-      <aside class="retarget-map" aria-label={w("mapping")}>
+      <aside class="retarget-map" aria-label={w("label.mapping")}>
         <div class="row wrap map-tools">
-          <strong>{w("mappedOf", { n: shown.length, total: target.skeleton.view.bones.length })}</strong>
+          <strong>{w("label.mappedOf", { n: shown.length, total: target.skeleton.view.bones.length })}</strong>
           <span class="grow" />
           <button
             type="button"
             class="button quiet icon dense"
-            aria-label={w("undo")}
+            aria-label={w("button.undo")}
             disabled={!before.value.length}
             onClick={() => {
               pairs.value = before.peek().at(-1) ?? null;
@@ -234,11 +234,11 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
             <Icon name="undo" />
           </button>
           <Menu
-            label={w("mapping")}
+            label={w("label.mapping")}
             className="button dense"
             side="right"
             items={[
-              { text: w("mappingName"), icon: "plus", run: () => setNaming(true) },
+              { text: w("button.mappingName"), icon: "plus", run: () => setNaming(true) },
               ...(mappings.value?.items ?? []).map((one) => ({
                 text: one.name,
                 detail: one.project,
@@ -246,7 +246,7 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
               })),
             ]}
           >
-            {w("mapping")}
+            {w("label.mapping")}
             <Icon name="down" />
           </Menu>
         </div>
@@ -264,22 +264,22 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
         {fit.value && <Report fit={fit.value} onFrame={goTo} />}
         <div class="row wrap map-tools">
           <button type="button" class="button" disabled={!fit.value} onClick={() => setMany(true)}>
-            {w("applyToMany")}
+            {w("button.applyToMany")}
           </button>
           <span class="grow" />
           <button type="button" class="button primary" disabled={!fit.value || saving} onClick={() => void save()}>
-            {saving ? w("retargeting") : w("retargetNow")}
+            {saving ? w("label.retargeting") : w("button.retargetNow")}
           </button>
         </div>
       </aside>
       {naming && (
         <AskName
-          title={w("mappingName")}
+          title={w("button.mappingName")}
           initial={`${source.name} to ${target.name}`}
           onName={keep}
           onClose={() => setNaming(false)}
         >
-          <p class="dim">{w("mappedOf", { n: shown.length, total: target.skeleton.view.bones.length })}</p>
+          <p class="dim">{w("label.mappedOf", { n: shown.length, total: target.skeleton.view.bones.length })}</p>
         </AskName>
       )}
       {many && <Many body={target} request={request} onClose={() => setMany(false)} />}

@@ -13,7 +13,11 @@ import { day, ROLE_WORDS, Secret, Table } from "./tables";
 
 const ROLES = ["member", "reader", "editor", "owner"] as const;
 const SCOPES = ["read", "edit", "operate"] as const;
-const SCOPE_WORDS: Record<string, Word> = { read: "scopeRead", edit: "scopeEdit", operate: "scopeOperate" };
+const SCOPE_WORDS: Record<string, Word> = {
+  read: "label.scopeRead",
+  edit: "label.scopeEdit",
+  operate: "label.scopeOperate",
+};
 
 export function Account() {
   const me = useAsync(askOwned, []);
@@ -22,12 +26,14 @@ export function Account() {
   const leave = () => void ask("delete", "/session").then(() => location.assign("/login"), refuse);
   return (
     <>
-      <h2>{w("account")}</h2>
+      <h2>{w("label.account")}</h2>
       <p class="row wrap">
-        <span>{role ? w("signedIn", { name, role: w(entryOf(ROLE_WORDS, role)) }) : w("noAccount", { name })}</span>
+        <span>
+          {role ? w("help.signedIn", { name, role: w(entryOf(ROLE_WORDS, role)) }) : w("help.noAccount", { name })}
+        </span>
         {role && (
           <button type="button" class="button" onClick={leave}>
-            {w("signOut")}
+            {w("button.signOut")}
           </button>
         )}
       </p>
@@ -55,10 +61,10 @@ function Password() {
   };
   return (
     <details class="account-part">
-      <summary>{w("changePassword")}</summary>
+      <summary>{w("label.changePassword")}</summary>
       <form class="row wrap" onSubmit={(event) => void change(event)}>
         <label>
-          {w("currentPassword")}{" "}
+          {w("label.currentPassword")}{" "}
           <input
             class="field"
             type="password"
@@ -69,7 +75,7 @@ function Password() {
           />
         </label>
         <label>
-          {w("newPassword")}{" "}
+          {w("label.newPassword")}{" "}
           <input
             class="field"
             type="password"
@@ -81,8 +87,8 @@ function Password() {
             onInput={(event) => setGiven({ ...given, next: event.currentTarget.value })}
           />
         </label>
-        <button class="button primary">{w("change")}</button>
-        <span class="dim">{w("passwordHelp")}</span>
+        <button class="button primary">{w("button.change")}</button>
+        <span class="dim">{w("help.passwordHelp")}</span>
       </form>
     </details>
   );
@@ -104,11 +110,11 @@ function Tokens({ scopes, owned }: { scopes: (typeof SCOPES)[number][]; owned: b
   const end = (name: string) => void ask("delete", "/tokens/{name}", { path: { name } }).then(tokens.again, refuse);
   return (
     <section>
-      <h3>{w("tokens")}</h3>
-      <p class="dim">{w("tokensHelp")}</p>
-      {made && <Secret text={made.token} label={w("tokenMade", { name: made.name })} />}
+      <h3>{w("label.tokens")}</h3>
+      <p class="dim">{w("help.tokensHelp")}</p>
+      {made && <Secret text={made.token} label={w("help.tokenMade", { name: made.name })} />}
       <Table
-        head={[w("name"), w("mayDo"), w("expires"), w("lastUsed"), ""]}
+        head={[w("label.name"), w("label.mayDo"), w("label.expires"), w("label.lastUsed"), ""]}
         rows={(tokens.value?.items ?? []).map((one) => [
           <span key="n">
             {one.name}{" "}
@@ -120,17 +126,17 @@ function Tokens({ scopes, owned }: { scopes: (typeof SCOPES)[number][]; owned: b
             {w(entryOf(SCOPE_WORDS, one.scope))}
             {one.projects?.length ? <span class="dim"> · {one.projects.join(", ")}</span> : null}
           </span>,
-          one.expires ? day(one.expires) : w("never"),
-          one.used ? when(one.used) : w("never"),
+          one.expires ? day(one.expires) : w("label.never"),
+          one.used ? when(one.used) : w("label.never"),
           <button key="b" type="button" class="button dense" onClick={() => end(one.name)}>
-            {w("revoke")}
+            {w("button.revoke")}
           </button>,
         ])}
       />
       <p class="row wrap">
         <select
           class="field"
-          aria-label={w("mayDo")}
+          aria-label={w("label.mayDo")}
           value={scope}
           onChange={(event) => setScope(event.currentTarget.value as typeof scope)}
         >
@@ -142,20 +148,20 @@ function Tokens({ scopes, owned }: { scopes: (typeof SCOPES)[number][]; owned: b
         </select>
         <select
           class="field"
-          aria-label={w("project")}
+          aria-label={w("label.project")}
           value={project}
           onChange={(event) => setProject(event.currentTarget.value)}
         >
-          <option value="">{w("allProjects")}</option>
+          <option value="">{w("label.allProjects")}</option>
           {(all.value?.items ?? []).map((one) => (
             <option key={one}>{one}</option>
           ))}
         </select>
         <button type="button" class="button" onClick={() => setAsked(true)}>
-          {w("makeToken")}
+          {w("button.makeToken")}
         </button>
       </p>
-      {asked && <AskName title={w("makeToken")} onName={add} onClose={() => setAsked(false)} />}
+      {asked && <AskName title={w("button.makeToken")} onName={add} onClose={() => setAsked(false)} />}
     </section>
   );
 }
@@ -168,7 +174,7 @@ function People({ me }: { me: string }) {
   const change = async (name: string, body: Schemas["AccountChange"]) => {
     try {
       await ask("patch", "/accounts/{name}", { path: { name }, body });
-      note(w("accountChanged", { name }));
+      note(w("label.accountChanged", { name }));
     } catch (error) {
       refuse(error);
     }
@@ -201,16 +207,16 @@ function People({ me }: { me: string }) {
   );
   return (
     <section>
-      <h3>{w("people")}</h3>
+      <h3>{w("label.people")}</h3>
       <Trouble error={people.error} retry={people.again} />
       <Table
-        head={[w("name"), w("role"), w("since"), ""]}
+        head={[w("label.name"), w("label.role"), w("label.since"), ""]}
         rows={(people.value?.items ?? []).map((one) => [
           <span key="n" class={one.closed ? "dim" : ""}>
             {one.name}
-            {one.closed && ` · ${w("accountClosed")}`}
+            {one.closed && ` · ${w("label.accountClosed")}`}
           </span>,
-          roles(w("roleOf", { name: one.name }), one.role, (next) => void change(one.name, { role: next })),
+          roles(w("label.roleOf", { name: one.name }), one.role, (next) => void change(one.name, { role: next })),
           when(one.created),
           one.name === me ? (
             ""
@@ -221,28 +227,28 @@ function People({ me }: { me: string }) {
               class="button dense"
               onClick={() => void change(one.name, { closed: !one.closed })}
             >
-              {w(one.closed ? "reopenAccount" : "closeAccount")}
+              {w(one.closed ? "button.reopenAccount" : "button.closeAccount")}
             </button>
           ),
         ])}
       />
       <p class="row wrap">
-        {roles(w("role"), role, setRole)}
+        {roles(w("label.role"), role, setRole)}
         <button type="button" class="button" onClick={() => void invite()}>
-          {w("invite")}
+          {w("button.invite")}
         </button>
-        <span class="dim">{w("inviteHelp")}</span>
+        <span class="dim">{w("help.inviteHelp")}</span>
       </p>
-      {link && <Secret text={link} label={w("invitationMade")} />}
+      {link && <Secret text={link} label={w("help.invitationMade")} />}
       {(open.value?.items ?? []).length > 0 && (
         <Table
-          head={[w("invitations"), w("role"), w("expires"), ""]}
+          head={[w("button.invitations"), w("label.role"), w("label.expires"), ""]}
           rows={(open.value?.items ?? []).map((one) => [
-            w("invitedBy", { name: one.author }),
+            w("label.invitedBy", { name: one.author }),
             one.project ? `${one.project}: ${w(entryOf(ROLE_WORDS, one.role))}` : w(entryOf(ROLE_WORDS, one.role)),
             day(one.expires),
             <button key="b" type="button" class="button dense" onClick={() => takeBack(one.number)}>
-              {w("revoke")}
+              {w("button.revoke")}
             </button>,
           ])}
         />

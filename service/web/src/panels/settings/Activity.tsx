@@ -112,8 +112,8 @@ export function Activity() {
           class="field"
           list="activity-people"
           key={param("author")}
-          aria-label={s("person")}
-          placeholder={s("anybody")}
+          aria-label={s("label.person")}
+          placeholder={s("label.anybody")}
           defaultValue={param("author")}
           onChange={(event) => set("author", event.currentTarget.value.trim())}
         />
@@ -124,55 +124,55 @@ export function Activity() {
         </datalist>
         <select
           class="field"
-          aria-label={s("kind")}
+          aria-label={s("label.kind")}
           value={param("kind")}
           onChange={(event) => set("kind", event.currentTarget.value)}
         >
-          <option value="">{s("anyKind")}</option>
+          <option value="">{s("label.anyKind")}</option>
           {KINDS.map((one) => (
             <option key={one} value={one}>
-              {s(`kind_${one}`)}
+              {s(`label.kind_${one}`)}
             </option>
           ))}
         </select>
         <select
           class="field"
-          aria-label={w("project")}
+          aria-label={w("label.project")}
           value={param("project")}
           onChange={(event) => set("project", event.currentTarget.value)}
         >
-          <option value="">{w("allProjects")}</option>
+          <option value="">{w("label.allProjects")}</option>
           {projects.value?.items.map((one) => (
             <option key={one}>{one}</option>
           ))}
         </select>
         <select
           class="field"
-          aria-label={s("span")}
+          aria-label={s("label.span")}
           value={param("days")}
           onChange={(event) => set("days", event.currentTarget.value)}
         >
-          <option value="">{s("anyTime")}</option>
+          <option value="">{s("label.anyTime")}</option>
           {SPANS.map((one) => (
             <option key={one} value={one}>
-              {s("lastDays", { n: one })}
+              {s("label.lastDays", { n: one })}
             </option>
           ))}
         </select>
         {param("document") && (
           <button type="button" class="chip" onClick={() => set("document", "")}>
-            {s("oneClip")}
+            {s("label.oneClip")}
             <Icon name="close" />
           </button>
         )}
       </p>
       <Trouble error={error} retry={() => void page(cursor && items ? cursor : null)} />
-      {items?.length === 0 && <p class="dim">{s(filtered ? "nothingSo" : "nothingDone")}</p>}
+      {items?.length === 0 && <p class="dim">{s(filtered ? "help.nothingSo" : "help.nothingDone")}</p>}
       {items && <Days items={items} />}
       {cursor && (
         <p>
           <button type="button" class="button" disabled={busy} onClick={() => void page(cursor)}>
-            {w("more")}
+            {w("label.more")}
           </button>
         </p>
       )}
@@ -201,14 +201,14 @@ function Days({ items }: { items: Event[] }) {
 
 function Row({ event }: { event: Event }) {
   const at = new Date(event.time);
-  const word = `did_${event.kind}_${event.what}`;
-  const did = word in s.en ? s(word as keyof typeof s.en) : `${s(`kind_${event.kind}`)}: ${event.what}`;
+  const word = `label.did_${event.kind}_${event.what}`;
+  const did = word in s.en ? s(word as keyof typeof s.en) : `${s(`label.kind_${event.kind}`)}: ${event.what}`;
   return (
     <li>
       <time class="dim" dateTime={event.time} title={at.toLocaleString(language.value)}>
         {at.toLocaleTimeString(language.value, { hour: "2-digit", minute: "2-digit", hourCycle: "h23" })}
       </time>
-      <span class="cut" title={event.origin ? s("from", { origin: event.origin }) : undefined}>
+      <span class="cut" title={event.origin ? s("label.from", { origin: event.origin }) : undefined}>
         {event.author}
       </span>
       {/* Korean says what it was done to first. */}
@@ -232,13 +232,13 @@ function Row({ event }: { event: Event }) {
 function About({ event }: { event: Event }) {
   const { document: id, name, revision, kind, what, subject } = event;
   if (!id) return <>{kind === "project" ? (event.project ?? subject) : subject}</>;
-  if (!name || what === "purge") return <span class="dim">{s("goneClip")}</span>;
+  if (!name || what === "purge") return <span class="dim">{s("label.goneClip")}</span>;
   if (kind === "document" && what === "delete") return <>{name}</>;
   const view = kind === "comment" ? "?tab=comments" : revision ? `?rev=${revision}` : "";
   return (
     <>
       <a href={`/clips/${id}${view}`}>{name}</a>
-      {revision !== null && kind === "document" && <span class="dim"> {w("revision", { n: revision })}</span>}
+      {revision !== null && kind === "document" && <span class="dim"> {w("label.revision", { n: revision })}</span>}
     </>
   );
 }

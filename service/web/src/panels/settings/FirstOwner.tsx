@@ -23,13 +23,13 @@ export function FirstOwner() {
     }
   };
   return (
-    <section aria-label={s("ownerFirst")}>
-      <h3>{s("ownerFirst")}</h3>
-      <p class="dim">{s("ownerFirstHelp")}</p>
+    <section aria-label={s("button.ownerFirst")}>
+      <h3>{s("button.ownerFirst")}</h3>
+      <p class="dim">{s("help.ownerFirstHelp")}</p>
       <Trouble error={failed} />
       <form class="row wrap" onSubmit={(event) => void make(event)}>
         <label>
-          {w("name")}{" "}
+          {w("label.name")}{" "}
           <input
             class="field"
             autocomplete="username"
@@ -40,7 +40,7 @@ export function FirstOwner() {
           />
         </label>
         <label>
-          {s("newPassword")}{" "}
+          {s("label.newPassword")}{" "}
           <input
             class="field"
             type="password"
@@ -53,7 +53,7 @@ export function FirstOwner() {
           />
         </label>
         <button class="button primary" disabled={busy}>
-          {s("createAccount")}
+          {s("button.createAccount")}
         </button>
       </form>
     </section>

@@ -23,7 +23,7 @@ export function ImportProject({ onDone }: { onDone: (project: string) => void })
   const take = (files: File[]) => {
     if (!files[0] || going.current) return;
     if (files.length > 1 || !/\.zip$/i.test(files[0].name)) {
-      note(s("oneFile"), { bad: true });
+      note(s("help.oneFile"), { bad: true });
       return;
     }
     setFile(files[0]);
@@ -32,7 +32,7 @@ export function ImportProject({ onDone }: { onDone: (project: string) => void })
     setMade(null);
   };
   useEffect(() => {
-    dropHere.value = { title: s("dropProject"), help: s("dropProjectHelp"), take };
+    dropHere.value = { title: s("label.dropProject"), help: s("help.dropProjectHelp"), take };
     return () => void (dropHere.value = null);
   }, []);
   // Who leaves the page hears nothing of it any more: what is not sent yet is not sent.
@@ -58,14 +58,14 @@ export function ImportProject({ onDone }: { onDone: (project: string) => void })
   };
   return (
     <section>
-      <h3>{s("importTitle")}</h3>
-      <p class="dim">{s("importHelp")}</p>
+      <h3>{s("button.importTitle")}</h3>
+      <p class="dim">{s("help.importHelp")}</p>
       <input
         ref={input}
         type="file"
         hidden
         accept=".zip"
-        aria-label={s("chooseFile")}
+        aria-label={s("button.chooseFile")}
         onChange={(event) => {
           take([...(event.currentTarget.files ?? [])]);
           event.currentTarget.value = "";
@@ -74,8 +74,8 @@ export function ImportProject({ onDone }: { onDone: (project: string) => void })
       {made && (
         <p class="row wrap import-made" role="status">
           <Icon name="check" />
-          <span>{s("imported", { name: made.project, n: made.documents })}</span>
-          <a href={`/library?project=${encodeURIComponent(made.project)}`}>{s("openClips")}</a>
+          <span>{s("label.imported", { name: made.project, n: made.documents })}</span>
+          <a href={`/library?project=${encodeURIComponent(made.project)}`}>{s("button.openClips")}</a>
         </p>
       )}
       {file ? (
@@ -93,8 +93,8 @@ export function ImportProject({ onDone }: { onDone: (project: string) => void })
           <p class="row wrap">
             <input
               class="field grow"
-              aria-label={s("importName")}
-              placeholder={s("importName")}
+              aria-label={s("label.importName")}
+              placeholder={s("label.importName")}
               maxLength={256}
               disabled={sent !== null}
               value={name}
@@ -102,7 +102,7 @@ export function ImportProject({ onDone }: { onDone: (project: string) => void })
             />
             {sent === null && (
               <button type="submit" class="button primary">
-                {s("importIt")}
+                {s("button.importIt")}
               </button>
             )}
             <button
@@ -110,14 +110,21 @@ export function ImportProject({ onDone }: { onDone: (project: string) => void })
               class="button"
               onClick={() => (going.current ? going.current.abort() : setFile(null))}
             >
-              {w("cancel")}
+              {w("button.cancel")}
             </button>
           </p>
           {sent !== null && (
             <p class="row">
-              <progress class="grow" max={1} value={sent === 1 ? undefined : sent} aria-label={s("importTitle")} />
+              <progress
+                class="grow"
+                max={1}
+                value={sent === 1 ? undefined : sent}
+                aria-label={s("button.importTitle")}
+              />
               <span class="dim" role="status">
-                {sent === 1 ? s("importReading") : s("importSending", { share: number(Math.floor(sent * 100)) })}
+                {sent === 1
+                  ? s("label.importReading")
+                  : s("label.importSending", { share: number(Math.floor(sent * 100)) })}
               </span>
             </p>
           )}
@@ -127,7 +134,7 @@ export function ImportProject({ onDone }: { onDone: (project: string) => void })
         <p>
           <button type="button" class="button" onClick={() => input.current?.click()}>
             <Icon name="upload" />
-            {s("chooseFile")}
+            {s("button.chooseFile")}
           </button>
         </p>
       )}

@@ -21,7 +21,7 @@ export function Members({ project, decides }: { project: string; decides: boolea
   const put = async (who: string, role: Role) => {
     try {
       await ask("put", "/members/{name}", { path: { name: who }, query: { project }, body: { role } });
-      note(w("accountChanged", { name: who }));
+      note(w("label.accountChanged", { name: who }));
       setName("");
     } catch (error) {
       refuse(error);
@@ -43,7 +43,7 @@ export function Members({ project, decides }: { project: string; decides: boolea
     decides && !one.everywhere ? (
       <select
         class="field"
-        aria-label={w("roleOf", { name: one.name })}
+        aria-label={w("label.roleOf", { name: one.name })}
         value={one.role}
         onChange={(event) => void put(one.name, event.currentTarget.value as Role)}
       >
@@ -59,22 +59,22 @@ export function Members({ project, decides }: { project: string; decides: boolea
   const items = members.value?.items ?? [];
   return (
     <section>
-      <h3>{w("projectMembers")}</h3>
+      <h3>{w("label.projectMembers")}</h3>
       <Trouble error={members.error} retry={members.again} />
-      {members.value && !items.length && <p class="dim">{w("noMembers")}</p>}
+      {members.value && !items.length && <p class="dim">{w("help.noMembers")}</p>}
       <Table
-        head={[w("name"), w("role"), ""]}
+        head={[w("label.name"), w("label.role"), ""]}
         rows={items.map((one) => [
           one.name,
           role(one),
           one.everywhere ? (
             <span key="e" class="dim">
-              {w("inAllProjects")}
+              {w("label.inAllProjects")}
             </span>
           ) : (
             decides && (
               <button key="b" type="button" class="button dense" onClick={() => remove(one.name)}>
-                {w("removeMember")}
+                {w("button.removeMember")}
               </button>
             )
           ),
@@ -82,16 +82,16 @@ export function Members({ project, decides }: { project: string; decides: boolea
       />
       {decides && !owned && (
         <p class="row wrap">
-          <span class="dim">{s("ownerFirstWhere")}</span>
+          <span class="dim">{s("help.ownerFirstWhere")}</span>
           <a class="button" href="/settings">
-            {s("createAccount")}
+            {s("button.createAccount")}
           </a>
         </p>
       )}
       {decides && owned && (
         <form
           class="row wrap"
-          aria-label={w("projectMembers")}
+          aria-label={w("label.projectMembers")}
           onSubmit={(event) => {
             event.preventDefault();
             if (name.trim()) void put(name.trim(), "editor");
@@ -99,21 +99,21 @@ export function Members({ project, decides }: { project: string; decides: boolea
         >
           <input
             class="field"
-            aria-label={w("accountName")}
-            placeholder={w("accountName")}
+            aria-label={w("label.accountName")}
+            placeholder={w("label.accountName")}
             value={name}
             onInput={(event) => setName(event.currentTarget.value)}
           />
           <button class="button" disabled={!name.trim()}>
-            {w("addMember")}
+            {w("button.addMember")}
           </button>
           <button type="button" class="button" onClick={() => void invite()}>
-            {w("inviteHere")}
+            {w("button.inviteHere")}
           </button>
-          <span class="dim">{w("addMemberHelp")}</span>
+          <span class="dim">{w("help.addMemberHelp")}</span>
         </form>
       )}
-      {link && <Secret text={link} label={w("invitationMade")} />}
+      {link && <Secret text={link} label={w("help.invitationMade")} />}
     </section>
   );
 }
@@ -126,21 +126,21 @@ export function Links({ project }: { project: string }) {
     void ask("delete", "/shares/{number}", { path: { number } }).then(links.again, refuse);
   return (
     <section>
-      <h3>{w("links")}</h3>
-      <p class="dim">{w("linksHelp")}</p>
+      <h3>{w("label.links")}</h3>
+      <p class="dim">{w("help.linksHelp")}</p>
       <Table
-        head={[w("name"), w("since"), w("expires"), ""]}
+        head={[w("label.name"), w("label.since"), w("label.expires"), ""]}
         rows={items.map((one) => [
           <span key="n">
             {one.name}{" "}
             <span class="dim">
-              {w("sharedCount", { n: one.documents.length })} · {one.author}
+              {w("label.sharedCount", { n: one.documents.length })} · {one.author}
             </span>
           </span>,
           when(one.created),
           day(one.expires),
           <button key="b" type="button" class="button dense" onClick={() => end(one.number)}>
-            {w("revoke")}
+            {w("button.revoke")}
           </button>,
         ])}
       />

@@ -32,7 +32,7 @@ export function ProjectPage() {
         {names.length > 0 && (
           <select
             class="field"
-            aria-label={w("project")}
+            aria-label={w("label.project")}
             value={project}
             onChange={(event) => setParams({ project: event.currentTarget.value }, true)}
           >
@@ -44,7 +44,7 @@ export function ProjectPage() {
         {may("edit") && (
           <button type="button" class="button" onClick={() => setNaming(true)}>
             <Icon name="plus" />
-            {s("newProject")}
+            {s("button.newProject")}
           </button>
         )}
       </p>
@@ -60,11 +60,11 @@ export function ProjectPage() {
       )}
       {naming && (
         <AskName
-          title={s("newProject")}
+          title={s("button.newProject")}
           onName={async (name) => go(`/library?project=${encodeURIComponent(name)}`)}
           onClose={() => setNaming(false)}
         >
-          <p class="dim">{s("newProjectHelp")}</p>
+          <p class="dim">{s("help.newProjectHelp")}</p>
         </AskName>
       )}
     </>
@@ -88,8 +88,8 @@ function Chosen({ me, project }: { me: Schemas["Me"]; project: string }) {
         <div class="banner warn settings-banner">
           <Icon name="warn" />
           <div class="grow">
-            <strong>{s("archivedSince", { day: day(one.archived) })}</strong>
-            <p>{s("archivedHelp")}</p>
+            <strong>{s("label.archivedSince", { day: day(one.archived) })}</strong>
+            <p>{s("help.archivedHelp")}</p>
           </div>
         </div>
       )}
@@ -97,50 +97,50 @@ function Chosen({ me, project }: { me: Schemas["Me"]; project: string }) {
       <p class="row wrap project-acts">
         <a class="button" href={`/library?project=${encodeURIComponent(project)}`}>
           <Icon name="library" />
-          {s("openClips")}
+          {s("button.openClips")}
         </a>
         <a class="button" href={`/settings/activity?project=${encodeURIComponent(project)}`}>
           <Icon name="list" />
-          {w("activity")}
+          {w("label.activity")}
         </a>
         {decides ? (
           <a class="button" href={address("/projects/export", {}, { project })} download>
             <Icon name="export" />
-            {s("exportFile")}
+            {s("button.exportFile")}
           </a>
         ) : (
           <>
             <button type="button" class="button" disabled aria-describedby="why-no-export">
               <Icon name="export" />
-              {s("exportFile")}
+              {s("button.exportFile")}
             </button>
             <span id="why-no-export" class="dim">
-              {s("ownersExport")}
+              {s("help.ownersExport")}
             </span>
           </>
         )}
         {one && me.rights.includes("operate") && (
           <button type="button" class="button" onClick={() => setAsked("bounds")}>
-            {s("changeBounds")}
+            {s("button.changeBounds")}
           </button>
         )}
         {one && decides && (
           <button type="button" class="button" onClick={() => setAsked("archive")}>
-            {s(one.archived ? "openAgain" : "archive")}
+            {s(one.archived ? "button.openAgain" : "button.archive")}
           </button>
         )}
       </p>
-      {decides && <p class="dim">{s("exportHelp")}</p>}
+      {decides && <p class="dim">{s("help.exportHelp")}</p>}
       <Vocabulary project={project} edits={one !== undefined && !one.archived && editsIn(me, project)} />
       <Members project={project} decides={decides} />
       {me.rights.includes("edit") && <Links project={project} />}
       {one && asked === "bounds" && (
-        <Bounds project={one} onSave={(body) => change(body, s("boundsChanged"))} onClose={() => setAsked("")} />
+        <Bounds project={one} onSave={(body) => change(body, s("label.boundsChanged"))} onClose={() => setAsked("")} />
       )}
       {one && asked === "archive" && (
         <Archive
           project={one}
-          onDo={(archived) => change({ archived }, s(archived ? "archived" : "opened", { name: project }))}
+          onDo={(archived) => change({ archived }, s(archived ? "label.archived" : "label.opened", { name: project }))}
           onClose={() => setAsked("")}
         />
       )}
@@ -164,16 +164,16 @@ function Amounts({ project }: { project: Project }) {
         )}
         <span>
           {typeof most === "number" ? (
-            s("heldOf", { held: text(held), most: text(most) })
+            s("label.heldOf", { held: text(held), most: text(most) })
           ) : (
             <>
-              {text(held)} <span class="dim">· {s("noBound")}</span>
+              {text(held)} <span class="dim">· {s("label.noBound")}</span>
             </>
           )}
           {typeof most === "number" && held > most && (
             <span class="amount-over">
               <Icon name="warn" />
-              {s("overBound")}
+              {s("label.overBound")}
             </span>
           )}
         </span>
@@ -182,8 +182,8 @@ function Amounts({ project }: { project: Project }) {
   );
   return (
     <dl class="amounts">
-      {row(s("documents"), project.documents, project.most_documents, (value) => number(value))}
-      {row(s("files"), project.bytes, project.most_bytes, size)}
+      {row(s("label.documents"), project.documents, project.most_documents, (value) => number(value))}
+      {row(s("label.files"), project.bytes, project.most_bytes, size)}
     </dl>
   );
 }
@@ -214,10 +214,10 @@ function Bounds({
     }
   };
   return (
-    <Dialog title={s("boundsOf", { name: project.name })} onClose={onClose}>
+    <Dialog title={s("label.boundsOf", { name: project.name })} onClose={onClose}>
       <form class="bounds" onSubmit={(event) => void save(event)}>
-        <p class="dim">{s("boundsHelp")}</p>
-        <label for="most-documents">{s("mostDocuments")}</label>
+        <p class="dim">{s("help.boundsHelp")}</p>
+        <label for="most-documents">{s("label.mostDocuments")}</label>
         <input
           id="most-documents"
           class="field"
@@ -225,11 +225,11 @@ function Bounds({
           min={1}
           step={1}
           autoFocus
-          placeholder={s("noBound")}
+          placeholder={s("label.noBound")}
           value={documents}
           onInput={(event) => setDocuments(event.currentTarget.value)}
         />
-        <label for="most-bytes">{s("mostBytes")}</label>
+        <label for="most-bytes">{s("label.mostBytes")}</label>
         <span class="row">
           <input
             id="most-bytes"
@@ -237,13 +237,13 @@ function Bounds({
             type="number"
             min={0}
             step="any"
-            placeholder={s("noBound")}
+            placeholder={s("label.noBound")}
             value={bytes}
             onInput={(event) => setBytes(event.currentTarget.value)}
           />
           <select
             class="field"
-            aria-label={w("unit")}
+            aria-label={w("label.unit")}
             value={unit}
             onChange={(event) => setUnit(event.currentTarget.value as Unit)}
           >
@@ -257,10 +257,10 @@ function Bounds({
         <p class="row">
           <span class="grow" />
           <button type="button" class="button" onClick={onClose}>
-            {w("cancel")}
+            {w("button.cancel")}
           </button>
           <button type="submit" class="button primary">
-            {w("save")}
+            {w("button.save")}
           </button>
         </p>
       </form>
@@ -280,15 +280,15 @@ function Archive({
   const archive = !project.archived;
   const act = () => void onDo(archive).then(onClose, refuse);
   return (
-    <Dialog title={s(archive ? "archiveIt" : "openIt", { name: project.name })} onClose={onClose}>
-      <p>{s(archive ? "archiveMeans" : "openMeans")}</p>
+    <Dialog title={s(archive ? "help.archiveIt" : "help.openIt", { name: project.name })} onClose={onClose}>
+      <p>{s(archive ? "help.archiveMeans" : "help.openMeans")}</p>
       <p class="row dialog-end">
         <span class="grow" />
         <button type="button" class="button" onClick={onClose}>
-          {w("cancel")}
+          {w("button.cancel")}
         </button>
         <button type="button" class="button primary" autoFocus onClick={act}>
-          {s(archive ? "archive" : "openAgain")}
+          {s(archive ? "button.archive" : "button.openAgain")}
         </button>
       </p>
     </Dialog>

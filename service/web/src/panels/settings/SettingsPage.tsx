@@ -16,10 +16,10 @@ const Activity = lazy(async () => (await import("./Activity")).Activity);
 const Webhooks = lazy(async () => (await import("./Webhooks")).Webhooks);
 
 const PAGES: { id: string; word: Word; right?: string }[] = [
-  { id: "", word: "general" },
-  { id: "projects", word: "projects" },
-  { id: "activity", word: "activity" },
-  { id: "webhooks", word: "webhooks", right: "own" },
+  { id: "", word: "label.general" },
+  { id: "projects", word: "label.projects" },
+  { id: "activity", word: "label.activity" },
+  { id: "webhooks", word: "label.webhooks", right: "own" },
 ];
 
 export function Segments<T extends string | boolean>({
@@ -50,8 +50,8 @@ export function SettingsPage() {
   const open = PAGES.find((one) => one.id === route.value.id)?.id ?? "";
   return (
     <div class="page-pad">
-      <h1>{w("settings")}</h1>
-      <nav class="tabs settings-pages" aria-label={w("settings")}>
+      <h1>{w("label.settings")}</h1>
+      <nav class="tabs settings-pages" aria-label={w("label.settings")}>
         {PAGES.filter((one) => !one.right || one.id === open || me.value?.rights.includes(one.right)).map((one) => (
           <a
             key={one.id}
@@ -88,45 +88,45 @@ export function SettingsPage() {
 function Browser() {
   return (
     <div class="form">
-      <span>{w("theme")}</span>
+      <span>{w("label.theme")}</span>
       <Segments
-        label={w("theme")}
+        label={w("label.theme")}
         value={theme}
         options={[
-          ["dark", w("dark")],
-          ["light", w("light")],
-          ["system", w("system")],
+          ["dark", w("label.dark")],
+          ["light", w("label.light")],
+          ["system", w("label.system")],
         ]}
       />
-      <span>{w("language")}</span>
+      <span>{w("label.language")}</span>
       <Segments
-        label={w("language")}
+        label={w("label.language")}
         value={language}
         options={[
           ["en", "English"],
           ["ko", "한국어"],
         ]}
       />
-      <span>{w("sides")}</span>
+      <span>{w("label.sides")}</span>
       <Segments
-        label={w("sides")}
+        label={w("label.sides")}
         value={swapSides}
         options={[
-          [false, w("sidesUsual")],
-          [true, w("sidesSwapped")],
+          [false, w("label.sidesUsual")],
+          [true, w("label.sidesSwapped")],
         ]}
       />
-      <span>{w("timeAs")}</span>
+      <span>{w("label.timeAs")}</span>
       <Segments
-        label={w("timeAs")}
+        label={w("label.timeAs")}
         value={timeAs}
         options={[
-          ["frame", w("frameNumbers")],
-          ["seconds", w("seconds")],
-          ["timecode", w("timecode")],
+          ["frame", w("label.frameNumbers")],
+          ["seconds", w("label.seconds")],
+          ["timecode", w("label.timecode")],
         ]}
       />
-      <label for="single">{w("singleKeys")}</label>
+      <label for="single">{w("label.singleKeys")}</label>
       <span class="row">
         <input
           id="single"
@@ -134,7 +134,7 @@ function Browser() {
           checked={singleKeys.value}
           onChange={(event) => (singleKeys.value = event.currentTarget.checked)}
         />
-        <span class="dim">{w("singleKeysHelp")}</span>
+        <span class="dim">{w("help.singleKeysHelp")}</span>
       </span>
     </div>
   );

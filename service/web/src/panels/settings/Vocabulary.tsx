@@ -60,11 +60,11 @@ export function Vocabulary({ project, edits }: { project: string; edits: boolean
   );
   return (
     <section>
-      <h3>{s("vocabulary")}</h3>
-      <p class="dim">{s("vocabularyHelp")}</p>
+      <h3>{s("label.vocabulary")}</h3>
+      <p class="dim">{s("help.vocabularyHelp")}</p>
       <Trouble error={found.error} retry={found.again} />
       <Table
-        head={[w("name"), s("meaning"), s("colour"), ""]}
+        head={[w("label.name"), s("label.meaning"), s("label.colour"), ""]}
         rows={items.map((one) => [
           <span key="n" class="row">
             {swatch(one)}
@@ -74,7 +74,7 @@ export function Vocabulary({ project, edits }: { project: string; edits: boolean
             <input
               key={`d ${one.name}`}
               class="field grow"
-              aria-label={s("meaningOf", { name: one.name })}
+              aria-label={s("label.meaningOf", { name: one.name })}
               defaultValue={one.description}
               onChange={(event) => change(one.name, { description: event.currentTarget.value.trim() })}
             />
@@ -85,7 +85,7 @@ export function Vocabulary({ project, edits }: { project: string; edits: boolean
             <select
               key="c"
               class="field"
-              aria-label={s("colourOf", { name: one.name })}
+              aria-label={s("label.colourOf", { name: one.name })}
               value={one.colour ?? ""}
               onChange={(event) =>
                 change(one.name, {
@@ -93,7 +93,7 @@ export function Vocabulary({ project, edits }: { project: string; edits: boolean
                 })
               }
             >
-              <option value="">{s("anyColour")}</option>
+              <option value="">{s("label.anyColour")}</option>
               {COLOURS.map((colour) => (
                 <option key={colour} value={colour}>
                   {number(colour + 1)}
@@ -106,7 +106,7 @@ export function Vocabulary({ project, edits }: { project: string; edits: boolean
               key="r"
               type="button"
               class="button dense"
-              aria-label={s("removeName", { name: one.name })}
+              aria-label={s("button.removeName", { name: one.name })}
               onClick={() => void save((held) => held.filter((other) => other.name !== one.name))}
             >
               <Icon name="close" />
@@ -117,7 +117,7 @@ export function Vocabulary({ project, edits }: { project: string; edits: boolean
       {edits && found.value && (
         <form
           class="row wrap vocabulary-add"
-          aria-label={s("vocabulary")}
+          aria-label={s("label.vocabulary")}
           onSubmit={(event) => {
             event.preventDefault();
             if (name.trim()) void add();
@@ -125,22 +125,22 @@ export function Vocabulary({ project, edits }: { project: string; edits: boolean
         >
           <input
             class="field"
-            aria-label={s("newName")}
-            placeholder={s("newName")}
+            aria-label={s("label.newName")}
+            placeholder={s("label.newName")}
             maxLength={1024}
             value={name}
             onInput={(event) => setName(event.currentTarget.value)}
           />
           <input
             class="field grow"
-            aria-label={s("meaning")}
-            placeholder={s("meaning")}
+            aria-label={s("label.meaning")}
+            placeholder={s("label.meaning")}
             maxLength={4096}
             value={description}
             onInput={(event) => setDescription(event.currentTarget.value)}
           />
           <button class="button" disabled={!name.trim()}>
-            {w("add")}
+            {w("button.add")}
           </button>
         </form>
       )}

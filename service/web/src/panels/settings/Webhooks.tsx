@@ -25,7 +25,7 @@ export function Webhooks() {
   );
   const [made, setMade] = useState<Schemas["WebhookMade"] | null>(null);
   const [ending, setEnding] = useState<Webhook | null>(null);
-  if (me.value && !me.value.rights.includes("own")) return <p class="dim">{s("ownersHooks")}</p>;
+  if (me.value && !me.value.rights.includes("own")) return <p class="dim">{s("help.ownersHooks")}</p>;
   const end = async (one: Webhook) => {
     try {
       await ask("delete", "/webhooks/{number}", { path: { number: one.number } });
@@ -38,10 +38,10 @@ export function Webhooks() {
   };
   return (
     <>
-      <p class="dim hooks-help">{s("hooksHelp")}</p>
+      <p class="dim hooks-help">{s("help.hooksHelp")}</p>
       <Trouble error={me.error ?? hooks.error} retry={me.error ? me.again : hooks.again} />
-      {made && <Secret text={made.secret} label={s("hookMade")} />}
-      {hooks.value?.length === 0 && <p class="dim">{s("noHooks")}</p>}
+      {made && <Secret text={made.secret} label={s("help.hookMade")} />}
+      {hooks.value?.length === 0 && <p class="dim">{s("help.noHooks")}</p>}
       <ul class="hooks">
         {hooks.value?.map((one) => (
           <Hook key={one.number} hook={one} ending={ending === one} onEnd={() => setEnding(one)} />
@@ -57,16 +57,16 @@ export function Webhooks() {
         />
       )}
       {ending && (
-        <Dialog title={s("endHook")} onClose={() => setEnding(null)}>
+        <Dialog title={s("help.endHook")} onClose={() => setEnding(null)}>
           <p class="hook-url">{ending.url}</p>
-          <p>{s("endHookMeans")}</p>
+          <p>{s("help.endHookMeans")}</p>
           <p class="row dialog-end">
             <span class="grow" />
             <button type="button" class="button" onClick={() => setEnding(null)}>
-              {w("cancel")}
+              {w("button.cancel")}
             </button>
             <button type="button" class="button danger" autoFocus onClick={() => void end(ending)}>
-              {w("delete")}
+              {w("button.delete")}
             </button>
           </p>
         </Dialog>
@@ -78,8 +78,8 @@ export function Webhooks() {
 function Hook({ hook, ending, onEnd }: { hook: Webhook; ending: boolean; onEnd: () => void }) {
   const [open, setOpen] = useState(false);
   const about = [
-    hook.project ?? w("allProjects"),
-    hook.kinds.length ? hook.kinds.map((one) => s(`kind_${one}`)).join(", ") : s("anyKind"),
+    hook.project ?? w("label.allProjects"),
+    hook.kinds.length ? hook.kinds.map((one) => s(`label.kind_${one}`)).join(", ") : s("label.anyKind"),
     hook.author,
     when(hook.created),
   ];
@@ -92,15 +92,15 @@ function Hook({ hook, ending, onEnd }: { hook: Webhook; ending: boolean; onEnd: 
           {hook.ended && (
             <div class="hook-ended">
               <Icon name="warn" />
-              {s("hookEnded", { day: day(hook.ended) })}
+              {s("help.hookEnded", { day: day(hook.ended) })}
             </div>
           )}
         </div>
         <button type="button" class="button dense" aria-expanded={open} onClick={() => setOpen(!open)}>
-          {s("sentLog")}
+          {s("label.sentLog")}
         </button>
         <button type="button" class="button dense" onClick={onEnd}>
-          {w("delete")}
+          {w("button.delete")}
         </button>
       </div>
       {/* One that is about to go is not asked for its log any more. */}
@@ -126,7 +126,7 @@ function Log({ number }: { number: number }) {
   const again = async (one: Delivery) => {
     try {
       await ask("post", "/webhooks/{number}/messages/{message}", { path: { number, message: one.number } });
-      note(s("sentAgain"));
+      note(s("label.sentAgain"));
       found.again();
     } catch (error) {
       refuse(error);
@@ -135,7 +135,7 @@ function Log({ number }: { number: number }) {
   return (
     <div class="hook-log">
       <Trouble error={found.error} retry={found.again} />
-      {found.value && !items.length && <p class="dim">{s("nothingSent")}</p>}
+      {found.value && !items.length && <p class="dim">{s("help.nothingSent")}</p>}
       {items.length > 0 && (
         <ol>
           {items.map((one) => (
@@ -146,18 +146,18 @@ function Log({ number }: { number: number }) {
               </time>
               <span class={`hook-state ${one.state}`}>
                 <Icon name={STATES[one.state]} />
-                {s(`state_${one.state}`)}
+                {s(`label.state_${one.state}`)}
               </span>
               <span class="dim grow">
                 {[
-                  one.attempts > 0 && s("attempts", { n: one.attempts }),
+                  one.attempts > 0 && s("label.attempts", { n: one.attempts }),
                   one.problem ?? (one.status ? String(one.status) : ""),
                 ]
                   .filter(Boolean)
                   .join(" · ")}
               </span>
               <button type="button" class="button dense" onClick={() => void again(one)}>
-                {s("sendAgain")}
+                {s("button.sendAgain")}
               </button>
             </li>
           ))}
@@ -166,7 +166,7 @@ function Log({ number }: { number: number }) {
       {found.value?.next_cursor && PAGE * pages < 1000 && (
         <p>
           <button type="button" class="button dense" onClick={() => setPages(pages + 1)}>
-            {w("more")}
+            {w("label.more")}
           </button>
         </p>
       )}
@@ -197,7 +197,7 @@ function AddHook({ me, onMade }: { me: Schemas["Me"]; onMade: (made: Schemas["We
   };
   return (
     <section>
-      <h3>{s("addHook")}</h3>
+      <h3>{s("button.addHook")}</h3>
       <form class="hook-form" onSubmit={(event) => void add(event)}>
         <div class="row wrap">
           <input
@@ -206,28 +206,28 @@ function AddHook({ me, onMade }: { me: Schemas["Me"]; onMade: (made: Schemas["We
             required
             minLength={8}
             maxLength={2000}
-            aria-label={s("hookAddress")}
+            aria-label={s("label.hookAddress")}
             placeholder="https://"
             value={url}
             onInput={(event) => setUrl(event.currentTarget.value)}
           />
           <select
             class="field"
-            aria-label={w("project")}
+            aria-label={w("label.project")}
             value={chosen}
             onChange={(event) => setProject(event.currentTarget.value)}
           >
-            {all && <option value="">{w("allProjects")}</option>}
+            {all && <option value="">{w("label.allProjects")}</option>}
             {own.map((one) => (
               <option key={one}>{one}</option>
             ))}
           </select>
           <button type="submit" class="button" disabled={!url.trim()}>
-            {s("addHook")}
+            {s("button.addHook")}
           </button>
         </div>
         <fieldset>
-          <legend class="dim">{s("hookKinds")}</legend>
+          <legend class="dim">{s("label.hookKinds")}</legend>
           <div class="row wrap">
             {KINDS.filter((one) => one !== "token" || all).map((one) => (
               <label key={one} class="row">
@@ -238,7 +238,7 @@ function AddHook({ me, onMade }: { me: Schemas["Me"]; onMade: (made: Schemas["We
                     setKinds(event.currentTarget.checked ? [...kinds, one] : kinds.filter((each) => each !== one))
                   }
                 />{" "}
-                {s(`kind_${one}`)}
+                {s(`label.kind_${one}`)}
               </label>
             ))}
           </div>

@@ -7,10 +7,10 @@ import { w, type Word } from "../../words";
 export const day = (iso: string): string =>
   new Intl.DateTimeFormat(language.value, { dateStyle: "medium" }).format(new Date(iso));
 export const ROLE_WORDS: Record<string, Word> = {
-  member: "roleMember",
-  reader: "roleReader",
-  editor: "roleEditor",
-  owner: "roleOwner",
+  member: "label.roleMember",
+  reader: "label.roleReader",
+  editor: "label.roleEditor",
+  owner: "label.roleOwner",
 };
 
 export function Table({ head, rows }: { head: string[]; rows: ComponentChildren[][] }) {
@@ -43,8 +43,8 @@ export function Secret({ text, label }: { text: string; label: string }) {
     <p class="row wrap account-secret">
       <span>{label}</span>
       <code>{text}</code>
-      <button type="button" class="button dense" onClick={() => void copyText(text, w("copied"))}>
-        {w("copy")}
+      <button type="button" class="button dense" onClick={() => void copyText(text, w("label.copied"))}>
+        {w("button.copy")}
       </button>
     </p>
   );

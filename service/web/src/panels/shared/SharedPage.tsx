@@ -38,10 +38,10 @@ export function SharedPage({ secret }: { secret: string }) {
       <header class="row wrap">
         <h1 class="cut">{one?.name ?? shared.name}</h1>
         <span class="dim grow">{one && duration(one.frames * (one.seconds_per_frame ?? 0))}</span>
-        <span class="dim">{w("sharedUntil", { day: until })}</span>
+        <span class="dim">{w("label.sharedUntil", { day: until })}</span>
         {one && shared.formats.length > 0 && (
           <Menu
-            label={w("saveAs")}
+            label={w("button.saveAs")}
             side="right"
             items={shared.formats.map((format) => ({
               text: format.toUpperCase(),
@@ -49,7 +49,7 @@ export function SharedPage({ secret }: { secret: string }) {
               download: true,
             }))}
           >
-            {w("saveAs")}
+            {w("button.saveAs")}
             <Icon name="down" />
           </Menu>
         )}
@@ -57,10 +57,10 @@ export function SharedPage({ secret }: { secret: string }) {
       {one ? (
         <Playing key={one.id} id={one.id} revision={one.revision} />
       ) : (
-        <div class="empty dim">{w("sharedGone")}</div>
+        <div class="empty dim">{w("error.sharedGone")}</div>
       )}
       {shared.documents.length > 1 && (
-        <nav class="shared-list row" aria-label={w("sharedClips")}>
+        <nav class="shared-list row" aria-label={w("label.sharedClips")}>
           {shared.documents.map((each, index) => (
             <button
               key={each.id}

@@ -16,12 +16,12 @@ const textOf = (item: Item): string => String(item.value ?? "");
 export function OneValue({ item }: { item: Item }) {
   const text = textOf(item);
   return (
-    <div class="xpath-value" role="region" aria-label={w("value")} tabIndex={0}>
+    <div class="xpath-value" role="region" aria-label={w("label.value")} tabIndex={0}>
       <output class={text.length > LONG || !text ? "long" : ""}>
         {text ? <Shortened text={text} /> : <Nothing />}
       </output>
-      <button type="button" class="button dense" onClick={() => void copyText(text, w("copied"))}>
-        {w("copyValue")}
+      <button type="button" class="button dense" onClick={() => void copyText(text, w("label.copied"))}>
+        {w("button.copyValue")}
       </button>
     </div>
   );
@@ -37,9 +37,9 @@ export function ItemHead({ shape }: { shape: ReturnType<typeof shapeOf> }) {
   return (
     <div class={`run-row run-head of-${shape}`} aria-hidden="true">
       <span class="n">#</span>
-      <span>{w("value")}</span>
-      {shape === "nodes" && <span class="place">{w("addressWord")}</span>}
-      {shape !== "values" && <span>{w("document")}</span>}
+      <span>{w("label.value")}</span>
+      {shape === "nodes" && <span class="place">{w("label.addressWord")}</span>}
+      {shape !== "values" && <span>{w("label.document")}</span>}
     </div>
   );
 }
@@ -69,7 +69,7 @@ export function WholeValue({ item }: { item: Item }) {
   const text = textOf(item);
   if (text.length <= LONG) return null;
   return (
-    <aside class="xpath-whole" aria-label={w("value")} tabIndex={0}>
+    <aside class="xpath-whole" aria-label={w("label.value")} tabIndex={0}>
       <div class="row">
         {item.document !== undefined && (
           <a class="cut" href={`/clips/${item.document}`}>
@@ -77,8 +77,8 @@ export function WholeValue({ item }: { item: Item }) {
           </a>
         )}
         <span class="grow" />
-        <button type="button" class="button dense" onClick={() => void copyText(text, w("copied"))}>
-          {w("copyValue")}
+        <button type="button" class="button dense" onClick={() => void copyText(text, w("label.copied"))}>
+          {w("button.copyValue")}
         </button>
       </div>
       {item.address !== undefined && <p class="dim">{item.address}</p>}
@@ -92,7 +92,7 @@ export function WholeValue({ item }: { item: Item }) {
 const Shortened = ({ text }: { text: string }) => (
   <>{text.length > MOST_SHOWN ? `${text.slice(0, MOST_SHOWN)}…` : text}</>
 );
-const Nothing = () => <span class="dim">{w("emptyText")}</span>;
+const Nothing = () => <span class="dim">{w("label.emptyText")}</span>;
 
 const named = new Map<string, Promise<string>>();
 

@@ -20,7 +20,7 @@ const slug = (q: string, between = "-"): string =>
     .trim()
     .slice(0, 60)
     .trim()
-    .replaceAll(" ", between) || w("untitled");
+    .replaceAll(" ", between) || w("label.untitled");
 
 /** runs: those of the answer; none where it is of another kind. */
 export function AnswerStatus({ answer, runs }: { answer: Answered; runs: Run[] }) {
@@ -35,7 +35,9 @@ export function AnswerStatus({ answer, runs }: { answer: Answered; runs: Run[] }
       const made = await ask("post", "/compose", {
         body: { segments: [{ xpath: q, project: project || null, first: 1 }], name } as Schemas["ComposeRequest"],
       });
-      note(w("composed", { name }), { action: { text: w("open"), run: () => go(`/clips/${made.document}`) } });
+      note(w("label.composed", { name }), {
+        action: { text: w("button.open"), run: () => go(`/clips/${made.document}`) },
+      });
     } catch (problem) {
       refuse(problem);
     } finally {
@@ -46,26 +48,26 @@ export function AnswerStatus({ answer, runs }: { answer: Answered; runs: Run[] }
     <div class="xpath-status row wrap" role="status">
       <span>
         {answer.as === "runs"
-          ? w("resultRuns", {
-              frames: w("frames", { n: totals.frames }),
-              runs: w("runCount", { n: totals.runs }),
+          ? w("label.resultRuns", {
+              frames: w("label.frames", { n: totals.frames }),
+              runs: w("label.runCount", { n: totals.runs }),
               ms: answer.ms,
             })
-          : w(answer.type === "nodes" ? "resultNodes" : "resultValues", {
+          : w(answer.type === "nodes" ? "label.resultNodes" : "label.resultValues", {
               n: answer.total ?? answer.items.length,
               ms: answer.ms,
             })}
       </span>
       {answer.per && (
-        <span class="dim" title={w("perDocumentHelp")}>
-          {w("perDocumentAsked")}
+        <span class="dim" title={w("help.perDocumentHelp")}>
+          {w("label.perDocumentAsked")}
         </span>
       )}
-      {answer.cursor && <span class="dim">{w("firstShown", { n: answer.items.length })}</span>}
+      {answer.cursor && <span class="dim">{w("help.firstShown", { n: answer.items.length })}</span>}
       {!answer.complete && (
         <span class="cut-off">
           <Icon name="warn" />
-          {w("cutOff")}
+          {w("help.cutOff")}
         </span>
       )}
       {answer.warnings.map((one) => (
@@ -77,7 +79,7 @@ export function AnswerStatus({ answer, runs }: { answer: Answered; runs: Run[] }
       <Explain explain={answer.explain} />
       <Copies answer={answer} />
       <Menu
-        label={w("exportAll")}
+        label={w("button.exportAll")}
         className="button quiet dense"
         side="right"
         items={(["xml", "ndjson", "csv"] as const).map((one) => ({
@@ -86,17 +88,17 @@ export function AnswerStatus({ answer, runs }: { answer: Answered; runs: Run[] }
           download: `${slug(q)}.${one}`,
         }))}
       >
-        {w("exportAll")}
+        {w("button.exportAll")}
         <Icon name="down" />
       </Menu>
       {runs.length > 0 && !answer.per && (
         <button type="button" class="button dense" disabled={saving} onClick={() => void saveAsClip()}>
-          {w("saveAsClip")}
+          {w("button.saveAsClip")}
         </button>
       )}
       {runs.length > 0 && (
         <button type="button" class="button dense" onClick={() => go(`/compose?s=${piecesOf(runs)}`)}>
-          {runs.length > PIECES ? w("toComposerFirst", { n: PIECES }) : w("toComposer")}
+          {runs.length > PIECES ? w("button.toComposerFirst", { n: PIECES }) : w("button.toComposer")}
         </button>
       )}
     </div>
@@ -115,15 +117,15 @@ function Copies({ answer }: { answer: Answered }) {
   const { q, project, per } = answer;
   const values = answer.as === "json" && answer.type !== "nodes";
   const question = { q, project, per, form: answer.as, values, token: needsToken() };
-  const copied = question.token ? w("copiedToken") : w("copied");
+  const copied = question.token ? w("help.copiedToken") : w("label.copied");
   const copies = [
-    { text: w("asCurl"), run: () => void copyText(asCurl(question, location.origin), copied) },
-    { text: w("asCommand"), run: () => void copyText(asCommand(question, location.origin), copied) },
-    { text: w("asPython"), run: () => void copyText(asPython(question, location.origin), copied) },
+    { text: w("label.asCurl"), run: () => void copyText(asCurl(question, location.origin), copied) },
+    { text: w("label.asCommand"), run: () => void copyText(asCommand(question, location.origin), copied) },
+    { text: w("label.asPython"), run: () => void copyText(asPython(question, location.origin), copied) },
   ];
   return (
-    <Menu label={w("copy")} className="button quiet dense" side="right" items={copies}>
-      {w("copy")}
+    <Menu label={w("button.copy")} className="button quiet dense" side="right" items={copies}>
+      {w("button.copy")}
       <Icon name="down" />
     </Menu>
   );

@@ -23,8 +23,8 @@ export function AnswerTable({ answer, runs, onEnd }: { answer: Answered; runs: R
   if (!answer.items.length) {
     return (
       <div class="empty">
-        <h2>{w("noAnswer")}</h2>
-        <p>{w("noAnswerHelp")}</p>
+        <h2>{w("label.noAnswer")}</h2>
+        <p>{w("help.noAnswerHelp")}</p>
       </div>
     );
   }
@@ -37,7 +37,7 @@ export function AnswerTable({ answer, runs, onEnd }: { answer: Answered; runs: R
         <VirtualList
           rows={answer.items.length}
           height={28}
-          label={w("results")}
+          label={w("label.results")}
           role="listbox"
           at={picked}
           onSeen={(_, last) => {
@@ -81,10 +81,10 @@ function RunHead() {
   return (
     <div class="run-row run-head" aria-hidden="true">
       <span class="n">#</span>
-      <span>{w("document")}</span>
-      <span class="n">{w("from")}</span>
-      <span class="n">{w("last")}</span>
-      <span class="n">{w("length")}</span>
+      <span>{w("label.document")}</span>
+      <span class="n">{w("label.from")}</span>
+      <span class="n">{w("label.last")}</span>
+      <span class="n">{w("label.length")}</span>
     </div>
   );
 }
@@ -96,7 +96,7 @@ function RunRow({ run, row, ...props }: { run: Run; row: number } & HTMLAttribut
       <span class="cut">{run.name}</span>
       <span class="n">{number(run.first)}</span>
       <span class="n">{number(run.last)}</span>
-      <span class="n dim">{w("frames", { n: run.frames })}</span>
+      <span class="n dim">{w("label.frames", { n: run.frames })}</span>
     </div>
   );
 }

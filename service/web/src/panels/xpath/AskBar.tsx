@@ -29,7 +29,7 @@ export function AskBar({
   return (
     <div class="xpath-bar row wrap">
       <label class="row">
-        <span class="dim">{w("scope")}</span>
+        <span class="dim">{w("label.scope")}</span>
         <select
           class="field"
           value={project}
@@ -38,7 +38,7 @@ export function AskBar({
             onAsk();
           }}
         >
-          <option value="">{w("wholeLibrary")}</option>
+          <option value="">{w("label.wholeLibrary")}</option>
           {(projects.value?.items ?? []).map((one) => (
             <option key={one} value={one}>
               {one}
@@ -50,16 +50,16 @@ export function AskBar({
         type="button"
         class="button"
         aria-pressed={per}
-        title={w("perDocumentHelp")}
-        aria-description={w("perDocumentHelp")}
+        title={w("help.perDocumentHelp")}
+        aria-description={w("help.perDocumentHelp")}
         onClick={() => {
           setParams({ per: per ? null : "document" });
           onAsk();
         }}
       >
-        {w("perDocument")}
+        {w("label.perDocument")}
       </button>
-      <div class="segments" role="group" aria-label={w("answerAs")}>
+      <div class="segments" role="group" aria-label={w("label.answerAs")}>
         <button
           type="button"
           aria-pressed={as === "runs"}
@@ -68,7 +68,7 @@ export function AskBar({
             onAsk();
           }}
         >
-          {w("runs")}
+          {w("label.runs")}
         </button>
         <button
           type="button"
@@ -78,7 +78,7 @@ export function AskBar({
             onAsk();
           }}
         >
-          {w("nodes")}
+          {w("label.nodes")}
         </button>
       </div>
       <button
@@ -87,19 +87,19 @@ export function AskBar({
         aria-pressed={building.value}
         onClick={() => (building.value = !building.value)}
       >
-        {w("builder")}
+        {w("label.builder")}
       </button>
       <span class="grow" />
       <SavedQueries text={text} onChoose={onChoose} />
       <Menu
-        label={w("queryHistory")}
+        label={w("label.queryHistory")}
         className="button quiet"
         side="right"
         items={asked.value
           .slice(0, 20)
           .map((one) => ({ text: one.length > 70 ? `${one.slice(0, 70)}…` : one, run: () => onChoose(one) }))}
       >
-        {w("queryHistory")}
+        {w("label.queryHistory")}
         <Icon name="down" />
       </Menu>
     </div>

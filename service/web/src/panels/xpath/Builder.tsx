@@ -73,9 +73,9 @@ export function Builder({
     return (
       <p class="builder folded row wrap dim">
         <Icon name="check" />
-        {w("builderFolded")}
+        {w("help.builderFolded")}
         <button type="button" class="button dense" onClick={() => onWrite(written)}>
-          {w("builderAgain")}
+          {w("button.builderAgain")}
         </button>
       </p>
     );
@@ -83,34 +83,34 @@ export function Builder({
   return (
     <form
       class="builder"
-      aria-label={w("builder")}
+      aria-label={w("label.builder")}
       onSubmit={(event) => {
         event.preventDefault();
         onRun();
       }}
     >
       <div class="row wrap">
-        <span>{w("framesWhere")}</span>
+        <span>{w("label.framesWhere")}</span>
         {question.rows.length > 1 && (
-          <div class="segments" role="group" aria-label={w("framesWhere")}>
+          <div class="segments" role="group" aria-label={w("label.framesWhere")}>
             <button type="button" aria-pressed={question.all} onClick={() => change({ ...question, all: true })}>
-              {w("everyRow")}
+              {w("label.everyRow")}
             </button>
             <button type="button" aria-pressed={!question.all} onClick={() => change({ ...question, all: false })}>
-              {w("anyRow")}
+              {w("label.anyRow")}
             </button>
           </div>
         )}
       </div>
       <ul>
         {question.rows.map((row, at) => (
-          <li key={at} class="row wrap" role="group" aria-label={w("conditionOf", { n: at + 1 })}>
-            <span class="joined dim">{at ? w(question.all ? "and" : "or") : ""}</span>
+          <li key={at} class="row wrap" role="group" aria-label={w("label.conditionOf", { n: at + 1 })}>
+            <span class="joined dim">{at ? w(question.all ? "label.and" : "label.or") : ""}</span>
             <RowFields row={row} names={names} bones={bones} onChange={(next) => set(at, next)} />
             <button
               type="button"
               class="button quiet icon dense"
-              aria-label={w("removeCondition", { n: at + 1 })}
+              aria-label={w("button.removeCondition", { n: at + 1 })}
               onClick={() => change({ ...question, rows: question.rows.filter((_, index) => index !== at) })}
             >
               <Icon name="close" />
@@ -122,11 +122,11 @@ export function Builder({
         {(["name", "value", "frames"] as const).map((kind) => (
           <button key={kind} type="button" class="button dense" onClick={() => add(kind)}>
             <Icon name="plus" />
-            {w(KINDS[kind])}
+            {w(`label.${KINDS[kind]}`)}
           </button>
         ))}
         <button type="submit" class="unseen" tabIndex={-1}>
-          {w("run")}
+          {w("button.run")}
         </button>
       </div>
     </form>
@@ -157,39 +157,39 @@ function RowFields({
   if (row.kind === "frames") {
     return (
       <>
-        <span>{w("frameNumbersOf")}</span>
-        {amount(w("trimFrom"), row.first, (first) => onChange({ ...row, first }))}
+        <span>{w("label.frameNumbersOf")}</span>
+        {amount(w("label.trimFrom"), row.first, (first) => onChange({ ...row, first }))}
         <span class="dim">–</span>
-        {amount(w("trimTo"), row.last, (last) => onChange({ ...row, last }))}
+        {amount(w("label.trimTo"), row.last, (last) => onChange({ ...row, last }))}
       </>
     );
   }
   if (row.kind === "name") {
     return (
       <>
-        <span>{w("motionName")}</span>
+        <span>{w("label.motionName")}</span>
         <select
           class="field"
-          aria-label={w("comparison")}
+          aria-label={w("label.comparison")}
           value={row.is}
           onChange={(event) => onChange({ ...row, is: event.currentTarget.value as typeof row.is })}
         >
           {(["is", "not", "contains"] as const).map((one) => (
             <option key={one} value={one}>
-              {w(IS[one])}
+              {w(`label.${IS[one]}`)}
             </option>
           ))}
         </select>
         {row.is === "contains" ? (
           <input
             class="field"
-            aria-label={w("motionName")}
+            aria-label={w("label.motionName")}
             value={row.name}
             onInput={(event) => onChange({ ...row, name: event.currentTarget.value })}
           />
         ) : (
           <Select
-            label={w("motionName")}
+            label={w("label.motionName")}
             value={row.name}
             choices={names}
             onChange={(name) => onChange({ ...row, name })}
@@ -200,10 +200,15 @@ function RowFields({
   }
   return (
     <>
-      <Select label={w("bone")} value={row.bone} choices={bones} onChange={(bone) => onChange({ ...row, bone })} />
+      <Select
+        label={w("label.bone")}
+        value={row.bone}
+        choices={bones}
+        onChange={(bone) => onChange({ ...row, bone })}
+      />
       <select
         class="field"
-        aria-label={w("channel")}
+        aria-label={w("label.channel")}
         value={row.channel}
         onChange={(event) => onChange({ ...row, channel: event.currentTarget.value as typeof row.channel })}
       >
@@ -213,7 +218,7 @@ function RowFields({
       </select>
       <select
         class="field"
-        aria-label={w("comparison")}
+        aria-label={w("label.comparison")}
         value={row.than}
         onChange={(event) => onChange({ ...row, than: event.currentTarget.value as typeof row.than })}
       >
@@ -221,7 +226,7 @@ function RowFields({
           <option key={one}>{one}</option>
         ))}
       </select>
-      {amount(w("value"), row.value, (value) => onChange({ ...row, value }))}
+      {amount(w("label.value"), row.value, (value) => onChange({ ...row, value }))}
     </>
   );
 }
@@ -247,7 +252,7 @@ function Select({
     >
       {all.map((one) => (
         <option key={one.text} value={one.text}>
-          {one.count === null ? one.text || "–" : `${one.text} (${w("clips", { n: one.count })})`}
+          {one.count === null ? one.text || "–" : `${one.text} (${w("label.clips", { n: one.count })})`}
         </option>
       ))}
     </select>

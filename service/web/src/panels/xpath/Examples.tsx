@@ -9,19 +9,19 @@ export function Examples({ onChoose }: { onChoose: (query: string) => void }) {
   // The name that most clips have.
   const name = [...inUse.value].sort((a, b) => b.documents - a.documents)[0]?.name ?? "left-arm-abduction";
   const examples: [Word, string][] = [
-    ["exampleName", `//frame[motion_name = ${literal(name)}]`],
-    ["exampleBent", "//frame[frame_bone[@name = 'left_low_arm']/@Rx > 45]"],
-    ["exampleBegin", "//frame[position() <= 30]"],
-    ["exampleNot", `//frame[not(motion_name = ${literal(name)})]`],
-    ["exampleNames", "distinct-values(//motion_name)"],
-    ["exampleCount", "count(//frame)"],
-    ["exampleBones", "//bone[name = 'Head']"],
-    ["exampleClips", "//header[starts-with(@filename, 'walk')]"],
+    ["label.exampleName", `//frame[motion_name = ${literal(name)}]`],
+    ["label.exampleBent", "//frame[frame_bone[@name = 'left_low_arm']/@Rx > 45]"],
+    ["label.exampleBegin", "//frame[position() <= 30]"],
+    ["label.exampleNot", `//frame[not(motion_name = ${literal(name)})]`],
+    ["label.exampleNames", "distinct-values(//motion_name)"],
+    ["label.exampleCount", "count(//frame)"],
+    ["label.exampleBones", "//bone[name = 'Head']"],
+    ["label.exampleClips", "//header[starts-with(@filename, 'walk')]"],
   ];
   return (
     <div class="empty examples-page">
-      <h2>{w("xpathStart")}</h2>
-      <p class="dim">{w("xpathExamples")}</p>
+      <h2>{w("help.xpathStart")}</h2>
+      <p class="dim">{w("label.xpathExamples")}</p>
       <ul class="examples">
         {examples.map(([word, query]) => (
           <li key={word}>

@@ -8,7 +8,7 @@ export function Explain({ explain }: { explain: unknown }) {
   );
   return (
     <details class="explain">
-      <summary class="button quiet dense">{w("explain")}</summary>
+      <summary class="button quiet dense">{w("label.explain")}</summary>
       <dl>
         {rows.map(([name, value]) => (
           <div key={name}>

@@ -13,17 +13,17 @@ export function SavedQueries({ text, onChoose }: { text: string; onChoose: (quer
   const saved = useAsync((signal) => get("/queries", { query: { limit: 100 }, signal }), []);
   const save = async (name: string) => {
     await ask("put", "/queries/{name}", { path: { name }, body: { q: text, description: "" } });
-    note(w("savedAs", { name }));
+    note(w("label.savedAs", { name }));
     saved.again();
   };
   return (
     <>
       <Menu
-        label={w("savedQueries")}
+        label={w("label.savedQueries")}
         className="button quiet"
         side="right"
         items={[
-          { text: w("saveQuery"), icon: "plus", disabled: !text.trim(), run: () => setSaving(true) },
+          { text: w("button.saveQuery"), icon: "plus", disabled: !text.trim(), run: () => setSaving(true) },
           ...(saved.value?.items ?? []).map((one) => ({
             text: one.name,
             detail: one.q.length > 40 ? `${one.q.slice(0, 40)}…` : one.q,
@@ -31,11 +31,11 @@ export function SavedQueries({ text, onChoose }: { text: string; onChoose: (quer
           })),
         ]}
       >
-        {w("savedQueries")}
+        {w("label.savedQueries")}
         <Icon name="down" />
       </Menu>
       {saving && (
-        <AskName title={w("saveQuery")} onName={save} onClose={() => setSaving(false)}>
+        <AskName title={w("button.saveQuery")} onName={save} onClose={() => setSaving(false)}>
           <p>
             <code>{text}</code>
           </p>

@@ -33,7 +33,9 @@ export function XPathPage() {
     editor.current = mountXPath(host.current!, param("q"), setText, () => void runNow.current());
     if (param("q")) void runNow.current(param("q"));
     else editor.current.focus();
-    const keys = offer("xpath", [{ id: "run", word: "run", keys: ["Ctrl+Enter"], run: () => void runNow.current() }]);
+    const keys = offer("xpath", [
+      { id: "run", word: "button.run", keys: ["Ctrl+Enter"], run: () => void runNow.current() },
+    ]);
     return () => {
       keys();
       asking.stop();
@@ -49,7 +51,7 @@ export function XPathPage() {
   const runs = useMemo(() => (answer?.as === "runs" ? (answer.items as Run[]) : []), [answer]);
   return (
     <div class="xpath">
-      <h1 class="unseen">{w("xpath")}</h1>
+      <h1 class="unseen">{w("label.xpath")}</h1>
       <AskBar text={text} onAsk={() => void run()} onChoose={write} />
       {building.value && <Builder project={param("project")} text={text} onWrite={put} onRun={() => void run()} />}
       <div class="xpath-editor">
@@ -61,7 +63,7 @@ export function XPathPage() {
           onClick={() => void run()}
           title="Ctrl+Enter"
         >
-          {w("run")}
+          {w("button.run")}
         </button>
       </div>
       {busy && <div class="busy" />}

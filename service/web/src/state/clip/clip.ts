@@ -129,7 +129,7 @@ export class Clip {
   /** Do something that can be undone. */
   change(next: Draft): void {
     if (this.pinned !== null) {
-      note(w("oldRevision"));
+      note(w("help.oldRevision"));
       return;
     }
     if (drafts.isEmpty(this.draft.peek())) this.base = this.detail.revision;
@@ -159,14 +159,14 @@ export class Clip {
   attempt(make: () => Draft): void {
     const next = drafts.orReplaced(make);
     if (next) this.change(next);
-    else note(w("replacedByText"), { bad: true });
+    else note(w("help.replacedByText"), { bad: true });
   }
 
   /** A change that the repository is asked about first: it says why not, and how it can be. Whether it was made. */
   async tryChange(make: (draft: Draft) => Draft): Promise<boolean> {
     const before = this.draft.peek();
     const next = drafts.orReplaced(() => make(before));
-    if (!next) note(w("replacedByText"), { bad: true });
+    if (!next) note(w("help.replacedByText"), { bad: true });
     if (!next || this.pinned !== null) return false;
     try {
       const base = drafts.isEmpty(before) ? this.detail.revision : this.base;
@@ -198,7 +198,7 @@ export class Clip {
       texts.reduce((draft, { address, text }) => drafts.withElement(draft, { address, attributes: {}, text }), from),
     );
     if (!made) {
-      note(w("replacedByText"), { bad: true });
+      note(w("help.replacedByText"), { bad: true });
       return;
     }
     const next = { ...made, steps: from.steps + 1 };

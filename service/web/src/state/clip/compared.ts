@@ -79,7 +79,7 @@ async function poseOf(clip: Opened, revision: number, signal: AbortSignal): Prom
   const names = (view: Schemas["SkeletonView"]) =>
     JSON.stringify([view.bones.map((bone) => bone.name), view.tips.length]);
   if (names(skeleton.view) !== names(clip.skeleton.view)) {
-    note(w("otherJoints", { n: revision }), { bad: true });
+    note(w("error.otherJoints", { n: revision }), { bad: true });
     return null;
   }
   return {

@@ -20,7 +20,11 @@ export function folderOf(file: File): string {
 
 const unreadable = (file: string, error: unknown): Missed => ({
   file,
-  problem: { title: w("cannotRead"), detail: (error as Error)?.message || String(error), remedy: w("cannotReadHelp") },
+  problem: {
+    title: w("error.cannotRead"),
+    detail: (error as Error)?.message || String(error),
+    remedy: w("error.cannotReadHelp"),
+  },
 });
 
 /** Every item of a drop is in the answer, as a file or as what was missed. */
@@ -49,7 +53,10 @@ export async function filesOf(transfer: Pick<DataTransfer, "items" | "files">): 
         for (const one of some) await walk(one);
       }
       if (!held)
-        found.missed.push({ file: `${path}/`, problem: { title: w("emptyFolder"), remedy: w("emptyFolderHelp") } });
+        found.missed.push({
+          file: `${path}/`,
+          problem: { title: w("label.emptyFolder"), remedy: w("help.emptyFolderHelp") },
+        });
     } catch (error) {
       found.missed.push(unreadable(path, error));
     }
@@ -57,7 +64,7 @@ export async function filesOf(transfer: Pick<DataTransfer, "items" | "files">): 
   for (const { entry, file } of items) {
     if (entry) await walk(entry);
     else if (file) found.files.push(file);
-    else found.missed.push(unreadable(w("droppedItem"), w("noFile")));
+    else found.missed.push(unreadable(w("label.droppedItem"), w("error.noFile")));
   }
   return found;
 }

@@ -104,8 +104,8 @@ export function rowsOf(all: File[], missed: Missed[] = []): Upload[] {
     left > 0
       ? [
           {
-            file: w("filesMore", { n: left }),
-            problem: { title: w("tooMany", { n: MOST_FILES }), remedy: w("tooManyHelp") },
+            file: w("label.filesMore", { n: left }),
+            problem: { title: w("help.tooMany", { n: MOST_FILES }), remedy: w("help.tooManyHelp") },
           },
         ]
       : [];
@@ -126,7 +126,7 @@ export function rowsOf(all: File[], missed: Missed[] = []): Upload[] {
 export function addFiles(all: File[], missed: Missed[] = []): void {
   const added = rowsOf(all, missed);
   if (!added.length) {
-    note(w("noFiles"), { bad: true });
+    note(w("error.noFiles"), { bad: true });
     return;
   }
   uploads.value = [...uploads.peek(), ...added];
@@ -177,7 +177,9 @@ export function outcomes(batch: Upload[], documents: Upload["documents"], proble
     return {
       state: own.length ? "stored" : "refused",
       documents: own,
-      problems: silent ? [{ file: one.name, problem: { title: w("noWord"), remedy: w("noWordHelp") } }] : its,
+      problems: silent
+        ? [{ file: one.name, problem: { title: w("error.noWord"), remedy: w("error.noWordHelp") } }]
+        : its,
     };
   });
 }
@@ -213,7 +215,10 @@ async function askFirst(one: Upload, file: File): Promise<void> {
       return;
     }
     problems = [
-      { file: file.name, problem: error instanceof ApiError ? error.problem : { title: w("offline", { time: "" }) } },
+      {
+        file: file.name,
+        problem: error instanceof ApiError ? error.problem : { title: w("error.offline", { time: "" }) },
+      },
     ];
   }
   change(one.id, problems.length ? { state: "refused", problems } : { state: "queued", asked: true });
@@ -260,7 +265,7 @@ function finished(batch: Upload[], request: XMLHttpRequest): void {
   }
   const isDone = request.status >= 200 && request.status < 300;
   const listed = (answer as { problems?: Upload["problems"] }).problems ?? [];
-  const problem = request.status ? answer : { title: w("offline", { time: "" }) };
+  const problem = request.status ? answer : { title: w("error.offline", { time: "" }) };
   const problems = isDone || listed.length ? listed : batch.map((one) => ({ file: one.name, problem }));
   const became = outcomes(batch, isDone ? (answer.documents ?? []) : [], problems);
   batch.forEach((one, index) => change(one.id, became[index]!));
@@ -309,7 +314,7 @@ export async function undoImport(upload: Upload): Promise<void> {
   }
   uploads.value = uploads.peek().filter((one) => one.id !== upload.id);
   refresh();
-  note(w("deleted", { n: upload.documents.length }));
+  note(w("label.deleted", { n: upload.documents.length }));
 }
 
 /** Write the answer to a guess into documents. */

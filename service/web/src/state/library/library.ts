@@ -181,7 +181,7 @@ export async function removeDocuments(ids: string[]): Promise<void> {
   picked.value = new Set([...picked.peek()].filter((id) => !gone.includes(id)));
   refresh();
   if (gone.length)
-    note(w("deleted", { n: gone.length }), { action: { text: w("undo"), run: () => void restore(gone) } });
+    note(w("label.deleted", { n: gone.length }), { action: { text: w("button.undo"), run: () => void restore(gone) } });
 }
 
 async function restore(ids: string[]): Promise<void> {
@@ -194,5 +194,5 @@ async function restore(ids: string[]): Promise<void> {
     }
   }
   refresh();
-  note(w("restored"));
+  note(w("label.restored"));
 }

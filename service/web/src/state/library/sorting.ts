@@ -3,16 +3,16 @@ import type { Word } from "../../words";
 
 /** `down`: the direction that one wants first. Imports go by `newest`, which is exact, and `created`. */
 export const COLUMNS = {
-  created: { word: "importedWord", down: true },
-  name: { word: "name", down: false },
-  modified: { word: "changedWord", down: true },
-  duration: { word: "length", down: true },
-  frames: { word: "framesWord", down: true },
-  rate: { word: "frameRate", down: true },
-  project: { word: "project", down: false },
-  format: { word: "format", down: false },
-  skeleton: { word: "skeleton", down: false },
-  revision: { word: "revisionsWord", down: true },
+  created: { word: "label.importedWord", down: true },
+  name: { word: "label.name", down: false },
+  modified: { word: "label.changedWord", down: true },
+  duration: { word: "label.length", down: true },
+  frames: { word: "label.framesWord", down: true },
+  rate: { word: "label.frameRate", down: true },
+  project: { word: "label.project", down: false },
+  format: { word: "label.format", down: false },
+  skeleton: { word: "label.skeleton", down: false },
+  revision: { word: "label.revisionsWord", down: true },
 } as const satisfies Record<string, { word: Word; down: boolean }>;
 
 export type Column = keyof typeof COLUMNS;

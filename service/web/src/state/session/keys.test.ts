@@ -31,7 +31,9 @@ describe("commands", () => {
   it("run by their keys, where they can run, and only while they are offered", () => {
     const run = vi.fn();
     let can = true;
-    const stop = offer("test", [{ id: "a", word: "close", keys: ["Shift+Left", "G then L"], run, when: () => can }]);
+    const stop = offer("test", [
+      { id: "a", word: "button.close", keys: ["Shift+Left", "G then L"], run, when: () => can },
+    ]);
     expect(press("ArrowLeft", { shiftKey: true }).defaultPrevented).toBe(true);
     expect(run).toHaveBeenCalledTimes(1);
     press("KeyG");
@@ -52,8 +54,8 @@ describe("commands", () => {
   it("leave letters to whoever types them", () => {
     const run = vi.fn();
     const stop = offer("test", [
-      { id: "a", word: "close", keys: ["K"], run },
-      { id: "b", word: "save", keys: ["Ctrl+S"], run },
+      { id: "a", word: "button.close", keys: ["K"], run },
+      { id: "b", word: "button.save", keys: ["Ctrl+S"], run },
     ]);
     const field = document.body.appendChild(document.createElement("input"));
     press("KeyK", {}, field);
@@ -68,9 +70,9 @@ describe("commands", () => {
 
   it("of the page go before those of the shell; an owner that offers anew is not taken back by the old", () => {
     const [shell, page] = [vi.fn(), vi.fn()];
-    const stopShell = offer("shell", [{ id: "a", word: "close", keys: ["K"], run: shell }]);
-    const stopOld = offer("page", [{ id: "b", word: "close", keys: ["K"], run: vi.fn() }]);
-    const stopNew = offer("page", [{ id: "b", word: "close", keys: ["K"], run: page }]);
+    const stopShell = offer("shell", [{ id: "a", word: "button.close", keys: ["K"], run: shell }]);
+    const stopOld = offer("page", [{ id: "b", word: "button.close", keys: ["K"], run: vi.fn() }]);
+    const stopNew = offer("page", [{ id: "b", word: "button.close", keys: ["K"], run: page }]);
     stopOld();
     press("KeyK");
     expect([shell.mock.calls.length, page.mock.calls.length]).toEqual([0, 1]);

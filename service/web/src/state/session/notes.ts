@@ -44,10 +44,10 @@ export function refuse(error: unknown): void {
   if ((error as Error)?.name === "AbortError") return;
   // Of preconditions the server tells programs; a person is told what happened.
   if (error instanceof ApiError && error.status === 412)
-    note(w("staleWrite"), {
-      detail: w("staleHelp"),
+    note(w("error.staleWrite"), {
+      detail: w("error.staleHelp"),
       bad: true,
-      action: { text: w("reload"), run: () => location.reload() },
+      action: { text: w("button.reload"), run: () => location.reload() },
     });
   else if (error instanceof ApiError) note(error.message, { detail: error.remedy, bad: true });
   else if (error instanceof Offline) note(error.message, { bad: true });

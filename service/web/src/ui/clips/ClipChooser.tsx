@@ -21,7 +21,7 @@ export function ClipChooser({
   return (
     <>
       <button type="button" class="button" onClick={() => setOpen(true)}>
-        <span class="dim">{label}:</span> <strong>{chosen ?? w("choose")}</strong>
+        <span class="dim">{label}:</span> <strong>{chosen ?? w("button.choose")}</strong>
         <Icon name="down" />
       </button>
       {open && (
@@ -66,8 +66,8 @@ export function Chooser({
         class="field chooser-search"
         type="search"
         autoFocus
-        aria-label={w("search")}
-        placeholder={w("search")}
+        aria-label={w("label.search")}
+        placeholder={w("label.search")}
         value={text}
         onInput={(event) => setText(event.currentTarget.value)}
       />

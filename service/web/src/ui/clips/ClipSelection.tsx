@@ -107,7 +107,7 @@ export function ClipSelection({
     <div class="clip-selection">
       {own.length ? (
         <div class="row">
-          <strong class="grow">{w("clips", { n: own.length })}</strong>
+          <strong class="grow">{w("label.clips", { n: own.length })}</strong>
           <button
             type="button"
             class="button dense"
@@ -118,13 +118,13 @@ export function ClipSelection({
               history.replaceState(null, "", `${location.pathname}?${params}`);
             }}
           >
-            {w("chooseOthers")}
+            {w("button.chooseOthers")}
           </button>
         </div>
       ) : (
         <div class="selection-fields">
           <label>
-            {w("project")}
+            {w("label.project")}
             <select
               class="field"
               value={param("project")}
@@ -138,20 +138,20 @@ export function ClipSelection({
               ))}
             </select>
           </label>
-          <Late label={w("motionName")} name="motion_name" onWrite={write} />
-          <Late label={w("propertyField")} name="property" hint="age:20..30" onWrite={write} />
+          <Late label={w("label.motionName")} name="motion_name" onWrite={write} />
+          <Late label={w("label.propertyField")} name="property" hint="age:20..30" onWrite={write} />
           <Late label="XPath" name="xpath" hint="//frame[motion_name = 'walk']" onWrite={write} />
         </div>
       )}
       {picked.value.size > 0 && !own.length && (
         <button type="button" class="button dense" onClick={takePicked}>
-          {w("usePicked", { n: picked.value.size })}
+          {w("button.usePicked", { n: picked.value.size })}
         </button>
       )}
       <Trouble error={members.error} retry={members.again} />
       {members.busy && <div class="busy" />}
       {members.value && members.value.length > 0 && (
-        <p class="dim">{w("clips", { n: members.value.length - (left?.size ?? 0) })}</p>
+        <p class="dim">{w("label.clips", { n: members.value.length - (left?.size ?? 0) })}</p>
       )}
       <ul class="selection-list">
         {(members.value ?? []).slice(0, PAGE).map((one) => (

@@ -24,22 +24,22 @@ export function ShareDialog({ ids, onClose }: { ids: string[]; onClose: () => vo
   };
   const copy = async () => {
     await navigator.clipboard.writeText(link);
-    note(w("copied"));
+    note(w("label.copied"));
   };
   const choose = (format: string, on: boolean) =>
     setFormats((formats ?? []).filter((one) => one !== format).concat(on ? [format] : []));
   if (link) {
     return (
-      <Dialog title={w("shareLink")} onClose={onClose}>
+      <Dialog title={w("button.shareLink")} onClose={onClose}>
         <div class="share-form">
-          <p>{w("shareMade")}</p>
+          <p>{w("help.shareMade")}</p>
           <code class="share-link">{link}</code>
           <p class="row">
             <button type="button" class="button primary" onClick={() => void copy()}>
-              {w("copy")}
+              {w("button.copy")}
             </button>
             <a class="button" href={link} target="_blank" rel="noreferrer">
-              {w("open")}
+              {w("button.open")}
             </a>
           </p>
         </div>
@@ -47,11 +47,11 @@ export function ShareDialog({ ids, onClose }: { ids: string[]; onClose: () => vo
     );
   }
   return (
-    <Dialog title={w("shareLink")} onClose={onClose}>
+    <Dialog title={w("button.shareLink")} onClose={onClose}>
       <form class="share-form" onSubmit={(event) => void make(event)}>
-        <p class="dim">{w("shareHelp", { n: ids.length })}</p>
+        <p class="dim">{w("help.shareHelp", { n: ids.length })}</p>
         <label>
-          {w("shareFor")}{" "}
+          {w("label.shareFor")}{" "}
           <input
             class="field"
             required
@@ -61,7 +61,7 @@ export function ShareDialog({ ids, onClose }: { ids: string[]; onClose: () => vo
           />
         </label>
         <label>
-          {w("shareDays")}{" "}
+          {w("label.shareDays")}{" "}
           <input
             class="field"
             type="number"
@@ -77,10 +77,10 @@ export function ShareDialog({ ids, onClose }: { ids: string[]; onClose: () => vo
             checked={given.latest}
             onChange={(event) => setGiven({ ...given, latest: event.currentTarget.checked })}
           />{" "}
-          {w("shareLatest")}
+          {w("label.shareLatest")}
         </label>
         <fieldset>
-          <legend>{w("shareFormats")}</legend>
+          <legend>{w("label.shareFormats")}</legend>
           <div class="checks">
             {[...writtenFormats(), CSV].map(({ name, label }) => (
               <label key={name} class="row">
@@ -95,7 +95,7 @@ export function ShareDialog({ ids, onClose }: { ids: string[]; onClose: () => vo
           </div>
         </fieldset>
         <p class="row">
-          <button class="button primary">{w("makeLink")}</button>
+          <button class="button primary">{w("button.makeLink")}</button>
         </p>
       </form>
     </Dialog>

@@ -29,8 +29,8 @@ const METRES: Record<string, number> = { mm: 0.001, cm: 0.01, m: 1, inch: 0.0254
 
 /** A fact that a format needs and the document does not state: nothing is written without it. */
 const factLacking = (one: Exported, needs: readonly string[]): string | null => {
-  if (needs.includes("frame_time") && !one.hasRate) return w("needsRate");
-  return needs.includes("unit") && !one.unit ? w("needsUnit") : null;
+  if (needs.includes("frame_time") && !one.hasRate) return w("label.needsRate");
+  return needs.includes("unit") && !one.unit ? w("label.needsUnit") : null;
 };
 
 /** What is wrong with a format as long as facts are not known; refused: the server would not write it. */
@@ -42,13 +42,13 @@ export function lacking(
   const fact = factLacking(one, needs);
   if (fact) return { text: fact, refused: true };
   if (!assumes) return null;
-  if (one.unit) return one.up ? null : { text: w("upTaken"), refused: false };
+  if (one.unit) return one.up ? null : { text: w("label.upTaken"), refused: false };
   const times = one.likelyUnit ? (METRES[assumes] ?? NaN) / (METRES[one.likelyUnit] ?? NaN) : NaN;
   const size =
     Number.isFinite(times) && Math.abs(times - 1) > 1e-9
-      ? w(times > 1 ? "tooLarge" : "tooSmall", { times: number(times > 1 ? times : 1 / times, 1) })
+      ? w(times > 1 ? "label.tooLarge" : "label.tooSmall", { times: number(times > 1 ? times : 1 / times, 1) })
       : "";
-  return { text: [w("unitTaken", { as: assumes }), size].filter(Boolean).join(", "), refused: false };
+  return { text: [w("label.unitTaken", { as: assumes }), size].filter(Boolean).join(", "), refused: false };
 }
 
 export function exportItems(one: Exported, { accept, give }: Mending = {}): Item[] {
@@ -60,19 +60,21 @@ export function exportItems(one: Exported, { accept, give }: Mending = {}): Item
     if (value && accept && !value.includes("/"))
       return [
         {
-          text: w("confirmAs", { value }),
+          text: w("button.confirmAs", { value }),
           icon: "warn",
-          detail: w(fact === "unit" ? "unitGuessed" : "upGuessed"),
+          detail: w(fact === "unit" ? "label.unitGuessed" : "label.upGuessed"),
           run: () => accept({ [fact]: value }),
         },
       ];
-    return give && fact === "unit" ? [{ text: w("giveUnit"), icon: "warn", detail: w("unitUnknown"), run: give }] : [];
+    return give && fact === "unit"
+      ? [{ text: w("button.giveUnit"), icon: "warn", detail: w("label.unitUnknown"), run: give }]
+      : [];
   };
   return [
     ...guess("unit", one.likelyUnit),
     ...guess("up", one.likelyUp),
     ...(!one.hasRate && give
-      ? [{ text: w("giveRate"), icon: "warn" as const, detail: w("rateUnknown"), run: give }]
+      ? [{ text: w("button.giveRate"), icon: "warn" as const, detail: w("label.rateUnknown"), run: give }]
       : []),
     { text: "MCML", detail: ".mcml", href: address("/documents/{id}/mcml", { id }, query), download: true },
     ...others.map((other): Item => {
@@ -81,7 +83,7 @@ export function exportItems(one: Exported, { accept, give }: Mending = {}): Item
       if (lack?.refused) return { text, detail: lack.text, disabled: true };
       return {
         text,
-        detail: lack?.text ?? (name === format && original ? w("kept") : undefined),
+        detail: lack?.text ?? (name === format && original ? w("label.kept") : undefined),
         href: address("/documents/{id}/export", { id }, { ...query, format: name }),
         download: true,
       };

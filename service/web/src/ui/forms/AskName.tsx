@@ -46,13 +46,13 @@ export function AskName({
           <input
             class="field grow"
             autoFocus
-            aria-label={w("name")}
-            placeholder={w("name")}
+            aria-label={w("label.name")}
+            placeholder={w("label.name")}
             value={name}
             onInput={(event) => setName(event.currentTarget.value)}
           />
           <button type="submit" class="button primary" disabled={!name.trim() || busy}>
-            {w("save")}
+            {w("button.save")}
           </button>
         </p>
       </form>

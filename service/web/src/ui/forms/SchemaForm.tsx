@@ -36,7 +36,7 @@ export function SchemaForm({
       {first.map(row)}
       {rest.length > 0 && (
         <details>
-          <summary>{w("moreOptions", { n: rest.length })}</summary>
+          <summary>{w("label.moreOptions", { n: rest.length })}</summary>
           {rest.map(row)}
         </details>
       )}
@@ -140,6 +140,6 @@ function Row({ field, value, onChange }: { field: Field; value: unknown; onChang
 
 function faultOf(field: Field, fault: string): string {
   if (fault === "range")
-    return w("outOfRange", { least: String(field.least ?? "–∞"), most: String(field.most ?? "∞") });
-  return w(fault === "json" ? "noJson" : field.whole ? "noWhole" : "noNumber");
+    return w("error.outOfRange", { least: String(field.least ?? "–∞"), most: String(field.most ?? "∞") });
+  return w(fault === "json" ? "error.noJson" : field.whole ? "error.noWhole" : "error.noNumber");
 }

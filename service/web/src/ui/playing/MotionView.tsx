@@ -88,7 +88,7 @@ export function MotionView({
         if (found) onPick?.(found.actor, found.point);
       }}
     >
-      {!actors.length && <div class="empty dim">{w("nothingFound")}</div>}
+      {!actors.length && <div class="empty dim">{w("help.nothingFound")}</div>}
     </div>
   );
 }

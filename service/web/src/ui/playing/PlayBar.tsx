@@ -12,7 +12,7 @@ export function PlayBar({ player, bands, children }: { player: Player; bands?: B
       <button
         type="button"
         class="button quiet icon play"
-        aria-label={w(playing ? "pause" : "play")}
+        aria-label={w(playing ? "button.pause" : "button.play")}
         onClick={() => player.toggle()}
       >
         <Icon name={playing ? "pause" : "play"} />

@@ -76,14 +76,14 @@ export function RunPlayer({ runs, at, onAt }: { runs: Run[]; at: number; onAt: (
     };
   }, [motion, at, playing, runs]);
   return (
-    <div class="run-player" aria-label={w("playResults")}>
+    <div class="run-player" aria-label={w("label.playResults")}>
       <Trouble error={error} />
       <MotionView actors={actors} label={run.name} />
       <div class="transport row">
         <button
           type="button"
           class="button quiet icon dense"
-          aria-label={w("backFrame")}
+          aria-label={w("label.backFrame")}
           disabled={at === 0}
           onClick={() => onAt(at - 1)}
         >
@@ -92,7 +92,7 @@ export function RunPlayer({ runs, at, onAt }: { runs: Run[]; at: number; onAt: (
         <button
           type="button"
           class="button quiet icon play"
-          aria-label={w(playing ? "pause" : "play")}
+          aria-label={w(playing ? "button.pause" : "button.play")}
           onClick={() => setPlaying(!playing)}
         >
           <Icon name={playing ? "pause" : "play"} />
@@ -100,7 +100,7 @@ export function RunPlayer({ runs, at, onAt }: { runs: Run[]; at: number; onAt: (
         <button
           type="button"
           class="button quiet icon dense"
-          aria-label={w("nextFrame")}
+          aria-label={w("label.nextFrame")}
           disabled={at >= runs.length - 1}
           onClick={() => onAt(at + 1)}
         >
@@ -114,7 +114,7 @@ export function RunPlayer({ runs, at, onAt }: { runs: Run[]; at: number; onAt: (
           </span>
         </span>
         <a class="button dense" href={`/clips/${run.document}?f=${run.first}&in=${run.first}&out=${run.last}`}>
-          {w("open")}
+          {w("button.open")}
         </a>
       </div>
     </div>

@@ -37,8 +37,8 @@ export function Alike({
   const [picked, setPicked] = useState(0);
   const hits: Schemas["SearchHit"][] = found.value?.hits ?? [];
   const title = last
-    ? w("motionsLikeTitle", { first: number(first), last: number(last), name: clip.detail.name })
-    : w("posesLikeTitle", { first: number(first), name: clip.detail.name });
+    ? w("label.motionsLikeTitle", { first: number(first), last: number(last), name: clip.detail.name })
+    : w("label.posesLikeTitle", { first: number(first), name: clip.detail.name });
   return (
     <Dialog title={title} onClose={onClose} wide>
       <Trouble error={found.error} retry={found.again} />
@@ -46,19 +46,19 @@ export function Alike({
         <>
           <div class="busy" />
           <p class="dim" role="status">
-            {w("looking")}
+            {w("help.looking")}
           </p>
         </>
       )}
-      {found.value && !hits.length && <div class="empty">{w("nothingAlike")}</div>}
+      {found.value && !hits.length && <div class="empty">{w("help.nothingAlike")}</div>}
       {hits.length > 0 && (
         <div class="alike">
           <div class="alike-list">
             <div class="run-row run-head">
-              <span>{w("name")}</span>
-              <span class="n">{w("framesWord")}</span>
-              <span class="n" title={w("distanceHelp")}>
-                {w("distance")}
+              <span>{w("label.name")}</span>
+              <span class="n">{w("label.framesWord")}</span>
+              <span class="n" title={w("help.distanceHelp")}>
+                {w("label.distance")}
               </span>
             </div>
             <VirtualList

@@ -27,12 +27,12 @@ import { Calibrated } from "./Calibration";
 import { Unknown } from "./UnknownMeasure";
 
 const WORDS: Record<Kind, Word> = {
-  height: "quantityHeight",
-  speed: "quantitySpeed",
-  acceleration: "quantityAcceleration",
-  angle: "quantityAngle",
-  contact: "quantityContact",
-  heading: "quantityHeading",
+  height: "label.quantityHeight",
+  speed: "label.quantitySpeed",
+  acceleration: "label.quantityAcceleration",
+  angle: "label.quantityAngle",
+  contact: "label.quantityContact",
+  heading: "label.quantityHeading",
 };
 
 export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
@@ -68,7 +68,7 @@ export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
       <div class="row wrap graph-tools">
         <select
           class="field"
-          aria-label={w("quantity")}
+          aria-label={w("label.quantity")}
           value={asked.kind}
           onChange={(event) =>
             choose({
@@ -86,7 +86,7 @@ export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
         {JOINT_KINDS.has(asked.kind) && (
           <select
             class="field"
-            aria-label={w("joints")}
+            aria-label={w("label.joints")}
             value={asked.argument}
             onChange={(event) => choose({ ...asked, argument: event.currentTarget.value })}
           >
@@ -98,7 +98,7 @@ export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
         {asked.kind === "angle" && (
           <select
             class="field"
-            aria-label={w("quantityAngle")}
+            aria-label={w("label.quantityAngle")}
             value={asked.argument}
             onChange={(event) => choose({ ...asked, argument: event.currentTarget.value })}
           >
@@ -117,19 +117,19 @@ export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
           type="button"
           class="button"
           disabled={!clip.frames}
-          title={w("posesLikeHelp")}
+          title={w("help.posesLikeHelp")}
           onClick={() => setAlike({ first: frame + 1 })}
         >
-          {w("posesLike")}
+          {w("button.posesLike")}
         </button>
         {loop && (
           <button
             type="button"
             class="button"
-            title={w("motionsLikeHelp")}
+            title={w("help.motionsLikeHelp")}
             onClick={() => setAlike({ first: loop[0] + 1, last: loop[1] + 1 })}
           >
-            {w("motionsLike", { first: number(loop[0] + 1), last: number(loop[1] + 1) })}
+            {w("button.motionsLike", { first: number(loop[0] + 1), last: number(loop[1] + 1) })}
           </button>
         )}
       </div>
@@ -148,15 +148,15 @@ export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
         />
       )}
       {values && span && mine && question && (
-        <div class="curve-tools" role="group" aria-label={w("quantityAsk")}>
+        <div class="curve-tools" role="group" aria-label={w("label.quantityAsk")}>
           <span class="row wrap">
             {asked.kind !== "contact" && (
-              <div class="segments" role="group" aria-label={w("threshold")}>
+              <div class="segments" role="group" aria-label={w("label.threshold")}>
                 <button type="button" aria-pressed={mine.above} onClick={() => setLimit({ ...mine, above: true })}>
-                  {w("above")}
+                  {w("label.above")}
                 </button>
                 <button type="button" aria-pressed={!mine.above} onClick={() => setLimit({ ...mine, above: false })}>
-                  {w("below")}
+                  {w("label.below")}
                 </button>
               </div>
             )}
@@ -166,7 +166,7 @@ export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
                   class="field number"
                   type="number"
                   step="any"
-                  aria-label={w("threshold")}
+                  aria-label={w("label.threshold")}
                   value={mine.at}
                   onChange={(event) => {
                     const at = Number(event.currentTarget.value);
@@ -177,13 +177,13 @@ export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
               </label>
             )}
             <span class="dim" role="status">
-              {w("framesFound", { n: hits, all: number(clip.frames) })}
+              {w("label.framesFound", { n: hits, all: number(clip.frames) })}
             </span>
           </span>
           <span class="row wrap code-line">
             <code>{question}</code>
             <button type="button" class="button primary dense" onClick={() => search(question)}>
-              {w("askLibrary")}
+              {w("button.askLibrary")}
             </button>
           </span>
         </div>

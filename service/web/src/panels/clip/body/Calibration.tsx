@@ -38,9 +38,9 @@ export function Calibrated({ clip, reload }: { clip: Clip; reload: () => void })
       open={calibrationOpen.peek()}
       onToggle={(event) => (calibrationOpen.value = event.currentTarget.open)}
     >
-      <summary>{w("calibration")}</summary>
-      <p class="dim">{w("calibrationHelp")}</p>
-      <table aria-label={w("calibration")}>
+      <summary>{w("label.calibration")}</summary>
+      <p class="dim">{w("help.calibrationHelp")}</p>
+      <table aria-label={w("label.calibration")}>
         <tbody>
           {(Object.keys(FACTS) as Fact[]).map((name) => {
             const one = known[name];

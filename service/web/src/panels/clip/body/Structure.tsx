@@ -52,7 +52,7 @@ export function Structure({ clip }: { clip: Clip }) {
         class="structure-scroll"
         tabIndex={0}
         role="tree"
-        aria-label={w("structure")}
+        aria-label={w("label.structure")}
         aria-activedescendant={at === undefined ? undefined : `node-${at}`}
         onKeyDown={onKey}
       >
@@ -109,7 +109,7 @@ export function Structure({ clip }: { clip: Clip }) {
       {at !== undefined ? (
         <BoneForm key={itemAt(bones, at).name} clip={clip} bone={at} />
       ) : (
-        <p class="dim structure-hint">{w("selectJoint")}</p>
+        <p class="dim structure-hint">{w("help.selectJoint")}</p>
       )}
     </div>
   );
@@ -134,7 +134,7 @@ function BoneForm({ clip, bone }: { clip: Clip; bone: number }) {
         {joint.name !== joint.source_name && <span class="dim">{joint.source_name}</span>}
       </h2>
       <div class="info-row">
-        <span>{w("parent")}</span>
+        <span>{w("label.parent")}</span>
         <button
           type="button"
           class="button quiet dense"
@@ -145,13 +145,13 @@ function BoneForm({ clip, bone }: { clip: Clip; bone: number }) {
         </button>
       </div>
       <div class="info-row">
-        <span>{w("channel")}</span>
+        <span>{w("label.channel")}</span>
         <span>
           {joint.channels.join(" ") || "–"} <span class="dim">{joint.rotation_order}</span>
         </span>
       </div>
       <div class="info-row">
-        <span>{w("offsets")}</span>
+        <span>{w("label.offsets")}</span>
         <span class="row">
           {["X", "Y", "Z"].map((axis, place) => (
             <label key={axis} class="row">
@@ -173,14 +173,14 @@ function BoneForm({ clip, bone }: { clip: Clip; bone: number }) {
         </span>
       </div>
       <div class="info-row">
-        <span>{w("boneLength")}</span>
+        <span>{w("label.boneLength")}</span>
         <span class="row">
           <input
             class="field number"
             type="number"
             min="0"
             step="any"
-            aria-label={w("boneLength")}
+            aria-label={w("label.boneLength")}
             value={Number(length.toFixed(4))}
             disabled={!editable || !length}
             onChange={(event) => {
@@ -192,7 +192,7 @@ function BoneForm({ clip, bone }: { clip: Clip; bone: number }) {
           <span class="dim">{number(length * clip.skeleton.metres * 100, 1)} cm</span>
         </span>
       </div>
-      {editable && <p class="dim">{w("handlesHelp")}</p>}
+      {editable && <p class="dim">{w("help.handlesHelp")}</p>}
     </form>
   );
 }

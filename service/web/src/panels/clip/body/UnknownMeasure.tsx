@@ -11,12 +11,12 @@ import { w, type Word } from "../../../words";
 
 // px from the threshold that take hold of it
 const CAUSES: Record<Ground | "joints", Word> = {
-  rate: "rateLacks",
-  unit: "unitLacks",
-  up: "upLacks",
-  floor: "floorLacks",
-  leg: "jointsLack",
-  joints: "jointsLack",
+  rate: "label.rateLacks",
+  unit: "label.unitLacks",
+  up: "label.upLacks",
+  floor: "label.floorLacks",
+  leg: "error.jointsLack",
+  joints: "error.jointsLack",
 };
 
 /** Why a quantity has no value, and the button that mends it. */
@@ -36,7 +36,7 @@ export function Unknown({ clip, kind, reload }: { clip: Clip; kind: Kind; reload
   const toFloor = () => {
     const part = document.querySelector<HTMLDetailsElement>("details.calibration");
     if (part) part.open = true;
-    part?.querySelector<HTMLInputElement>(`[aria-label="${w("floor")}"]`)?.focus();
+    part?.querySelector<HTMLInputElement>(`[aria-label="${w("label.floor")}"]`)?.focus();
   };
   const button = (text: string, run: () => void) =>
     mends && (
@@ -52,15 +52,16 @@ export function Unknown({ clip, kind, reload }: { clip: Clip; kind: Kind; reload
       {cause && cause !== "rate" && facts[cause].reason && <p class="dim">{facts[cause].reason}</p>}
       <p>
         {cause === "floor"
-          ? button(w("setFloor"), toFloor)
+          ? button(w("button.setFloor"), toFloor)
           : cause === "unit" && likely && !likely.includes("/")
             ? button(
-                w("confirmAs", { value: likely }),
+                w("button.confirmAs", { value: likely }),
                 () => void confirmFact([clip.id], { unit: likely }).then((done) => done && reload()),
               )
             : cause
-              ? button(w(cause === "rate" ? "giveRate" : cause === "unit" ? "giveUnit" : "giveUp"), () =>
-                  setParams({ tab: "info" }),
+              ? button(
+                  w(cause === "rate" ? "button.giveRate" : cause === "unit" ? "button.giveUnit" : "button.giveUp"),
+                  () => setParams({ tab: "info" }),
                 )
               : null}
       </p>

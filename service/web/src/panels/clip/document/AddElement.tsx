@@ -110,7 +110,7 @@ export function AddElement({ clip, node, onClose }: { clip: Clip; node: Element;
     if (await clip.tryChange((draft) => withAdded(draft, at, addition))) onClose();
   };
   const field = (name: string, options?: string[]) => {
-    const label = name === "" ? w("text") : name.replace("@", "");
+    const label = name === "" ? w("label.text") : name.replace("@", "");
     return (
       <label key={name} class="info-row">
         <span>{label}</span>
@@ -136,9 +136,9 @@ export function AddElement({ clip, node, onClose }: { clip: Clip; node: Element;
     );
   };
   return (
-    <Dialog title={w("addTo", { name: node.name })} onClose={onClose}>
+    <Dialog title={w("button.addTo", { name: node.name })} onClose={onClose}>
       <Trouble error={around.error} retry={around.again} />
-      {around.value && !names.length && <p class="dim">{w("nothingToAdd")}</p>}
+      {around.value && !names.length && <p class="dim">{w("help.nothingToAdd")}</p>}
       {names.length > 0 && (
         <form
           ref={form}
@@ -149,7 +149,7 @@ export function AddElement({ clip, node, onClose }: { clip: Clip; node: Element;
           }}
         >
           <label class="info-row">
-            <span>{w("element")}</span>
+            <span>{w("label.element")}</span>
             <select
               class="field"
               value={chosen}
@@ -166,14 +166,14 @@ export function AddElement({ clip, node, onClose }: { clip: Clip; node: Element;
           {required.map((name) => field(name, kind?.attributes.find((one) => `@${one.name}` === name)?.values))}
           {optional.length > 0 && (
             <details>
-              <summary class="dim">{w("optionalAttributes")}</summary>
+              <summary class="dim">{w("label.optionalAttributes")}</summary>
               {optional.map((one) => field(`@${one.name}`, one.values))}
             </details>
           )}
           <p class="row">
             <span class="grow" />
             <button type="submit" class="button primary" disabled={!ready}>
-              {w("add")}
+              {w("button.add")}
             </button>
           </p>
         </form>

@@ -39,11 +39,11 @@ export function Comments({ clip }: { clip: Clip }) {
     <div class="comments">
       <Trouble error={found.error} retry={found.again} />
       <Say clip={clip} say={(body) => doing(() => ask("post", "/documents/{id}/comments", { path: { id }, body }))} />
-      {found.value && !all.length && <p class="dim">{w("noComments")}</p>}
+      {found.value && !all.length && <p class="dim">{w("help.noComments")}</p>}
       {done > 0 && (
         <label class="row">
           <input type="checkbox" checked={settled} onChange={() => setSettled(!settled)} />
-          {w("resolvedToo", { n: done })}
+          {w("button.resolvedToo", { n: done })}
         </label>
       )}
       <ol>
@@ -55,7 +55,7 @@ export function Comments({ clip }: { clip: Clip }) {
                 <span class="grow cut">{one.author}</span>
                 <span>
                   {when(one.created)}
-                  {one.edited && ` · ${w("edited")}`}
+                  {one.edited && ` · ${w("label.edited")}`}
                 </span>
               </div>
               <p>{one.text}</p>
@@ -73,7 +73,7 @@ export function Comments({ clip }: { clip: Clip }) {
                     )
                   }
                 >
-                  {w(one.resolved ? "reopenComment" : "resolveComment")}
+                  {w(one.resolved ? "button.reopenComment" : "button.resolveComment")}
                 </button>
                 {one.author === me.value?.name && (
                   <button
@@ -85,7 +85,7 @@ export function Comments({ clip }: { clip: Clip }) {
                       )
                     }
                   >
-                    {w("deleteComment")}
+                    {w("button.deleteComment")}
                   </button>
                 )}
               </div>
@@ -100,7 +100,7 @@ export function Comments({ clip }: { clip: Clip }) {
 function Place({ clip, comment }: { clip: Clip; comment: Comment }) {
   const { first, last, bone } = comment;
   const old = comment.revision !== clip.detail.revision && (
-    <span class="dim">{w("revision", { n: comment.revision })}</span>
+    <span class="dim">{w("label.revision", { n: comment.revision })}</span>
   );
   if (!first && !bone) return <>{old}</>;
   const go = () => {
@@ -111,7 +111,11 @@ function Place({ clip, comment }: { clip: Clip; comment: Comment }) {
     if (bone) clip.select([bone]);
   };
   const frames =
-    first && last && last > first ? w("commentFrames", { first, last }) : first ? w("commentFrame", { n: first }) : "";
+    first && last && last > first
+      ? w("label.commentFrames", { first, last })
+      : first
+        ? w("label.commentFrame", { n: first })
+        : "";
   return (
     <>
       <button type="button" class="button dense" onClick={go}>
@@ -146,8 +150,8 @@ function Say({ clip, say }: { clip: Clip; say: (body: Schemas["CommentRequest"])
         class="field"
         rows={3}
         maxLength={4000}
-        aria-label={w("newComment")}
-        placeholder={w("newComment")}
+        aria-label={w("label.newComment")}
+        placeholder={w("label.newComment")}
         value={text}
         onInput={(event) => setText(event.currentTarget.value)}
       />
@@ -156,8 +160,8 @@ function Say({ clip, say }: { clip: Clip; say: (body: Schemas["CommentRequest"])
           <label class="row">
             <input type="checkbox" checked={here} onChange={() => setHere(!here)} />
             {last > first
-              ? w("commentFrames", { first: first + 1, last: last + 1 })
-              : w("commentFrame", { n: first + 1 })}
+              ? w("label.commentFrames", { first: first + 1, last: last + 1 })
+              : w("label.commentFrame", { n: first + 1 })}
           </label>
         )}
         {bone && (
@@ -168,7 +172,7 @@ function Say({ clip, say }: { clip: Clip; say: (body: Schemas["CommentRequest"])
         )}
         <span class="grow" />
         <button type="submit" class="button" disabled={!text.trim()}>
-          {w("addComment")}
+          {w("button.addComment")}
         </button>
       </div>
     </form>

@@ -42,7 +42,7 @@ export function DifferenceStrip({ clip }: { clip: Clip }) {
     [clip],
   );
   const told = (one: Apart, row: number) =>
-    w("apartAt", {
+    w("label.apartAt", {
       name: itemAt(clip.skeleton.view.bones, one.joint).name,
       size: `${number(numberAt(one.away, row) * 100, 1)} cm`,
       n: row * (found?.step ?? 1) + 1,
@@ -66,7 +66,7 @@ export function DifferenceStrip({ clip }: { clip: Clip }) {
         ref={canvas}
         class="difference"
         role="img"
-        aria-label={w("difference")}
+        aria-label={w("label.difference")}
         onPointerMove={(event) => {
           const here = at(event);
           setUnder(here ? told(...here) : "");
@@ -99,16 +99,16 @@ export function DifferenceStrip({ clip }: { clip: Clip }) {
             </li>
           ))
         )}
-        {found && !found.joints.length && <li class="dim">{w("noDifference")}</li>}
+        {found && !found.joints.length && <li class="dim">{w("help.noDifference")}</li>}
       </ul>
     </>
   );
 }
 
 function toldOf({ same, removed, added, byPosition }: Compared["facts"]): string {
-  if (byPosition) return w("framesByPosition");
-  if (!same) return w("framesNoneKept");
-  return removed || added ? w("framesKept", { n: same, removed, added }) : "";
+  if (byPosition) return w("help.framesByPosition");
+  if (!same) return w("help.framesNoneKept");
+  return removed || added ? w("help.framesKept", { n: same, removed, added }) : "";
 }
 
 function draw(element: HTMLCanvasElement, clip: Clip, joints: Apart[]): void {

@@ -37,7 +37,7 @@ export function History({ clip, reload }: { clip: Clip; reload: () => void }) {
         query: { revision },
         match: clip.detail.revision,
       });
-      note(w("restoredAs", { n: (answer as { revision: number }).revision }));
+      note(w("label.restoredAs", { n: (answer as { revision: number }).revision }));
       reload();
     } catch (error) {
       refuse(error);
@@ -46,10 +46,10 @@ export function History({ clip, reload }: { clip: Clip; reload: () => void }) {
   return (
     <div class="history">
       <Trouble error={revisions.error} retry={revisions.again} />
-      {(revisions.value?.items.length ?? 0) > 1 && <p class="dim">{w("historyHelp")}</p>}
+      {(revisions.value?.items.length ?? 0) > 1 && <p class="dim">{w("help.historyHelp")}</p>}
       {picked.length === 2 && (
-        <section aria-label={w("difference")}>
-          <strong>{w("differenceOf", { first: Math.min(...picked), last: Math.max(...picked) })}</strong>
+        <section aria-label={w("label.difference")}>
+          <strong>{w("label.differenceOf", { first: Math.min(...picked), last: Math.max(...picked) })}</strong>
           <DifferenceStrip key={picked.join()} clip={clip} />
         </section>
       )}
@@ -62,7 +62,7 @@ export function History({ clip, reload }: { clip: Clip; reload: () => void }) {
                 <label class="row">
                   <input
                     type="checkbox"
-                    aria-label={w("pickRevision", { n: one.number })}
+                    aria-label={w("button.pickRevision", { n: one.number })}
                     checked={picked.includes(one.number)}
                     onChange={() => pick(one.number)}
                   />
@@ -72,9 +72,9 @@ export function History({ clip, reload }: { clip: Clip; reload: () => void }) {
                 <span class="dim">{when(one.time)}</span>
               </div>
               <div class="row dim">
-                <span class="grow cut">{w("author", { who: one.author ?? "local" })}</span>
+                <span class="grow cut">{w("label.author", { who: one.author ?? "local" })}</span>
                 {one.number === clip.detail.revision ? (
-                  <span>{w("thisRevision")}</span>
+                  <span>{w("label.thisRevision")}</span>
                 ) : (
                   <>
                     <button
@@ -83,18 +83,18 @@ export function History({ clip, reload }: { clip: Clip; reload: () => void }) {
                       aria-pressed={shown === one.number}
                       onClick={() => show(one.number)}
                     >
-                      {w(shown === one.number ? "hideGhost" : "showGhost")}
+                      {w(shown === one.number ? "button.hideGhost" : "button.showGhost")}
                     </button>
                     <button
                       type="button"
                       class="button quiet dense"
                       onClick={() => setParams({ rev: String(one.number) }, true)}
                     >
-                      {w("open")}
+                      {w("button.open")}
                     </button>
                     {clip.pinned === null && (
                       <button type="button" class="button quiet dense" onClick={() => void restore(one.number)}>
-                        {w("restore")}
+                        {w("button.restore")}
                       </button>
                     )}
                   </>

@@ -57,7 +57,7 @@ export function Info({ clip, reload }: { clip: Clip; reload: () => void }) {
           onChange={(event) => void change({ [name]: event.currentTarget.value })}
         >
           <option value="" disabled>
-            {w("unknown")}
+            {w("label.unknown")}
           </option>
           {[...new Set([...options, ...(value ? [value] : [])])].map((one) => (
             <option key={one} value={one}>
@@ -67,7 +67,7 @@ export function Info({ clip, reload }: { clip: Clip; reload: () => void }) {
         </select>
         {!value && likely && options.includes(likely) && (
           <button type="button" class="button dense" disabled={locked} onClick={() => void change({ [name]: likely })}>
-            {w("confirmAs", { value: likely })}
+            {w("button.confirmAs", { value: likely })}
           </button>
         )}
       </span>
@@ -84,10 +84,10 @@ export function Info({ clip, reload }: { clip: Clip; reload: () => void }) {
   const mapped = detail.bones.filter((bone) => bone.mapped).length;
   return (
     <div class="info">
-      {text(w("name"), detail.name, "name")}
-      {text(w("project"), detail.project, "project")}
+      {text(w("label.name"), detail.name, "name")}
+      {text(w("label.project"), detail.project, "project")}
       <label class="info-row">
-        <span>{w("description")}</span>
+        <span>{w("label.description")}</span>
         <textarea
           class="field"
           rows={2}
@@ -96,17 +96,17 @@ export function Info({ clip, reload }: { clip: Clip; reload: () => void }) {
           onChange={(event) => void change({ description: event.currentTarget.value })}
         />
       </label>
-      {fact(w("unit"), detail.unit, skeleton.view.likely_unit, "unit", UNITS)}
-      {fact(w("up"), detail.up, skeleton.view.likely_up, "up", AXES)}
+      {fact(w("label.unit"), detail.unit, skeleton.view.likely_unit, "unit", UNITS)}
+      {fact(w("label.up"), detail.up, skeleton.view.likely_up, "up", AXES)}
       <div class="info-row">
-        <span>{w("rateWord")}</span>
+        <span>{w("label.rateWord")}</span>
         <span class="row">
           <input
             class="field number"
             type="number"
             min="0"
             step="any"
-            aria-label={w("frameRate")}
+            aria-label={w("label.frameRate")}
             placeholder="120"
             disabled={locked}
             value={detail.seconds_per_frame ? Number((1 / detail.seconds_per_frame).toFixed(4)) : ""}
@@ -119,19 +119,19 @@ export function Info({ clip, reload }: { clip: Clip; reload: () => void }) {
         </span>
       </div>
       <div class="info-row">
-        <span>{w("length")}</span>
+        <span>{w("label.length")}</span>
         <span>
-          {w("frames", { n: detail.frames })}, {duration(detail.duration)}
+          {w("label.frames", { n: detail.frames })}, {duration(detail.duration)}
         </span>
       </div>
       <div class="info-row">
-        <span>{w("joints")}</span>
+        <span>{w("label.joints")}</span>
         <span>
-          {skeleton.view.markers ? number(detail.bones.length) : w("mapped", { mapped, n: detail.bones.length })}
+          {skeleton.view.markers ? number(detail.bones.length) : w("label.mapped", { mapped, n: detail.bones.length })}
         </span>
       </div>
-      <h3>{w("properties")}</h3>
-      <table aria-label={w("properties")}>
+      <h3>{w("label.properties")}</h3>
+      <table aria-label={w("label.properties")}>
         <tbody>
           {detail.properties.map((one) => (
             <tr key={one.name}>
@@ -143,7 +143,7 @@ export function Info({ clip, reload }: { clip: Clip; reload: () => void }) {
                 <button
                   type="button"
                   class="button quiet icon dense"
-                  aria-label={`${w("remove")} ${one.name}`}
+                  aria-label={`${w("button.remove")} ${one.name}`}
                   disabled={locked}
                   onClick={() => void change({ properties: detail.properties.filter((other) => other !== one) })}
                 >
@@ -166,26 +166,31 @@ export function Info({ clip, reload }: { clip: Clip; reload: () => void }) {
           <input
             key={one}
             class="field grow"
-            aria-label={w(one)}
-            placeholder={w(one)}
+            aria-label={w(`label.${one}`)}
+            placeholder={w(`label.${one}`)}
             value={property[one]}
             disabled={locked}
             onInput={(event) => setProperty({ ...property, [one]: event.currentTarget.value })}
           />
         ))}
-        <button type="submit" class="button icon" aria-label={w("addProperty")} disabled={locked || !property.name}>
+        <button
+          type="submit"
+          class="button icon"
+          aria-label={w("button.addProperty")}
+          disabled={locked || !property.name}
+        >
           <Icon name="plus" />
         </button>
       </form>
-      <h3>{w("reference")}</h3>
+      <h3>{w("label.reference")}</h3>
       <ReferenceForm clip={clip} reload={reload} />
-      <h3>{w("provenance")}</h3>
+      <h3>{w("label.provenance")}</h3>
       <div class="info-row">
-        <span>{w("format")}</span>
+        <span>{w("label.format")}</span>
         <span>{detail.format}</span>
       </div>
       <div class="info-row">
-        <span>{w("original")}</span>
+        <span>{w("label.original")}</span>
         <span>
           {detail.files.map((one) => (
             <span key={one.part}>
@@ -196,26 +201,33 @@ export function Info({ clip, reload }: { clip: Clip; reload: () => void }) {
         </span>
       </div>
       <div class="info-row">
-        <span>{w("created")}</span>
+        <span>{w("label.created")}</span>
         <span>{when(detail.created)}</span>
       </div>
-      <h3>{w("commandLines")}</h3>
-      {needsToken() && <p class="dim">{w("linesToken")}</p>}
-      {lines.map((line) => (
-        <div key={line} class="row code-line">
-          <code class="grow" tabIndex={0}>
-            {line}
-          </code>
-          <button
-            type="button"
-            class="button quiet icon dense"
-            aria-label={w("copy")}
-            onClick={() => void copyText(line, w("copied"))}
-          >
-            <Icon name="list" />
-          </button>
-        </div>
-      ))}
+      <CommandLines lines={lines} />
     </div>
   );
 }
+
+/** Lines of a shell that read the clip, each to be copied. */
+const CommandLines = ({ lines }: { lines: string[] }) => (
+  <>
+    <h3>{w("label.commandLines")}</h3>
+    {needsToken() && <p class="dim">{w("help.linesToken")}</p>}
+    {lines.map((line) => (
+      <div key={line} class="row code-line">
+        <code class="grow" tabIndex={0}>
+          {line}
+        </code>
+        <button
+          type="button"
+          class="button quiet icon dense"
+          aria-label={w("button.copy")}
+          onClick={() => void copyText(line, w("label.copied"))}
+        >
+          <Icon name="list" />
+        </button>
+      </div>
+    ))}
+  </>
+);

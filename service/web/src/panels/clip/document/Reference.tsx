@@ -44,7 +44,7 @@ export function Reference({ clip, media }: { clip: Clip; media: Media }) {
     };
   }, [clip, media, open]);
   const source = address("/documents/{id}/media", { id: clip.id });
-  const label = w("referenceOf", { name: media.name });
+  const label = w("label.referenceOf", { name: media.name });
   const isVideo = media.media_type.startsWith("video/");
   return (
     <div class={`reference ${open ? "" : "folded"}`}>
@@ -99,7 +99,7 @@ export function ReferenceForm({ clip, reload }: { clip: Clip; reload: () => void
   const remove = async () => {
     try {
       await ask("delete", "/documents/{id}/media", { path: { id: clip.id } });
-      note(w("mediaGone"));
+      note(w("label.mediaGone"));
       reload();
     } catch (error) {
       refuse(error);
@@ -108,9 +108,9 @@ export function ReferenceForm({ clip, reload }: { clip: Clip; reload: () => void
   if (!media)
     return (
       <div>
-        <p class="dim">{w("referenceHelp")}</p>
+        <p class="dim">{w("help.referenceHelp")}</p>
         <button type="button" class="button dense" onClick={choose}>
-          {w("chooseMedia")}
+          {w("button.chooseMedia")}
         </button>
       </div>
     );
@@ -118,7 +118,7 @@ export function ReferenceForm({ clip, reload }: { clip: Clip; reload: () => void
     <div class="row wrap">
       <span class="cut">{media.name}</span>
       <label class="row">
-        <span class="dim">{w("beginsAt")}</span>
+        <span class="dim">{w("label.beginsAt")}</span>
         <input
           class="field number"
           type="number"
@@ -131,7 +131,7 @@ export function ReferenceForm({ clip, reload }: { clip: Clip; reload: () => void
       <button
         type="button"
         class="button quiet icon dense"
-        aria-label={`${w("remove")} ${media.name}`}
+        aria-label={`${w("button.remove")} ${media.name}`}
         onClick={() => void remove()}
       >
         <Icon name="close" />

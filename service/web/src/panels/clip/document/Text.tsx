@@ -65,7 +65,7 @@ export function TextView({ clip }: { clip: Clip; reload: () => void }) {
           })
         ).place ?? null;
       if (!answer) {
-        note(w("nothingFound"));
+        note(w("help.nothingFound"));
         return;
       }
       const frame = /frame\[(\d+)\]/.exec(answer.address);
@@ -78,12 +78,12 @@ export function TextView({ clip }: { clip: Clip; reload: () => void }) {
     <div class="text-view">
       <div class="row wrap text-tools">
         <button type="button" class="button quiet dense" aria-pressed={!frames} onClick={() => setFrames(null)}>
-          {w("head")}
+          {w("label.head")}
         </button>
         <button
           type="button"
           class="button quiet icon dense"
-          aria-label={w("backFrame")}
+          aria-label={w("label.backFrame")}
           disabled={!frames}
           onClick={() => move(-1)}
         >
@@ -94,12 +94,12 @@ export function TextView({ clip }: { clip: Clip; reload: () => void }) {
           class="button quiet dense"
           onClick={() => setFrames(windowAt(clip, clip.player.frame.peek() + 1))}
         >
-          {frames ? w("framesOf", { first: frames[0], last: frames[1] }) : w("frame")}
+          {frames ? w("label.framesOf", { first: frames[0], last: frames[1] }) : w("label.frame")}
         </button>
         <button
           type="button"
           class="button quiet icon dense"
-          aria-label={w("nextFrame")}
+          aria-label={w("label.nextFrame")}
           disabled={Boolean(frames && frames[1] >= clip.frames)}
           onClick={() => move(1)}
         >
@@ -109,8 +109,8 @@ export function TextView({ clip }: { clip: Clip; reload: () => void }) {
         <input
           class="field dense-field"
           type="search"
-          aria-label={w("search")}
-          placeholder={w("search")}
+          aria-label={w("label.search")}
+          placeholder={w("label.search")}
           value={search}
           onInput={(event) => setSearch(event.currentTarget.value)}
           onKeyDown={(event) => {
@@ -185,7 +185,7 @@ function Editor({ clip, window: shown, elements }: { clip: Clip; window: Window;
     try {
       return shown.frames ? changedFrames(shown.text, text, shown.frames[0]) : changedParts(shown.text, text);
     } catch {
-      setSaid(w("sameFrames"));
+      setSaid(w("help.sameFrames"));
       return null;
     }
   };
@@ -213,7 +213,9 @@ function Editor({ clip, window: shown, elements }: { clip: Clip; window: Window;
         };
       });
       view.current!.dispatch(setDiagnostics(view.current!.state, marks));
-      setSaid(marks.length ? `${w("faults", { n: marks.length })}: ${itemAt(marks, 0).message}` : w("noFaults"));
+      setSaid(
+        marks.length ? `${w("label.faults", { n: marks.length })}: ${itemAt(marks, 0).message}` : w("help.noFaults"),
+      );
       return marks.length ? null : found;
     } catch (error) {
       refuse(error);
@@ -244,7 +246,7 @@ function Editor({ clip, window: shown, elements }: { clip: Clip; window: Window;
       <div ref={host} class="text-host" />
       <div class="row wrap text-foot">
         <span class="dim">
-          {w("textWindow", {
+          {w("label.textWindow", {
             first: number(shown.firstLine),
             last: number(shown.firstLine + shown.text.split("\n").length - 1),
           })}{" "}
@@ -255,12 +257,12 @@ function Editor({ clip, window: shown, elements }: { clip: Clip; window: Window;
         </span>
         {changed && (
           <button type="button" class="button dense" onClick={() => void check()}>
-            {w("check")}
+            {w("button.check")}
           </button>
         )}
         {changed && (
           <button type="button" class="button dense primary" onClick={() => void keep()}>
-            {w("apply")}
+            {w("button.apply")}
           </button>
         )}
       </div>

@@ -82,12 +82,12 @@ export function Tree({ clip }: { clip: Clip }) {
   const chosenRow = focus < outline.rows ? outline.row(focus) : null;
   const actions = (): Item[] => {
     const node = chosenRow?.node;
-    if (!node || !editable) return [{ text: w("oldRevision"), disabled: true }];
-    const gone = clip.draft.peek().elements.get(node.address)?.deleted;
+    if (!node || !editable) return [{ text: w("help.oldRevision"), disabled: true }];
+    const removal = w(clip.draft.peek().elements.get(node.address)?.deleted ? "button.letStay" : "button.delete");
     return [
-      { text: w("addChild"), detail: "Ins", icon: "plus", run: () => setParent(node) },
-      { text: w("duplicate"), disabled: Boolean(chosenRow.attribute), run: () => void duplicateElement(clip, node) },
-      { text: w(gone ? "letStay" : "delete"), detail: "Del", icon: "trash", run: () => remove(chosenRow) },
+      { text: w("button.addChild"), detail: "Ins", icon: "plus", run: () => setParent(node) },
+      { text: w("button.duplicate"), disabled: !!chosenRow.attribute, run: () => void duplicateElement(clip, node) },
+      { text: removal, detail: "Del", icon: "trash", run: () => remove(chosenRow) },
     ];
   };
   const onKey = (event: KeyboardEvent) => {
@@ -141,22 +141,22 @@ export function Tree({ clip }: { clip: Clip }) {
   return (
     <div class="tree" onKeyDown={onKey}>
       <div class="tree-tools row">
-        <span class="dim grow">{w("elements", { n: outline.rows })}</span>
+        <span class="dim grow">{w("label.elements", { n: outline.rows })}</span>
         {chosenRow?.node && (
-          <Menu label={w("element")} className="button quiet dense" side="right" items={actions}>
+          <Menu label={w("label.element")} className="button quiet dense" side="right" items={actions}>
             {chosenRow.attribute ?? titleOf(chosenRow.node)}
             <Icon name="down" />
           </Menu>
         )}
         <button type="button" class="button quiet dense" onClick={() => void gotoFrame()}>
-          {w("frame")} {number(clip.player.frame.value + 1)}
+          {w("label.frame")} {number(clip.player.frame.value + 1)}
         </button>
       </div>
       <Trouble error={outline.trouble.value} />
       <VirtualList
         rows={outline.rows}
         height={TALL}
-        label={w("tree")}
+        label={w("label.tree")}
         role="tree"
         at={seen}
         render={(index) => {
@@ -219,8 +219,8 @@ export function Tree({ clip }: { clip: Clip }) {
                       <button
                         type="button"
                         tabIndex={-1}
-                        aria-label={w("takeBack", { name })}
-                        title={w("takeBack", { name })}
+                        aria-label={w("button.takeBack", { name })}
+                        title={w("button.takeBack", { name })}
                         onClick={(event) => {
                           event.stopPropagation();
                           clip.change(withoutAdded(clip.draft.peek(), node.address, place));
@@ -232,7 +232,7 @@ export function Tree({ clip }: { clip: Clip }) {
                   );
                 })}
               {row.attribute === null && node.name === "motion" && (
-                <span class="dim tail">{w("frames", { n: clip.frames })}</span>
+                <span class="dim tail">{w("label.frames", { n: clip.frames })}</span>
               )}
               {edited === keyOf(row) ? (
                 <ValueField

@@ -17,7 +17,7 @@ const MOST_HELD = 100_000;
 async function edit(clip: Clip, reload: () => void, edits: Edits): Promise<void> {
   // Frames of a draft are positions, which would mean others afterwards.
   if (clip.changed.peek()) {
-    note(w("saveFirst"), { action: { text: w("save"), run: () => void saveClip(clip, reload) } });
+    note(w("help.saveFirst"), { action: { text: w("button.save"), run: () => void saveClip(clip, reload) } });
     return;
   }
   try {
@@ -30,8 +30,8 @@ async function edit(clip: Clip, reload: () => void, edits: Edits): Promise<void>
     player.pause();
     player.loop.value = null;
     player.seek(Math.min(player.frame.peek(), made.frames - 1));
-    note(w("framesNow", { n: made.frames }), {
-      action: { text: w("undo"), run: () => void undoSaved(clip, made.revision, reload) },
+    note(w("label.framesNow", { n: made.frames }), {
+      action: { text: w("button.undo"), run: () => void undoSaved(clip, made.revision, reload) },
     });
     reload();
   } catch (error) {
@@ -59,30 +59,34 @@ export function FramesMenu({
       ...(of
         ? [
             {
-              text: w("deleteFrames", of),
+              text: w("button.deleteFrames", of),
               icon: "trash" as const,
               disabled: all,
               run: () => void edit(clip, reload, [{ do: "delete", ...of }]),
             },
-            { text: w("cropTo", of), disabled: all, run: () => void edit(clip, reload, [{ do: "keep", ...of }]) },
             {
-              text: w("duplicateFrames", of),
+              text: w("button.cropTo", of),
+              disabled: all,
+              run: () => void edit(clip, reload, [{ do: "keep", ...of }]),
+            },
+            {
+              text: w("button.duplicateFrames", of),
               run: () => void edit(clip, reload, [{ do: "insert", ...of, at: of.last + 1 }]),
             },
             {
-              text: w("copyFramesTo", { ...of, n: here }),
+              text: w("button.copyFramesTo", { ...of, n: here }),
               run: () => void edit(clip, reload, [{ do: "insert", ...of, at: here }]),
             },
           ]
-        : [{ text: w("chooseRange"), disabled: true }]),
-      { text: w("holdFrame", { n: here }), run: () => setHolds(here) },
-      { text: w("spanSplit"), detail: "S", run: () => clipActions.splitSpan(clip) },
+        : [{ text: w("button.chooseRange"), disabled: true }]),
+      { text: w("button.holdFrame", { n: here }), run: () => setHolds(here) },
+      { text: w("button.spanSplit"), detail: "S", run: () => clipActions.splitSpan(clip) },
     ];
   };
   return (
     <>
-      <Menu label={w("editFrames")} className="button quiet dense" side="right" items={items}>
-        {w("framesWord")}
+      <Menu label={w("button.editFrames")} className="button quiet dense" side="right" items={items}>
+        {w("label.framesWord")}
         <Icon name="down" />
       </Menu>
       {holds !== null && (
@@ -114,7 +118,7 @@ function Hold({
   const [more, setMore] = useState(Math.max(1, Math.round(rate / 2)));
   const sound = Number.isInteger(more) && more >= 1 && more <= MOST_HELD;
   return (
-    <Dialog title={w("holdFrame", { n: frame })} onClose={onClose}>
+    <Dialog title={w("button.holdFrame", { n: frame })} onClose={onClose}>
       <form
         onSubmit={(event) => {
           event.preventDefault();
@@ -123,7 +127,7 @@ function Hold({
       >
         <p class="row">
           <label class="row">
-            {w("forFrames")}{" "}
+            {w("label.forFrames")}{" "}
             <input
               class="field number"
               type="number"
@@ -136,7 +140,7 @@ function Hold({
           </label>
           <span class="dim grow">{number(more / rate, 2)} s</span>
           <button type="submit" class="button primary" disabled={!sound}>
-            {w("apply")}
+            {w("button.apply")}
           </button>
         </p>
       </form>

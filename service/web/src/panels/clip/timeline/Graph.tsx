@@ -23,7 +23,7 @@ const AXIS_OF: Record<string, string> = { x: "x", y: "y", z: "z", w: "text2" };
 export function Graph({ clip, reload }: { clip: Clip; reload: () => void }) {
   const name = clip.selection.value.bones[0];
   const index = name === undefined ? -1 : (clip.skeleton.byName.get(name) ?? -1);
-  if (index < 0) return <div class="empty">{w("selectJoint")}</div>;
+  if (index < 0) return <div class="empty">{w("help.selectJoint")}</div>;
   return <BoneGraph key={name} clip={clip} bone={index} reload={reload} />;
 }
 
@@ -201,20 +201,20 @@ function BoneGraph({ clip, bone, reload }: { clip: Clip; bone: number; reload: (
     <div class="graph">
       <div class="row graph-tools">
         <strong class="cut">{joint.name}</strong>
-        <div class="segments" role="group" aria-label={w("channel")}>
+        <div class="segments" role="group" aria-label={w("label.channel")}>
           {channels.some((one) => one[0] === "R") && (
             <button type="button" aria-pressed={kind === "R"} onClick={() => setKind("R")}>
-              {w("euler")}
+              {w("label.euler")}
             </button>
           )}
           {channels.some((one) => one[0] === "R") && (
             <button type="button" aria-pressed={kind === "Q"} onClick={() => setKind("Q")}>
-              {w("quaternion")}
+              {w("label.quaternion")}
             </button>
           )}
           {channels.some((one) => one[0] === "T") && (
             <button type="button" aria-pressed={kind === "T"} onClick={() => setKind("T")}>
-              {w("offset")}
+              {w("label.offset")}
             </button>
           )}
         </div>
@@ -338,15 +338,17 @@ function Tools({
     </span>
   );
   return (
-    <div class="curve-tools" role="group" aria-label={w("curveTools")}>
+    <div class="curve-tools" role="group" aria-label={w("label.curveTools")}>
       <span class="row">
-        <span class="dim">{range ? w("overRange", { first: range[0], last: range[1] }) : w("selectFrames")}</span>
+        <span class="dim">
+          {range ? w("label.overRange", { first: range[0], last: range[1] }) : w("help.selectFrames")}
+        </span>
         {range && children}
       </span>
       <span class="row wrap">
-        {tool(w("smooth"), width, setWidth, 1, () => apply((values) => smoothed(values, Math.max(0.5, width))))}
-        {tool(w("scale"), factor, setFactor, 0.05, () => apply((values) => scaled(values, factor)))}
-        {tool(w("offset"), by, setBy, 1, () => apply((values) => shifted(values, by)))}
+        {tool(w("label.smooth"), width, setWidth, 1, () => apply((values) => smoothed(values, Math.max(0.5, width))))}
+        {tool(w("label.scale"), factor, setFactor, 0.05, () => apply((values) => scaled(values, factor)))}
+        {tool(w("label.offset"), by, setBy, 1, () => apply((values) => shifted(values, by)))}
       </span>
     </div>
   );
@@ -361,8 +363,8 @@ function Keys({ clip, bone, channels }: { clip: Clip; bone: string; channels: st
     if (!clip.player.playing.peek()) clip.channels.want(frame);
   }, [frame]);
   return (
-    <div class="keys-now row wrap" role="group" aria-label={w("setKey", { frame: frame + 1 })}>
-      <span class="dim">{w("setKey", { frame: number(frame + 1) })}</span>
+    <div class="keys-now row wrap" role="group" aria-label={w("label.setKey", { frame: frame + 1 })}>
+      <span class="dim">{w("label.setKey", { frame: number(frame + 1) })}</span>
       {channels.map((channel) => {
         const value = clip.sample(`${bone}.${channel}`, frame);
         return (

@@ -42,7 +42,7 @@ export function NameSpan({ clip, left }: { clip: Clip; left: number }) {
       ref={box}
       class="name-span"
       style={{ left: `${left}px` }}
-      aria-label={w("spanName")}
+      aria-label={w("label.spanName")}
       onSubmit={(event) => {
         event.preventDefault();
         done();
@@ -65,8 +65,8 @@ export function NameSpan({ clip, left }: { clip: Clip; left: number }) {
         role="combobox"
         aria-expanded={names.length > 0}
         aria-controls="span-names"
-        aria-label={w("spanName")}
-        placeholder={w("spanName")}
+        aria-label={w("label.spanName")}
+        placeholder={w("label.spanName")}
         value={name}
         autocomplete="off"
         onInput={(event) => {
@@ -76,7 +76,7 @@ export function NameSpan({ clip, left }: { clip: Clip; left: number }) {
       />
       <span class="row">
         <label class="dim">
-          {w("spanFrom")}{" "}
+          {w("label.spanFrom")}{" "}
           <input
             class="field number"
             type="number"
@@ -87,7 +87,7 @@ export function NameSpan({ clip, left }: { clip: Clip; left: number }) {
           />
         </label>
         <label class="dim">
-          {w("spanTo")}{" "}
+          {w("label.spanTo")}{" "}
           <input
             class="field number"
             type="number"
@@ -103,13 +103,13 @@ export function NameSpan({ clip, left }: { clip: Clip; left: number }) {
             type="button"
             class="button dense"
             disabled={!splits}
-            title={`${w("spanSplit")} (S)`}
+            title={`${w("button.spanSplit")} (S)`}
             onClick={() => {
               clipActions.splitSpan(clip, span.id);
               close();
             }}
           >
-            {w("split")}
+            {w("button.split")}
           </button>
         )}
         {!fresh && (
@@ -121,14 +121,14 @@ export function NameSpan({ clip, left }: { clip: Clip; left: number }) {
               close();
             }}
           >
-            {w("delete")}
+            {w("button.delete")}
           </button>
         )}
         <button type="submit" class="button dense primary" disabled={!name.trim()}>
-          {w(fresh ? "add" : "apply")}
+          {w(fresh ? "button.add" : "button.apply")}
         </button>
       </span>
-      <ul id="span-names" role="listbox" aria-label={w("motionName")}>
+      <ul id="span-names" role="listbox" aria-label={w("label.motionName")}>
         {names.map((one) => (
           <li
             key={one}

@@ -20,7 +20,7 @@ export function Suggestions({ clip }: { clip: Clip }) {
     try {
       const answer = await get("/documents/{id}/labels/suggested", { path: { id: clip.id } });
       suggested.value = answer.items;
-      if (!answer.items.length) note(w("suggestionsNone"));
+      if (!answer.items.length) note(w("help.suggestionsNone"));
     } catch (error) {
       refuse(error);
     } finally {
@@ -38,15 +38,15 @@ export function Suggestions({ clip }: { clip: Clip }) {
       {all.length ? (
         <>
           <button type="button" class="button dense" onClick={accept}>
-            {w("acceptAll", { n: all.length })}
+            {w("button.acceptAll", { n: all.length })}
           </button>
           <button type="button" class="button quiet dense" onClick={() => (suggested.value = [])}>
-            {w("hideSuggestions")}
+            {w("button.hideSuggestions")}
           </button>
         </>
       ) : (
         <button type="button" class="button quiet dense" disabled={busy} onClick={() => void offer()}>
-          {busy ? w("loading") : w("suggestions")}
+          {busy ? w("label.loading") : w("button.suggestions")}
         </button>
       )}
     </div>
@@ -59,7 +59,7 @@ function Chip({ span, style, clip }: { span: Suggested; style: Record<string, st
       <button
         type="button"
         class="span offer"
-        title={`${span.name} ${span.first}–${span.last}, ${w("confidence", { value: number(span.confidence, 2) })}: ${w("accept")}`}
+        title={`${span.name} ${span.first}–${span.last}, ${w("label.confidence", { value: number(span.confidence, 2) })}: ${w("button.accept")}`}
         onClick={() => {
           clip.setLabels([...clip.labels.peek(), newSpan(span.name, span.first, span.last)]);
           suggested.value = suggested

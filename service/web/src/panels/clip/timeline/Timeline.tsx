@@ -196,7 +196,7 @@ export function Timeline({ clip }: { clip: Clip }) {
   };
 
   return (
-    <section class="timeline" ref={box} aria-label={w("timeline")} style={{ height: `${timelineTall.value}px` }}>
+    <section class="timeline" ref={box} aria-label={w("label.timeline")} style={{ height: `${timelineTall.value}px` }}>
       <canvas
         ref={canvas}
         class="timeline-canvas"
@@ -205,16 +205,16 @@ export function Timeline({ clip }: { clip: Clip }) {
         aria-hidden="true"
       />
       <span class="lane-name" style={{ top: `${RULER + 6}px` }}>
-        {w("namesLane")}
+        {w("label.namesLane")}
       </span>
       <span class="lane-name" style={{ top: `${RULER + Math.min(laneCount, 6) * LANE + 14}px` }}>
-        {w("speedLane")}
+        {w("label.speedLane")}
       </span>
       <div
         class="spans"
         role="list"
-        aria-label={w("names")}
-        title={w("spanHelp")}
+        aria-label={w("label.names")}
+        title={w("help.spanHelp")}
         style={{ left: `${HEAD}px`, top: `${RULER + 2}px`, height: `${Math.min(laneCount, 6) * LANE}px` }}
         onPointerDown={draw}
       >

@@ -31,19 +31,25 @@ export function Transport({ clip, reload }: { clip: Clip; reload: () => void }) 
     word: "firstFrame" | "backFrame" | "nextFrame" | "lastFrame",
     run: () => void,
   ) => (
-    <button type="button" class="button quiet icon dense" aria-label={w(word)} title={w(word)} onClick={run}>
+    <button
+      type="button"
+      class="button quiet icon dense"
+      aria-label={w(`label.${word}`)}
+      title={w(`label.${word}`)}
+      onClick={run}
+    >
       <Icon name={icon} />
     </button>
   );
   return (
-    <div class="transport row" role="toolbar" aria-label={w("play")}>
+    <div class="transport row" role="toolbar" aria-label={w("button.play")}>
       {button("first", "firstFrame", () => player.seek(player.range[0]))}
       {button("back", "backFrame", () => player.step(-1))}
       <button
         type="button"
         class="button quiet icon play"
-        aria-label={w(player.playing.value ? "pause" : "play")}
-        title={`${w(player.playing.value ? "pause" : "play")} (Space)`}
+        aria-label={w(player.playing.value ? "button.pause" : "button.play")}
+        title={`${w(player.playing.value ? "button.pause" : "button.play")} (Space)`}
         onClick={() => player.toggle()}
       >
         <Icon name={player.playing.value ? "pause" : "play"} />
@@ -53,7 +59,7 @@ export function Transport({ clip, reload }: { clip: Clip; reload: () => void }) 
       <input
         ref={field}
         class="field frame-field"
-        aria-label={w("frame")}
+        aria-label={w("label.frame")}
         inputMode="numeric"
         onChange={(event) => {
           player.pause();
@@ -64,17 +70,17 @@ export function Transport({ clip, reload }: { clip: Clip; reload: () => void }) 
           if (event.key === "Enter") event.currentTarget.blur();
         }}
       />
-      <span class="dim nowrap">{w("ofFrames", { n: clip.frames })}</span>
+      <span class="dim nowrap">{w("label.ofFrames", { n: clip.frames })}</span>
       <button
         type="button"
         class="button quiet dense time"
-        title={w("timeAs")}
+        title={w("label.timeAs")}
         onClick={() => (timeAs.value = timeAs.value === "timecode" ? "seconds" : "timecode")}
       >
         <span ref={time} />
       </button>
       <Menu
-        label={w("speed")}
+        label={w("label.speed")}
         className="button quiet dense"
         items={SPEEDS.map((one) => ({
           text: `${number(one)}×`,
@@ -91,14 +97,14 @@ export function Transport({ clip, reload }: { clip: Clip; reload: () => void }) 
         <button
           type="button"
           class="button quiet dense"
-          title={w("clearLoop")}
+          title={w("button.clearLoop")}
           onClick={() => (player.loop.value = null)}
         >
-          {w("loop", { first: loop[0] + 1, last: loop[1] + 1, n: loop[1] - loop[0] + 1 })}
+          {w("label.loop", { first: loop[0] + 1, last: loop[1] + 1, n: loop[1] - loop[0] + 1 })}
           <Icon name="close" />
         </button>
       ) : (
-        <span class="dim nowrap loop-words">{w("noLoop")}</span>
+        <span class="dim nowrap loop-words">{w("label.noLoop")}</span>
       )}
     </div>
   );

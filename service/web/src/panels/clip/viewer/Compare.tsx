@@ -26,12 +26,12 @@ export function CompareButton({ clip }: { clip: Clip }) {
   return (
     <>
       <button type="button" class="button" aria-pressed={ids.length > 0} onClick={() => setOpen(true)}>
-        {w("compare")}
+        {w("button.compare")}
       </button>
       {open && (
         <Chooser
-          title={w("compare")}
-          help={w("compareHelp", { n: MOST_BESIDE })}
+          title={w("button.compare")}
+          help={w("help.compareHelp", { n: MOST_BESIDE })}
           chosen={ids}
           most={MOST_BESIDE}
           without={clip.id}
@@ -64,7 +64,7 @@ export function Compared({ clip }: { clip: Clip }) {
   const sync = besideSync();
   const guessed = [clip.skeleton, ...others.map((one) => one.skeleton)].some((one) => !one.view.unit);
   return (
-    <section class="compared" aria-label={w("compare")}>
+    <section class="compared" aria-label={w("button.compare")}>
       <ul>
         <Line ink={BESIDE_COLOURS[0]} name={clip.detail.name} view={clip.skeleton.view} />
         {others.map((one, place) => (
@@ -78,17 +78,17 @@ export function Compared({ clip }: { clip: Clip }) {
         ))}
       </ul>
       <span class="grow" />
-      {guessed && <span class="dim">{w("sizesGuessed")}</span>}
+      {guessed && <span class="dim">{w("help.sizesGuessed")}</span>}
       <span class="row wrap">
-        <span class="segments" role="group" aria-label={w("placed")}>
+        <span class="segments" role="group" aria-label={w("label.placed")}>
           <button type="button" aria-pressed={!laidOver()} onClick={() => setParams({ cmpas: null })}>
-            {w("sideBySide")}
+            {w("label.sideBySide")}
           </button>
           <button type="button" aria-pressed={laidOver()} onClick={() => setParams({ cmpas: "over" })}>
-            {w("laidOver")}
+            {w("label.laidOver")}
           </button>
         </span>
-        <span class="segments" role="group" aria-label={w("inStep")}>
+        <span class="segments" role="group" aria-label={w("label.inStep")}>
           {(
             [
               ["time", "byTime"],
@@ -102,7 +102,7 @@ export function Compared({ clip }: { clip: Clip }) {
               aria-pressed={sync === one}
               onClick={() => setParams({ cmpsync: one === "time" ? null : one })}
             >
-              {w(word)}
+              {w(`label.${word}`)}
             </button>
           ))}
         </span>
@@ -116,21 +116,21 @@ function Line({ ink, name, view, onRemove }: { ink: string; name: string; view: 
     <li class="row">
       <span class="swatch" style={{ background: `var(--${ink})` }} />
       <strong class="cut">{name}</strong>
-      <span class={view.unit ? "dim" : "dim guess"} title={w("unit")}>
-        {view.likely_unit ?? w("unitUnknown")}
+      <span class={view.unit ? "dim" : "dim guess"} title={w("label.unit")}>
+        {view.likely_unit ?? w("label.unitUnknown")}
       </span>
-      <span class={view.seconds_per_frame ? "dim" : "dim guess"} title={w("rateWord")}>
+      <span class={view.seconds_per_frame ? "dim" : "dim guess"} title={w("label.rateWord")}>
         {rate(view.seconds_per_frame)}
       </span>
-      <span class={view.up ? "dim" : "dim guess"} title={w("up")}>
+      <span class={view.up ? "dim" : "dim guess"} title={w("label.up")}>
         {view.likely_up}
       </span>
       {onRemove && (
         <button
           type="button"
           class="button quiet icon dense"
-          aria-label={w("notCompared", { name })}
-          title={w("notCompared", { name })}
+          aria-label={w("button.notCompared", { name })}
+          title={w("button.notCompared", { name })}
           onClick={onRemove}
         >
           <Icon name="close" />

@@ -100,7 +100,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
       }),
       effect(() => {
         if (!player.playing.value && words.current)
-          words.current.textContent = w("viewerWords", {
+          words.current.textContent = w("label.viewerWords", {
             name: detail.name,
             frame: player.frame.value + 1,
             n: clip.frames,
@@ -127,13 +127,13 @@ export function ViewerPane({ clip }: { clip: Clip }) {
   const toggles = ["follow", "ghosts", "trails", "names", "axes", "rest"] as const;
   const passport = (
     <div class="passport">
-      <span class={detail.unit ? "" : "guess"} title={w("unit")}>
-        {skeleton.view.likely_unit ?? w("unitUnknown")}
+      <span class={detail.unit ? "" : "guess"} title={w("label.unit")}>
+        {skeleton.view.likely_unit ?? w("label.unitUnknown")}
       </span>
-      <span class={detail.seconds_per_frame ? "" : "guess"} title={w("rateWord")}>
+      <span class={detail.seconds_per_frame ? "" : "guess"} title={w("label.rateWord")}>
         {rate(detail.seconds_per_frame)}
       </span>
-      <span class={detail.up ? "" : "guess"} title={w("up")}>
+      <span class={detail.up ? "" : "guess"} title={w("label.up")}>
         {skeleton.view.likely_up}
       </span>
     </div>
@@ -142,10 +142,10 @@ export function ViewerPane({ clip }: { clip: Clip }) {
     <div class="viewer">
       <div class="viewer-tools row">
         <Menu
-          label={w("view")}
+          label={w("label.view")}
           className="button quiet dense"
           items={(["persp", "front", "side", "top"] as CameraView[]).map((one) => ({
-            text: w(one),
+            text: w(`label.${one}`),
             checked: cameraView.value === one,
             run: () => {
               cameraView.value = one;
@@ -153,7 +153,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
             },
           }))}
         >
-          {w(cameraView.value)}
+          {w(`label.${cameraView.value}`)}
           <Icon name="down" />
         </Menu>
         {toggles.map((one) => (
@@ -164,18 +164,22 @@ export function ViewerPane({ clip }: { clip: Clip }) {
             aria-pressed={one === "rest" ? restShown() : shown.value[one]}
             onClick={() => clipActions.toggle(one)}
           >
-            {w(one === "names" ? "jointNames" : one === "rest" ? "restPose" : one)}
+            {w(one === "names" ? "label.jointNames" : one === "rest" ? "label.restPose" : `label.${one}`)}
           </button>
         ))}
         <span class="grow" />
         {passport}
         <Menu
-          label={w("picture")}
+          label={w("button.picture")}
           className="button quiet icon dense"
           side="right"
           items={[
-            { text: w("picture"), detail: "PNG", run: () => stage.current && void savePicture(stage.current, clip) },
-            { text: w("film"), detail: "WebM", run: () => stage.current && void saveFilm(stage.current, clip) },
+            {
+              text: w("button.picture"),
+              detail: "PNG",
+              run: () => stage.current && void savePicture(stage.current, clip),
+            },
+            { text: w("button.film"), detail: "WebM", run: () => stage.current && void saveFilm(stage.current, clip) },
           ]}
         >
           <Icon name="more" />
@@ -185,7 +189,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
         ref={host}
         class="stage"
         role="img"
-        aria-label={w("viewerWords", { name: detail.name, frame: player.frame.peek() + 1, n: clip.frames })}
+        aria-label={w("label.viewerWords", { name: detail.name, frame: player.frame.peek() + 1, n: clip.frames })}
         tabIndex={0}
         onPointerDownCapture={(event) => {
           press.current = place(event);
@@ -232,9 +236,9 @@ export function ViewerPane({ clip }: { clip: Clip }) {
         }}
       >
         {noWebgl !== null && <Trouble error={noWebgl} />}
-        {clip.frames === 0 && <div class="empty">{w("noFrames")}</div>}
+        {clip.frames === 0 && <div class="empty">{w("help.noFrames")}</div>}
         <span class="grid-label dim">
-          {w("gridOf", { size: metresText(grid) })}
+          {w("label.gridOf", { size: metresText(grid) })}
           {!skeleton.unitKnown && <span class="guess" />}
         </span>
       </div>
