@@ -53,6 +53,7 @@ class FormatInfo(BaseModel):
         description="Unit that programs take its numbers for where the document states none; empty: they take none"
     )
     reads: bool = Field(True, description="Whether it can be uploaded")
+    takes: bool = Field(False, description="Whether one of its files may hold several clips")
     extensions: list[str] = Field([], description="How files end that are read; a file is recognised by its content")
     writes: bool = Field(True, description="Whether it can be exported: USD where the server has the extra `usd`")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib.util import find_spec
 
 from mcml.formats import NEEDED, READERS, UNSUPPORTED, WRITERS
+from mcml.formats.format import TakesReader
 from mcml.language import joint_names, motion_names
 from mcml.language.elements import to_head
 from mcml.motion.kinematics import rest_positions
@@ -56,6 +57,7 @@ def _describe_format(name: str) -> FormatInfo:
         needs=[] if writer is None else sorted(writer.needs),
         assumes="" if writer is None else writer.assumes,
         reads=reader is not None,
+        takes=isinstance(reader, TakesReader),
         extensions=endings,
         writes=writer is not None and find_spec(NEEDED.get(name, "mcml")) is not None,
     )

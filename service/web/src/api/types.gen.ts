@@ -2816,6 +2816,8 @@ export interface components {
             assumes: string;
             /** @default true */
             reads: boolean;
+            /** @default false */
+            takes: boolean;
             /** @default [] */
             extensions: string[];
             /** @default true */

@@ -2,6 +2,8 @@
 import { vi } from "vitest";
 import { formats, type Format } from "../state/session/formats";
 
+const part = (name: string) => ({ name, title: name, extensions: [`.${name}`] });
+
 const format = (
   name: string,
   label: string,
@@ -11,17 +13,18 @@ const format = (
   name,
   title: label,
   label,
-  parts: [{ name, title: label, extensions: [`.${name}`] }],
+  parts: [{ ...part(name), title: label }],
   convention: "any",
   bodies: holds !== "markers",
   markers: holds !== "bodies",
   needs: ["frame_time"],
   assumes: "",
   reads: true,
+  takes: false,
+  extensions: (more.parts ?? [part(name)]).flatMap((one) => one.extensions),
   writes: true,
   ...more,
 });
-const part = (name: string) => ({ name, title: name, extensions: [`.${name}`] });
 
 export const LISTED: Format[] = [
   format("bvh", "BVH", "bodies"),
@@ -30,6 +33,7 @@ export const LISTED: Format[] = [
   format("c3d", "C3D", "markers"),
   format("trc", "TRC", "markers", { needs: ["frame_time", "unit"] }),
   format("glb", "glTF", "both", { assumes: "m", reads: false }),
+  format("film", "Film", "bodies", { takes: true, writes: false }),
   format("usd", "USD", "both", { assumes: "cm", reads: false, writes: false }),
   format("tomorrow", "Tomorrow's", "both", { assumes: "cm" }),
   format("mcml", "MCML", "both", { needs: [] }),

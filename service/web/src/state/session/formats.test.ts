@@ -27,9 +27,10 @@ describe("formats of the server", () => {
     );
     expect(["a.BVH", "a.tomorrow", "a.amc", "a.zip"].map(isRead)).toEqual([true, true, true, true]);
     expect(["a.glb", "a.txt", "bvh"].map(isRead)).toEqual([false, false, false]);
-    expect(["a.BVH", "a.tomorrow", "a.amc", "a.zip", "a.glb"].map(isOneClip)).toEqual([
+    expect(["a.BVH", "a.tomorrow", "a.film", "a.amc", "a.zip", "a.glb"].map(isOneClip)).toEqual([
       true,
       true,
+      false,
       false,
       false,
       false,

@@ -55,4 +55,5 @@ export function readExtensions(): string[] {
 export const isRead = (name: string): boolean => ends(name, readExtensions());
 
 /** Whether a file of this name is one clip by itself. */
-export const isOneClip = (name: string): boolean => ends(name, extensionsOf(formats().filter(isOneFile)));
+export const isOneClip = (name: string): boolean =>
+  ends(name, extensionsOf(formats().filter((one) => isOneFile(one) && !one.takes)));
