@@ -63,9 +63,10 @@ def open_session(
     request: SessionRequest = NOTHING_SAID,
     authorization: Annotated[str | None, Header(description="Bearer and a token", examples=["Bearer mcml_0"])] = None,
 ) -> SessionOpened:
-    """Exchange a name and password, a token, or the code of a link or an invitation for a session cookie, valid for
-    some hours. The token is in the body, or in `Authorization`. Writes with the cookie need the same `Origin`. Revoking
-    the token ends the session.
+    """Exchange credentials (name and password, token, or code of a link or invitation) for a session cookie.
+
+    The cookie is valid for some hours. The token is in the body, or in `Authorization`. Writes with the cookie need the
+    same `Origin`. Revoking the token ends the session.
     """
     scheme, _, credential = (authorization or "").partition(" ")
     if request.token is None and scheme.lower() == "bearer":

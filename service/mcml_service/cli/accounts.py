@@ -51,7 +51,7 @@ def add(name: Name, role: RoleOption = "editor", database: DatabaseOption = None
 
 
 def password(name: Name, database: DatabaseOption = None) -> None:
-    """Give an account of a store on this machine another password, if it was forgotten; its sessions end."""
+    """Reset the password of an account of a local store, if it was forgotten; its sessions end."""
     from mcml_service.passwords import hash_password
 
     store = open_database(choose_settings(database))
@@ -104,13 +104,13 @@ def share(
 
 
 def close(name: Name, database: DatabaseOption = None, server: ServerOption = None) -> None:
-    """Close an account: it opens nothing from then on, nor do its tokens."""
+    """Close an account: it and its tokens lose access."""
     open_client(database, server).call("change_account", name=name, change={"closed": True})
     console.print(f"{name} is closed")
 
 
 def reopen(name: Name, database: DatabaseOption = None, server: ServerOption = None) -> None:
-    """Open a closed account again."""
+    """Reopen a closed account."""
     open_client(database, server).call("change_account", name=name, change={"closed": False})
     console.print(f"{name} is open")
 

@@ -56,7 +56,7 @@ def export(
     database: DatabaseOption = None,
     server: ServerOption = None,
 ) -> None:
-    """Write documents as files of any format. Two of one name become two files, the second with the end of its id."""
+    """Export documents to any format. With equal names, the second file gets the end of its id."""
     write_to_the_end()
     client = open_client(database, server)
     documents = resolve_documents(client, ids, project, motion_name, xpath)

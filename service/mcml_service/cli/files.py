@@ -75,7 +75,7 @@ def validate(
     paths: Annotated[list[Path], typer.Argument(help="Files of any format, MCML or motion capture")],
     as_json: JsonOption = False,
 ) -> None:
-    """Check files: MCML against mcml.dtd and the rules beyond it, other formats against theirs."""
+    """Check files: MCML against mcml.dtd and further rules, other formats against their specifications."""
     settings = choose_settings()
     with ExitStack() as stack:
         files = stack.enter_context(opened_files(paths))

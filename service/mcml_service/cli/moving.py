@@ -17,13 +17,13 @@ Project: TypeAlias = Annotated[str, typer.Argument(help="Name of the project")]
 
 
 def archive(project: Project, database: DatabaseOption = None, server: ServerOption = None) -> None:
-    """Let nothing in a project change from now on."""
+    """Archive a project: it becomes read-only."""
     open_client(database, server).call("change_project", project=project, change={"archived": True})
     console.print(f"{project} is archived")
 
 
 def open_(project: Project, database: DatabaseOption = None, server: ServerOption = None) -> None:
-    """Let an archived project change again."""
+    """Open an archived project for changes."""
     open_client(database, server).call("change_project", project=project, change={"archived": False})
     console.print(f"{project} is open")
 
@@ -68,7 +68,7 @@ def export(
     database: DatabaseOption = None,
     server: ServerOption = None,
 ) -> None:
-    """Write a whole project with every revision as one file."""
+    """Export a whole project with every revision as one file."""
     answer = open_client(database, server).call("export_project", project=project)
     target = file or Path(answer.name or f"{project}.project.zip")
     write_file(target, answer.blocks, force=force)
@@ -81,7 +81,7 @@ def import_(
     database: DatabaseOption = None,
     server: ServerOption = None,
 ) -> None:
-    """Make a project of such a file, with every revision, or nothing at all."""
+    """Import a project from an exported file, with every revision, or not at all."""
     with file.open("rb") as stream:
         made = open_client(database, server).call("import_project", file=SourceFile(file.name, stream), name=name)
     console.print(f"{made.project}: {made.documents} documents")

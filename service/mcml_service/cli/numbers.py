@@ -43,7 +43,7 @@ def numbers(
     database: DatabaseOption = None,
     server: ServerOption = None,
 ) -> None:
-    """Frames of a document as a table: channels, and quantities of the body in metres, seconds and degrees."""
+    """Export frames of a document as a table: channels, and quantities of the body in metres, seconds and degrees."""
     form = "csv" if output is None else output.suffix.removeprefix(".")
     if form not in _FORMS:
         raise RequestError(

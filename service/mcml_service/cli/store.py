@@ -140,7 +140,7 @@ def token_add(
     project: Annotated[list[str] | None, typer.Option(help="Where alone it opens something; may be repeated")] = None,
     database: DatabaseOption = None,
 ) -> None:
-    """Make a token. It is shown once."""
+    """Create a token. It is shown only once."""
     expires = None
     if days:
         expires = now(timedelta(days=days))
@@ -170,7 +170,7 @@ def token_list(database: DatabaseOption = None, as_json: JsonOption = False) -> 
 
 
 def token_revoke(name: Annotated[str, typer.Argument(help="Token")], database: DatabaseOption = None) -> None:
-    """Make a token useless at once."""
+    """Revoke a token immediately."""
     with open_database(choose_settings(database)).write() as tx:
         tx.tokens.remove(name)
     console.print(f"revoked {name}")

@@ -19,7 +19,7 @@ def add(
     database: DatabaseOption = None,
     server: ServerOption = None,
 ) -> None:
-    """Have a server tell an address of events. The secret that messages are signed with is shown once."""
+    """Add a webhook, to which a server sends events. The secret for its signatures is shown only once."""
     asked = WebhookRequest.model_validate({"url": url, "project": project, "kinds": kind or []})
     made = open_client(database, server).call("add_webhook", request=asked)
     print(made.secret)

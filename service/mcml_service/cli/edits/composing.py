@@ -45,7 +45,7 @@ def compose(
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Make a document of frames of others, with transitions between them."""
+    """Compose a new document from frames of others, with transitions between them."""
     request = ComposeRequest.model_validate(
         {
             "segments": [_segment(text) for text in segments],
@@ -102,7 +102,7 @@ def retarget(
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Bring a motion, or all that a selection finds, onto the skeleton of another document, as new documents."""
+    """Retarget a motion, or all motions of a selection, to the skeleton of another document, as new documents."""
     write_to_the_end()
     client = open_client(database, server)
     selection = {"project": all_of, "motion_name": motion_name, "xpath": xpath}

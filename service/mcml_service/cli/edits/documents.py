@@ -42,7 +42,7 @@ def delete(
     database: DatabaseOption = None,
     server: ServerOption = None,
 ) -> None:
-    """Hide documents. Nothing is lost: `mcml restore ID` brings one back."""
+    """Delete documents. They are only hidden: `mcml restore ID` restores one."""
     write_to_the_end()
     client = open_client(database, server)
     documents = resolve_documents(client, ids, project, motion_name, xpath)
@@ -65,7 +65,7 @@ def rename(
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Give a document another name."""
+    """Rename a document."""
     write_to_the_end()
     client = open_client(database, server)
     change = {"name": name, "message": message}

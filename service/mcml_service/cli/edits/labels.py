@@ -31,7 +31,7 @@ def label(
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Name frames of a document."""
+    """Label frames of a document."""
     write_to_the_end()
     client = open_client(database, server)
     document = client.call("get_document", id=id_of(client, id))

@@ -43,7 +43,7 @@ def apply(
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Give joints the names that an import would give them now, each document as a revision that undo takes back.
+    """Apply the joint names that an import would give now; each changed document gets a revision.
 
     All documents, unless some are named or chosen. With --dry-run documents whose joints would change alike, as those
     of one rig do, are listed together.
@@ -125,7 +125,7 @@ def vocabulary(
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """The motion names that a project agrees on, which the studio offers first; with names, change them."""
+    """List the vocabulary of a project, which the studio suggests first; with names, change it."""
     from mcml.language.motion_names import canonical
 
     client = open_client(database, server)
