@@ -67,7 +67,7 @@ from mcml_schemas.querying.saved import (
 )
 from mcml_schemas.querying.search import SearchAnswer, SearchRequest
 from mcml_schemas.retarget import Mapping, MappingPage, Retargeted, RetargetMany, RetargetRequest, SavedMapping
-from mcml_schemas.revisions import Difference
+from mcml_schemas.revisions import Difference, FileReplaced
 from mcml_schemas.selections import CopiedDocuments, ManyChanges, ManyCopies, ManyDocuments
 from mcml_schemas.skeletons import SkeletonView
 from mcml_schemas.team.accounts import (
@@ -209,6 +209,19 @@ class Operations:
         progress: FileProgress | None = None,
     ) -> InspectResult:
         """Preview an import: the clips, units, rates and joint names that these files contain."""
+    def replace_file(
+        self,
+        *,
+        id: str,
+        file: list[SourceFile],
+        encoding: str | None = ...,
+        take: str | None = ...,
+        rate: float | None = ...,
+        dry_run: bool | None = ...,
+        if_match: str | None = ...,
+        progress: FileProgress | None = None,
+    ) -> FileReplaced:
+        """Replace the frames of a document by those of a new file."""
     def change_document(
         self,
         *,

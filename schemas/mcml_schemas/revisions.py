@@ -96,3 +96,39 @@ class Difference(BaseModel):
     labels_removed: list[LabelDifference]
     labels_added: list[LabelDifference]
     bones: list[BoneDifference] = Field(description="Samples that changed, a bone at a time")
+
+
+class LargestChange(BaseModel):
+    """The number that differs most, in the unit of the document."""
+
+    bone: str
+    channel: str
+    frame: int
+    before: float
+    after: float
+
+
+class FileReplaced(BaseModel):
+    """How a new file differs from the document whose frames it replaces."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {
+                "revision": 3,
+                "frames": 301,
+                "frames_before": 300,
+                "first": 120,
+                "last": 301,
+                "joints": ["left_hand"],
+                "largest": {"bone": "left_hand", "channel": "Rx", "frame": 130, "before": 45.2, "after": 51.0},
+            }
+        )
+    )
+
+    revision: int = Field(description="The current revision: the new one, unless nothing differs or `dry_run` is true")
+    frames: int
+    frames_before: int
+    first: int | None = Field(None, description="First frame that differs, from 1")
+    last: int | None = Field(None, description="Last frame that differs")
+    joints: list[str] = Field([], description="Joints whose numbers differ in frames that both have")
+    largest: LargestChange | None = None

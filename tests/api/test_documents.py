@@ -331,3 +331,20 @@ def test_what_a_target_cannot_hold_is_said(client: TestClient) -> None:
     answer = client.get(f"{API}/documents/{uuid}/export", params={"format": "bvh", "frame_time": "0.01"})
     assert "limits" in answer.headers["x-mcml-notices"]
     assert client.get(f"{API}/documents/{uuid}/export", params={"format": "asf"}).headers.get("x-mcml-notices") is None
+
+
+def test_a_new_file_replaces_the_frames_over_http(client: TestClient) -> None:
+    old, new = bvh(20), bvh(25)
+    uuid = upload(client, {"a.bvh": old})["documents"][0]["id"]  # type: ignore[index]
+    address = f"/api/v1/documents/{uuid}/file"
+    looked = client.put(address, files={"file": ("b.bvh", new)}, data={"dry_run": "true"})
+    assert looked.status_code == 200
+    assert (looked.json()["frames_before"], looked.json()["frames"], looked.json()["revision"]) == (20, 25, 1)
+    assert client.put(address, files={"file": ("b.bvh", new)}).status_code == 428
+    made = client.put(address, files={"file": ("b.bvh", new)}, headers={"If-Match": '"1"'})
+    assert (made.status_code, made.json()["revision"]) == (200, 2)
+    assert client.get(f"/api/v1/documents/{uuid}/export?format=bvh").content.count(b"\n") > old.count(b"\n")
+    assert client.get(f"/api/v1/documents/{uuid}/export?format=original").content == old
+    refused = client.put(address, files={"file": ("c.bvh", bvh(3, names=("Root",)))}, headers={"If-Match": '"2"'})
+    assert refused.status_code == 409
+    assert "joints" in refused.json()["detail"]

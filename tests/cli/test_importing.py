@@ -158,3 +158,15 @@ def test_what_is_stored_is_derived_afterwards(mcml: Mcml, folder: Path, monkeypa
     assert json.loads(mcml("db", "derive", "--json")[1]) == {"derived": 0, "failed": 0, "columns": 0, "groups": 0}, (
         "those were, that were skipped"
     )
+
+
+def test_a_new_file_replaces_the_frames_of_a_document(mcml: Mcml, tmp_path: Path) -> None:  # noqa: F811
+    old, new = tmp_path / "a.bvh", tmp_path / "b.bvh"
+    old.write_bytes(bvh(20))
+    new.write_bytes(bvh(25))
+    uuid = json.loads(mcml("import", str(old), "--json", "--no-derive")[1])["documents"][0]["id"]
+    assert "unchanged" in "".join(mcml("import", str(old), "--as", uuid)[1:])
+    told = "".join(mcml("import", str(new), "--as", uuid)[1:])
+    assert "revision 2: frames" in told
+    assert "25 in all" in told
+    assert json.loads(mcml("import", str(old), "--as", uuid, "--json")[1])["frames"] == 20

@@ -12,7 +12,9 @@ from rich.text import Text
 from mcml.client.choosing import id_of
 from mcml.client.client import Client
 from mcml.client.folders import import_paths
+from mcml.files.on_disk import opened_files
 from mcml_schemas.documents import ImportedDocument
+from mcml_schemas.revisions import FileReplaced
 from mcml_service.cli.deriving import FEW, derive_stored, tell_calibrations, tell_origins
 from mcml_service.cli.terminal.bar import Bar
 from mcml_service.cli.terminal.opening import (
@@ -50,6 +52,9 @@ def import_(
     frame_time: Annotated[str | None, typer.Option(help="Seconds a frame, where the files do not say")] = None,
     take: Annotated[str | None, typer.Option(help="Motion of a file that holds several; default all")] = None,
     rate: Annotated[float | None, typer.Option(min=0.001, help="Frames a second at which keys are sampled")] = None,
+    replacing: Annotated[
+        str | None, typer.Option("--as", help="Document whose frames the file replaces, as a new revision")
+    ] = None,
     skeleton: Annotated[
         str | None, typer.Option(help="Stored document whose ASF to use for an AMC without one")
     ] = None,
@@ -71,6 +76,10 @@ def import_(
     """Store files. Existing clips are skipped, so an interrupted import can be repeated."""
     write_to_the_end()
     client = open_client(database, server)
+    if replacing is not None:
+        stated = {"encoding": encoding, "take": take, "rate": rate}
+        _replace(client, id_of(client, replacing), paths, stated, as_json=as_json)
+        return
     options: dict[str, Any] = {
         "project": project,
         "name": name,
@@ -114,6 +123,22 @@ def import_(
     _derive(client, documents, no_derive=no_derive, quiet=as_json)
     if failed:
         raise typer.Exit(3 if stored else 1)
+
+
+def _replace(client: Client, document: str, paths: list[Path], stated: dict[str, Any], *, as_json: bool) -> None:
+    """Replace the frames of a document by those of a file, and print the difference."""
+    with opened_files(paths) as files:
+        made: FileReplaced = client.call("replace_file", id=document, file=files, if_match="*", **stated)
+    if as_json:
+        print_json(made.model_dump())
+    elif made.first is None:
+        console.print("unchanged: the file has the frames of the document")
+    else:
+        console.print(f"revision {made.revision}: frames {made.first} to {made.last} replaced, {made.frames} in all")
+        if made.largest is not None:
+            change = made.largest
+            text = f"{change.bone} {change.channel} in frame {change.frame}: {change.before:g} → {change.after:g}"
+            console.print(f"         {len(made.joints)} joints differ, most of all {text}")
 
 
 def _derive(client: Client, documents: list[ImportedDocument], *, no_derive: bool, quiet: bool) -> None:

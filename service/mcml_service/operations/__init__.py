@@ -30,6 +30,8 @@ _ROWS = [
     Operation("inspect_files", "POST /inspect", READS, READ,
               "Preview an import: the clips, units, rates and joint names that these files contain.", "uploads",
               queued=True),
+    Operation("replace_file", "PUT /documents/{id}/file", WRITES, EDIT,
+              "Replace the frames of a document by those of a new file.", "uploads", queued=True),
     Operation("change_document", "PATCH /documents/{id}", WRITES, EDIT,
               "Change name, project, description, properties, unit, up axis or frame time.", "documents"),
     Operation("delete_document", "DELETE /documents/{id}", WRITES, EDIT,

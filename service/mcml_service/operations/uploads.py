@@ -12,9 +12,10 @@ from mcml.formats.format import SourceFile
 from mcml_schemas.documents import FileProblem, InspectResult, UploadResult
 from mcml_schemas.examples import DOCUMENT, MOTION_NAME, PROJECT
 from mcml_schemas.frame_time import FrameTime
+from mcml_schemas.revisions import FileReplaced
 from mcml_service.actions.checking.describe_problem import problem_of
 from mcml_service.actions.importing.upload_files import upload_files
-from mcml_service.operations.arguments import Shown
+from mcml_service.operations.arguments import DocumentId, IfMatch, Shown, find_for_write
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import Upload
 
@@ -160,3 +161,26 @@ def inspect_files(
     return InspectResult(
         clips=clips, problems=[FileProblem(file=name, problem=problem_of(error)) for name, error in problems]
     )
+
+
+def replace_file(
+    call: Call,
+    id: DocumentId,
+    file: Files,
+    encoding: Encoding = None,
+    take: Take = None,
+    rate: Rate = None,
+    dry_run: Annotated[bool, Field(description="Only compare, change nothing")] = False,
+    if_match: IfMatch = None,
+) -> FileReplaced:
+    """The file has the joints and the frame rate of the document. Frames that differ are replaced, as one revision;
+    labels keep their frame numbers. The first uploaded file stays as `format=original`.
+    """
+    from mcml_service.actions.importing.replace_motion import read_motion, replace_motion
+
+    new = read_motion(file, ImportOptions(encoding=encoding, take=take, rate=rate), call.settings.file_limits)
+    if dry_run:
+        with call.database.read() as tx:
+            return replace_motion(tx, tx.documents.get(id), new, dry_run=True)
+    with call.database.write(call.author) as tx:
+        return replace_motion(tx, find_for_write(tx, id, if_match), new)

@@ -78,7 +78,7 @@ def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping) -> None:
         else:
             block = _adjust(whole, edit, strength)
         block = rows_of(block, first - start, last - start + 1)
-    splice_frames(tx, stored, first, last - first + 1, [_as_bones(tx, stored, whole, block)], renumber=False)
+    splice_frames(tx, stored, first, last - first + 1, [number_bones(tx, stored, whole, block)], renumber=False)
 
 
 def _rate(stored: StoredDocument) -> float:
@@ -103,7 +103,7 @@ def _resample(tx: Transaction, stored: StoredDocument, edit: ResampleFrames) -> 
     old, new = 1 / _rate(stored), 1 / edit.rate
     whole = read_whole(tx, stored)
     made = resampled(whole.head.skeleton, whole.block, old, new, whole.reading)
-    splice_frames(tx, stored, 1, stored.frames, [_as_bones(tx, stored, whole, made.block)])
+    splice_frames(tx, stored, 1, stored.frames, [number_bones(tx, stored, whole, made.block)])
     current = tx.documents.get(stored.uuid)
     if header_of(tx.heads.document(current)).first("dataframe_rate") is not None:
         apply_change(tx, current, "/mcml/header/dataframe_rate", Change({}, f"{edit.rate:.15g}"))
@@ -112,7 +112,7 @@ def _resample(tx: Transaction, stored: StoredDocument, edit: ResampleFrames) -> 
         apply_change(tx, current, "/mcml/motion/frametime", Change({}, repr(new)))
 
 
-def _as_bones(tx: Transaction, stored: StoredDocument, whole: Whole, block: FrameBlock) -> FrameBlock:
+def number_bones(tx: Transaction, stored: StoredDocument, whole: Whole, block: FrameBlock) -> FrameBlock:
     """The block with bones as the store numbers them."""
     numbers = {name: number for number, name in tx.heads.bone_names(stored.key).items()}
     bones = [numbers[name] for name in whole.names]

@@ -68,6 +68,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/documents/{id}/file": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put: operations["replace_file"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/documents/{id}/restore": {
         parameters: {
             query?: never;
@@ -1969,6 +1985,14 @@ export interface components {
             bpm?: number | null;
             beats_per_bar?: number | null;
         };
+        Body_replace_file: {
+            file: string[];
+            encoding?: string | null;
+            take?: string | null;
+            rate?: number | null;
+            /** @default false */
+            dry_run: boolean;
+        };
         Body_search_file: {
             file: string[];
             /** @default 1 */
@@ -2797,6 +2821,16 @@ export interface components {
             file: string;
             problem: components["schemas"]["Problem"];
         };
+        FileReplaced: {
+            revision: number;
+            frames: number;
+            frames_before: number;
+            first?: number | null;
+            last?: number | null;
+            /** @default [] */
+            joints: string[];
+            largest?: components["schemas"]["LargestChange"] | null;
+        };
         FootSliding: {
             foot: string;
             stances: number;
@@ -3120,6 +3154,13 @@ export interface components {
             name: string;
             first: number;
             last: number;
+        };
+        LargestChange: {
+            bone: string;
+            channel: string;
+            frame: number;
+            before: number;
+            after: number;
         };
         Layer: {
             document: string;
@@ -4634,6 +4675,57 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["InspectResult"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    replace_file: {
+        parameters: {
+            query?: never;
+            header?: {
+                "if-match"?: string | null;
+            };
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "multipart/form-data": components["schemas"]["Body_replace_file"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FileReplaced"];
                 };
             };
             503: {
