@@ -16,7 +16,7 @@ from urllib.parse import unquote
 
 import numpy as np
 
-from mcml.errors import FormatError, UnsupportedError
+from mcml.errors import FormatError, LimitError, UnsupportedError
 from mcml.motion.skeleton import Array
 
 DAMAGED: Final = "Send the file whole, or save it again."
@@ -27,6 +27,8 @@ _LARGEST: Final = {5120: 127, 5121: 255, 5122: 32767, 5123: 65535}
 _MOST_VALUES: Final = 1 << 28
 
 
+MOST_TEXT: Final = 128 << 20
+"""Bytes of JSON: parsed, they take several times as many."""
 BUFFER: Final = ".bin"
 """How files with the numbers of a glTF end."""
 _URI = re.compile(rb'"uri"\s*:\s*"((?!data:)[^"]{1,1000})"')
@@ -196,6 +198,11 @@ def _split(data: bytes) -> tuple[bytes, bytes]:
 
 
 def _parse(text: bytes) -> dict[str, Any]:
+    if len(text) > MOST_TEXT:
+        raise LimitError(
+            f"the JSON of the glTF file has {len(text) >> 20} MiB, the limit is {MOST_TEXT >> 20}",
+            remedy="Save it as GLB, whose numbers are not text.",
+        )
     try:
         found = json.loads(text.decode("utf-8-sig").rstrip("\0 "))
     except (ValueError, RecursionError):

@@ -12,11 +12,12 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation, Slerp
 
-from mcml.errors import FormatError, McmlError, UnsupportedError
+from mcml.errors import FormatError, LimitError, McmlError, UnsupportedError
 from mcml.files.gather_files import gathered
 from mcml.files.limits import FileLimits
 from mcml.formats import READERS, WRITERS, find_format
 from mcml.formats.format import SourceFile
+from mcml.formats.gltf import document
 from mcml.formats.gltf.tracks import Track, find_rate
 from mcml.motion.skeleton import Array
 from mcml.testing import frames
@@ -199,6 +200,13 @@ def test_what_is_wrong_is_told(change: dict[str, object], message: str) -> None:
     model, binary = model_of([(1, "rotation", "LINEAR", TIMES, TURNS.as_quat())])
     with pytest.raises((FormatError, UnsupportedError), match=message):
         read_clip("glb", gltf({**model, **change}, binary))
+
+
+def test_long_text_is_refused_before_it_is_parsed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(document, "MOST_TEXT", 1000)
+    model, binary = model_of([(1, "rotation", "LINEAR", TIMES, TURNS.as_quat())])
+    with pytest.raises(LimitError, match="the JSON of the glTF file"):
+        read_clip("glb", gltf(model, binary, form="data"))
 
 
 def test_compressed_animations_are_refused_by_name() -> None:
