@@ -21,6 +21,7 @@ from mcml.files.limits import FileLimits
 from mcml.files.zip_names import codec_of, member_names
 from mcml.formats import READERS
 from mcml.formats.format import SourceFile
+from mcml.formats.zip_entries import header_of_first_entry
 
 COPY_BYTES: Final = 1 << 20
 MOST_DEPTH: Final = 3
@@ -95,7 +96,7 @@ def _opened(
     inside: bool,
 ) -> Iterator[SourceFile]:
     """The file, or those in it. inside: whether it is a member of a zip or a tar."""
-    kind = _kind(file.stream)
+    kind = _kind(file)
     if kind is None:
         yield file
         return
@@ -115,16 +116,23 @@ def _opened(
         yield from _opened(member, budget, depth + 1, stack, problems, inside=inside or kind != "gz")
 
 
-def _kind(stream: BinaryIO) -> str | None:
-    stream.seek(0)
-    head = stream.read(512)
-    stream.seek(0)
+def _kind(file: SourceFile) -> str | None:
+    file.stream.seek(0)
+    head = file.stream.read(512)
+    file.stream.seek(0)
     if head.startswith((b"PK\x03\x04", b"PK\x05\x06")):
-        # Some formats are zips themselves.
-        return None if any(reader.sniff("", head) for reader in READERS.values()) else "zip"
+        return None if _is_format_in_zip(file.name, head) else "zip"
     if head.startswith(b"\x1f\x8b"):
         return "gz"
     return "tar" if head[257:262] == b"ustar" else None
+
+
+def _is_format_in_zip(name: str, head: bytes) -> bool:
+    """Whether the zip is one file of a format, told by the header of its first entry alone: what follows the header may
+    be the text of another format, where the entry is not compressed.
+    """
+    header = header_of_first_entry(head)
+    return not name.lower().endswith(".zip") and any(reader.sniff("", header) for reader in READERS.values())
 
 
 def _members(

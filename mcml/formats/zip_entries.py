@@ -18,7 +18,15 @@ class Entry:
 
 def first_entry(first_bytes: bytes) -> Entry | None:
     """The first entry of a zip by its local header (APPNOTE 6.3, section 4.3.7); None for anything else."""
-    if len(first_bytes) < 30 or not first_bytes.startswith(_LOCAL_HEADER):
+    header = header_of_first_entry(first_bytes)
+    if not header:
         return None
-    method, length = struct.unpack_from("<H", first_bytes, 8)[0], struct.unpack_from("<H", first_bytes, 26)[0]
-    return Entry(first_bytes[30 : 30 + length].decode("utf-8", "replace"), method == 0)
+    method = struct.unpack_from("<H", header, 8)[0]
+    return Entry(header[30:].decode("utf-8", "replace"), method == 0)
+
+
+def header_of_first_entry(first_bytes: bytes) -> bytes:
+    """The local header of the first entry of a zip, up to the end of its name; empty for anything else."""
+    if len(first_bytes) < 30 or not first_bytes.startswith(_LOCAL_HEADER):
+        return b""
+    return first_bytes[: 30 + struct.unpack_from("<H", first_bytes, 26)[0]]

@@ -13,7 +13,7 @@ from fastapi.testclient import TestClient
 
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from tests.builders import ASF, amc, bvh, one_kind, served
+from tests.builders import ASF, TRC, amc, bvh, one_kind, served
 
 API = "/api/v1"
 
@@ -22,9 +22,9 @@ def send(client: TestClient, name: str, content: bytes) -> Any:
     return client.post(f"{API}/documents", files=[("file", (name, content))])
 
 
-def zipped(files: dict[str, bytes]) -> bytes:
+def zipped(files: dict[str, bytes], method: int = zipfile.ZIP_DEFLATED) -> bytes:
     buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+    with zipfile.ZipFile(buffer, "w", method) as archive:
         for name, content in files.items():
             archive.writestr(name, content)
     return buffer.getvalue()
@@ -72,6 +72,17 @@ def test_archives_are_read(client: TestClient, name: str, content: bytes, names:
     assert answer.status_code == 201, answer.text
     assert sorted(item["name"] for item in answer.json()["documents"]) == names
     assert answer.json()["problems"] == []
+
+
+@pytest.mark.parametrize("files", [{"walk.bvh": bvh(2)}, {"leg.asf": ASF, "leg.amc": amc(2)}, {"hand.trc": TRC}])
+@pytest.mark.parametrize("name", ["all.zip", "all"])
+@one_kind
+def test_archives_that_are_not_compressed_are_read(client: TestClient, name: str, files: dict[str, bytes]) -> None:
+    """The text of their first file stands near the beginning, where formats are recognised."""
+    answer = send(client, name, zipped(files, zipfile.ZIP_STORED))
+    assert answer.status_code == 201, answer.text
+    assert answer.json()["problems"] == []
+    assert [item["name"] for item in answer.json()["documents"]] == [list(files)[-1].partition(".")[0]]
 
 
 @pytest.mark.parametrize(
@@ -160,12 +171,7 @@ def test_names_of_files(client: TestClient, disposition: bytes, name: str) -> No
 @pytest.mark.parametrize(
     ("content", "title", "remedy"),
     [
-        (b"Kaydara FBX Binary  \0\x1a\0", "FBX", "Blender"),
-        (b"; FBX 7.4.0 project file\n", "FBX", "Blender"),
         (b"Vocaloid Motion Data 0002\0\0", "VMD", "MMD Tools"),
-        (b'<?xml version="1.0"?>\n<mvnx version="4">', "MVNX", "BVH or C3D"),
-        (b'{"asset": {"version": "2.0"}}', "glTF", "Blender"),
-        (b"glTF\2\0\0\0", "glTF", "Blender"),
         (b'<?xml version="1.0"?><!-- x --><COLLADA xmlns="a">', "COLLADA", "Blender"),
         (b"7z\xbc\xaf\x27\x1c\0\4", "7z", "Unpack"),
         (b"Rar!\x1a\x07\1\0", "RAR", "Unpack"),
@@ -186,3 +192,23 @@ def test_files_of_other_programs_are_named(
     assert answer.status_code in (415, 422), answer.text
     assert title in answer.json()["detail"]
     assert remedy in answer.json()["remedy"]
+
+
+@pytest.mark.parametrize(
+    ("content", "title"),
+    [
+        (b"Kaydara FBX Binary  \0\x1a\0", "FBX"),
+        (b"; FBX 7.4.0 project file\n", "FBX"),
+        (b'<?xml version="1.0"?>\n<mvnx version="4">', "MVNX"),
+        (b'{"asset": {"version": "2.0"}}', "glTF"),
+        (b"glTF\2\0\0\0", "GLB"),
+        (b"PXR-USDC\0\0", "USD"),
+    ],
+)
+@pytest.mark.parametrize("name", ["walk.bvh", "walk", "walk.zip"])
+@one_kind
+def test_damaged_files_are_named_by_their_content(client: TestClient, name: str, content: bytes, title: str) -> None:
+    answer = send(client, name, content)
+    assert answer.status_code == 422, answer.text
+    assert title in answer.json()["detail"]
+    assert answer.json()["remedy"]

@@ -72,7 +72,7 @@ class _Reading:
         joints = set(choose_joints(self.parents, bones))
         self.joints = [node for node in self.order if node in joints]
         names = [self._name(node) for node in self.joints]
-        check_joints(names, len(self.nodes), options.limits)
+        check_joints(names, len(self.nodes), options.limits, "glTF")
         # The nodes that place a joint: itself, its joints above, and nodes between the root and these.
         self.placing = self._placing()
         place = {node: index for index, node in enumerate(self.placing)}

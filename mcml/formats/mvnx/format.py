@@ -77,9 +77,11 @@ class _Reading:
                 self._parse()
             except etree.XMLSyntaxError as error:
                 line = error.position[0] if error.position else None
-                raise FormatError(f"the XML of the file is damaged or cut off (line {line})", remedy=_DAMAGED) from None
+                raise FormatError(
+                    f"the XML of the MVNX file is damaged or cut off (line {line})", remedy=_DAMAGED
+                ) from None
             found = self.found
-            check_joints(found.segments, len(found.segments), self.limits)
+            check_joints(found.segments, len(found.segments), self.limits, "MVNX")
             rate = self.options.rate or found.rate
             if not rate:
                 raise FormatError("the file states no frame rate", remedy="Say it with `rate`.")

@@ -72,10 +72,13 @@ class Scene:
     kept: object = field(default=None, repr=False)
 
 
-def check_joints(names: Sequence[str], nodes: int, limits: Limits) -> None:
-    """Raises UnsupportedError where there is no joint, LimitError where there are too many, both for bad names."""
+def check_joints(names: Sequence[str], nodes: int, limits: Limits, label: str) -> None:
+    """Raises FormatError where there is no joint, LimitError where there are too many, both for bad names.
+
+    label: of the format.
+    """
     if not names:
-        raise FormatError(f"the file has no skeleton: {nodes} nodes, none is a bone", remedy=REMEDY)
+        raise FormatError(f"the {label} file has no skeleton: {nodes} nodes, none is a bone", remedy=REMEDY)
     if len(names) > limits.joints:
         raise LimitError(f"the skeleton has {len(names)} joints, the limit is {limits.joints}", remedy="Remove joints.")
     for name in names:

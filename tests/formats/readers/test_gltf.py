@@ -189,7 +189,7 @@ def test_normalised_sparse_and_absent_numbers() -> None:
         ({"nodes": [{"children": [9]}]}, "the child 9"),
         ({"skins": [{"joints": [77]}]}, "names node 77"),
         ({"animations": []}, "a skeleton of 2 joints and no motion"),
-        ({"skins": [], "animations": []}, "has no skeleton: 3 nodes"),
+        ({"skins": [], "animations": []}, "the glTF file has no skeleton: 3 nodes"),
         ({"accessors": []}, r"no accessors\[0\]"),
         ({"bufferViews": [{"buffer": 0, "byteLength": 4}] * 2}, "ends before its elements"),
         ({"asset": {"version": "1.0"}}, "glTF 1.0 is not read"),
