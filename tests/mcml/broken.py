@@ -46,6 +46,8 @@ def rules_hold(document: bytes) -> bool:
     numbers += [(node, 1) for node in root.iter("dataframe_rate")]
     if any(len(text(node).split()) != n or not all(map(is_decimal, text(node).split())) for node, n in numbers):
         return False
+    if not all(_is_axis(text(node)) for node in root.iter("axis")):
+        return False
     for frame in frames:
         bones = [bone.get("name") for bone in frame.findall("frame_bone")]
         if len(set(bones)) != len(bones) or not {unescape(name) for name in bones} <= set(names):
@@ -58,6 +60,13 @@ def rules_hold(document: bytes) -> bool:
             ):
                 return False
     return True
+
+
+def _is_axis(text: str) -> bool:
+    """Three angles, an order, or both, or neither."""
+    words = text.split()
+    angles = len(words) >= 3 and all(map(is_decimal, words[:3]))
+    return len(words) <= (4 if angles else 1) and not (len(words) == 1 and is_decimal(words[0]))
 
 
 TAGS = ("header", "bone", "name", "frame", "frame_bone", "motion_name", "frames", "axis", "root", "nothing", "end_site")
