@@ -148,6 +148,9 @@ def request_of(operation: Operation, things: Things, word: str) -> Asked | None:
             query["xpath"] = "/mcml/motion/frame[last()]"
         if name == "put_media":
             content = {"files": {"file": ("b.mp4", b"\0\0\0\x18ftypmp42" + bytes(32))}}
+        if name == "replace_file":
+            # The file of `filled` that the document is of, with more frames.
+            content = {"files": {"file": ("new.bvh", person(0, 8))}}
         if name == "restore_document":
             path["id"] = things.stored[2]
         if name == "retarget":
