@@ -67,7 +67,7 @@ def replace_motion(tx: Transaction, stored: StoredDocument, new: NewMotion, *, d
     _check_rate(old.head, new.head)
     columns = old.head.skeleton.columns()
     before, after = in_columns(old.block, columns), in_columns(new.block, columns)
-    first, behind_old, behind_new = _changed_range(before, after)
+    first, behind_old, behind_new = _range_of_changes(before, after)
     about = _describe(stored, old, before, after)
     if behind_old == first and behind_new == first:
         return about
@@ -119,7 +119,7 @@ def _check_rate(old: ClipHead, new: ClipHead) -> None:
     )
 
 
-def _changed_range(before: Array, after: Array) -> tuple[int, int, int]:
+def _range_of_changes(before: Array, after: Array) -> tuple[int, int, int]:
     """(first, end in the old, end in the new) of the rows that differ, places from 0."""
     shared = min(len(before), len(after))
     from_start = _equal_rows(before[:shared], after[:shared])
