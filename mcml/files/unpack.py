@@ -128,8 +128,8 @@ def _kind(file: SourceFile) -> str | None:
 
 
 def _is_format_in_zip(name: str, head: bytes) -> bool:
-    """Whether the zip is one file of a format, told by the header of its first entry alone: what follows the header may
-    be the text of another format, where the entry is not compressed.
+    """Whether the zip is one file of a format, by the header of its first entry alone: an entry that is not compressed
+    follows as text, perhaps of another format.
     """
     header = header_of_first_entry(head)
     return not name.lower().endswith(".zip") and any(reader.sniff("", header) for reader in READERS.values())
