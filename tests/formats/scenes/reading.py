@@ -137,6 +137,12 @@ def expected(clip: ClipStream, metres: float = 1.0, up: str = "Y") -> np.ndarray
     return np.concatenate(found) @ (_TO_Y[up] * metres).T
 
 
+def size_of(scene: Scene, clip: ClipStream) -> float:
+    """Metres of one of the clip's units in the scene: what its header states, or what the writer guessed."""
+    root = scene.model["nodes"][len(clip.head.skeleton)]
+    return float((root.get("scale") or [1.0])[0])
+
+
 def height(positions: np.ndarray) -> float:
     """The largest extent of the body in the first frame."""
     return float(np.ptp(positions[0], axis=0).max()) or 1.0

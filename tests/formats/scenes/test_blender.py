@@ -16,7 +16,7 @@ import pytest
 from mcml.formats import WRITERS
 from mcml.motion.clip import ClipStream
 from tests.formats.scenes.clips import CLIPS, hostile, stated, told
-from tests.formats.scenes.reading import expected, height, read_glb
+from tests.formats.scenes.reading import expected, height, read_glb, size_of
 from tests.formats.test_real_files import opened
 
 SCRIPT = Path(__file__).with_name("blender_reads.py")
@@ -65,8 +65,9 @@ def compare(clips: Mapping[str, ClipStream], folder: Path) -> dict[str, float]:
 def _away(clip: ClipStream, path: Path, out: Path) -> float:
     found = np.load(out)
     said = json.loads(Path(f"{out}.json").read_text())
-    wanted = expected(clip, *told(clip))[: len(found)] @ np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])
     scene = read_glb(path.read_bytes())
+    wanted = expected(clip, size_of(scene, clip), told(clip)[1])[: len(found)]
+    wanted = wanted @ np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])
     names = [scene.model["nodes"][joint].get("name", "") for joint in scene.joints]
     assert len(said["names"]) == len(names)
     order = [said["names"].index(name) for name in names] if len(set(names)) == len(names) else range(len(names))

@@ -25,7 +25,7 @@ from tests.formats.scenes.clips import (
     told,
     without_joints,
 )
-from tests.formats.scenes.reading import Scene, expected, height, read_glb
+from tests.formats.scenes.reading import Scene, expected, height, read_glb, size_of
 from tests.formats.test_real_files import opened
 from tests.motion.bodies.made import clip_of, person
 
@@ -39,7 +39,7 @@ def compare(clip: ClipStream, metres: float = 1.0, up: str = "Y") -> float:
     clip = replace(clip, notices=[])
     scene = written(clip)
     if "calibration_unit" not in clip.head.fields:
-        metres = (scene.model["nodes"][len(clip.head.skeleton)].get("scale") or [1.0])[0]
+        metres = size_of(scene, clip)
     wanted = expected(clip, metres, up)
     found = scene.positions()
     assert [scene.model["nodes"][joint].get("name", "") for joint in scene.joints] == [
