@@ -13,7 +13,7 @@ from mcml.files.on_disk import name_of, opened_files
 from mcml.formats import READERS
 from mcml_schemas.documents import UploadResult
 
-ARCHIVES = {".zip", ".gz", ".tgz", ".tar"}
+ARCHIVES = {".zip", ".7z", ".gz", ".tgz", ".tar"}
 EXTENSIONS = {".mcml", ".xml", *ARCHIVES}.union(
     extension for format_ in READERS.values() for part in format_.parts for extension in part.extensions
 )

@@ -1,4 +1,4 @@
-"""Archives among uploaded files: zip, tar and gzip, also within each other, unpacked within limits."""
+"""Archives among uploaded files: zip, 7z, tar and gzip, also within each other, unpacked within limits."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from typing import IO, BinaryIO, Final, cast
 
 from mcml.errors import FormatError, LimitError, McmlError, Place, SpaceError, is_full
 from mcml.files.limits import FileLimits
+from mcml.files.members_7z import Member, read_members
 from mcml.files.zip_names import codec_of, member_names
 from mcml.formats import READERS
 from mcml.formats.format import SourceFile
@@ -32,7 +33,7 @@ _BROKEN = (
     *(zipfile.BadZipFile, tarfile.TarError, zlib.error, lzma.LZMAError, struct.error),
     *(RuntimeError, ValueError, OSError, EOFError),
 )
-_TITLES = {"zip": "zip", "gz": "gzip file", "tar": "tar archive"}
+_TITLES = {"zip": "zip", "7z": "7z archive", "gz": "gzip file", "tar": "tar archive"}
 
 
 @dataclass
@@ -53,7 +54,7 @@ class _Budget:
             )
 
     def spool(
-        self, member: IO[bytes] | gzip.GzipFile, compressed: int, name: str, file: SourceFile, stack: ExitStack
+        self, member: IO[bytes] | gzip.GzipFile | Member, compressed: int, name: str, file: SourceFile, stack: ExitStack
     ) -> BinaryIO:
         """Unpack a member. Sizes stated by archives may be false, so the bytes themselves are counted."""
         spool = cast(BinaryIO, stack.enter_context(tempfile.SpooledTemporaryFile(max_size=8 * COPY_BYTES)))  # noqa: SIM115
@@ -122,6 +123,8 @@ def _kind(file: SourceFile) -> str | None:
     file.stream.seek(0)
     if head.startswith((b"PK\x03\x04", b"PK\x05\x06")):
         return None if _is_format_in_zip(file.name, head) else "zip"
+    if head.startswith(b"7z\xbc\xaf\x27\x1c"):
+        return "7z"
     if head.startswith(b"\x1f\x8b"):
         return "gz"
     return "tar" if head[257:262] == b"ustar" else None
@@ -148,7 +151,7 @@ def _members(
         return [_ungzipped(file, budget, stack)]
     # Folders tell which skeleton belongs to which motion, so those of an archive within one are its own.
     folder = posixpath.splitext(file.name)[0] + "/" if inside else ""
-    found = (_unzipped if kind == "zip" else _untarred)(file, budget, stack, folder)
+    found = _OPENERS[kind](file, budget, stack, folder)
     if not found:
         raise FormatError(
             f"The {_TITLES[kind]} holds no files.", at=Place(file=file.name), remedy="Put the motion files into it."
@@ -183,6 +186,22 @@ def _untarred(file: SourceFile, budget: _Budget, stack: ExitStack, folder: str) 
             found.append((raw, budget.spool(member, min(info.size, _size(file.stream)), shown, file, stack)))
     codec = codec_of(b"\n".join(raw for raw, _ in found))
     return [SourceFile(folder + raw.decode(codec, "replace").removeprefix("./"), spool) for raw, spool in found]
+
+
+def _unpacked_7z(file: SourceFile, budget: _Budget, stack: ExitStack, folder: str) -> list[SourceFile]:
+    limits = budget.limits
+    most = max(0, limits.size - budget.size)
+    chosen = [
+        member
+        for member in read_members(file, stack, members=limits.archive_files, size=most, ratio=limits.archive_ratio)
+        if not _is_litter(member.name)
+    ]
+    budget.count(len(chosen), file)
+    size = _size(file.stream)
+    return [SourceFile(folder + member.name, budget.spool(member, size, member.name, file, stack)) for member in chosen]
+
+
+_OPENERS: Final = {"zip": _unzipped, "tar": _untarred, "7z": _unpacked_7z}
 
 
 def _ungzipped(file: SourceFile, budget: _Budget, stack: ExitStack) -> SourceFile:

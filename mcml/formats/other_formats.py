@@ -14,7 +14,6 @@ _THE_FILE: Final = "Send the motion file itself."
 _BY_BEGINNING: Final = (
     (rb"Vocaloid (Motion|Pose) Data", "VMD and VPD (MikuMikuDance)", f"{TO_BVH} The add-on MMD Tools reads it."),
     (rb"PM[XD] |Pmd\0\0\x80\x3f", "PMX and PMD (MikuMikuDance)", "Models hold no motion: send the motion as BVH."),
-    (rb"7z\xbc\xaf\x27\x1c", "7z", _UNPACK),
     (rb"Rar!\x1a\x07", "RAR", _UNPACK),
     (rb"\xfd7zXZ\0", "xz", _UNPACK),
     (rb"BZh[1-9]1AY&SY", "bzip2", _UNPACK),

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import gzip
 import io
+import struct
 import tarfile
 import zipfile
+import zlib
 from typing import Any
 
+import py7zr
 import pytest
 from fastapi.testclient import TestClient
 
@@ -41,6 +44,14 @@ def tarred(files: dict[str, bytes], **options: Any) -> bytes:
     return buffer.getvalue()
 
 
+def packed_7z(files: dict[str, bytes], password: str | None = None, **options: Any) -> bytes:
+    buffer = io.BytesIO()
+    with py7zr.SevenZipFile(buffer, "w", password=password, **options) as archive:
+        for name, content in files.items():
+            archive.writestr(content, name)
+    return buffer.getvalue()
+
+
 def _link() -> tarfile.TarInfo:
     info = tarfile.TarInfo("passwd.bvh")
     info.type, info.linkname = tarfile.SYMTYPE, "/etc/passwd"
@@ -61,6 +72,10 @@ TWO = {"one/leg.asf": ASF, "one/leg.amc": amc(2), "two/leg.asf": ASF, "two/leg.a
         ("all.zip", zipped({"in.zip": zipped({"a.bvh": bvh(2)}), "b.bvh": bvh(3)}), ["a", "b"]),
         ("all.zip", zipped({"a.bvh.gz": gzip.compress(bvh(2))}), ["a"]),
         ("all.zip", zipped({"one.zip": zipped(dict(list(TWO.items())[:2])), "two.zip": zipped(TWO)}), ["leg"] * 3),
+        ("all.7z", packed_7z({"a.bvh": bvh(2), "걷기.bvh": bvh(3), "b/.DS_Store": b"x"}), ["a", "걷기"]),
+        ("all", packed_7z({"a.bvh": bvh(2)}, filters=[{"id": py7zr.FILTER_PPMD, "order": 6, "mem": 24}]), ["a"]),
+        ("legs.7z", packed_7z(TWO), ["leg", "leg"]),
+        ("in.zip", zipped({"one.7z": packed_7z(dict(list(TWO.items())[:2])), "b.bvh": bvh(3)}), ["b", "leg"]),
         ("legs.tar.gz", gzip.compress(tarred(TWO)), ["leg", "leg"]),
         ("korean.tar", tarred({"걷기.bvh": bvh(2)}, encoding="cp949", format=tarfile.GNU_FORMAT), ["걷기"]),
     ],
@@ -96,6 +111,11 @@ def test_archives_that_are_not_compressed_are_read(client: TestClient, name: str
         ("cut.gz", gzip.compress(bvh(2))[:-20]),
         ("cut.tar.gz", gzip.compress(tarred({"a.bvh": bvh(900)})[:4000])),
         ("cut.zip", zipped({"a.bvh": bvh(2)})[:-30]),
+        ("cut.7z", packed_7z({"a.bvh": bvh(900)})[:-30]),
+        ("head.7z", b"7z\xbc\xaf\x27\x1c\0\4"),
+        ("broken.7z", packed_7z({"a.bvh": bvh(900)}).replace(b"\x5d", b"\x5c")),
+        ("empty.7z", packed_7z({})),
+        ("litter.7z", packed_7z({".DS_Store": b"x"})),
     ],
 )
 @one_kind
@@ -103,6 +123,64 @@ def test_archives_without_files_are_refused(client: TestClient, name: str, conte
     answer = send(client, name, content)
     assert answer.status_code == 422, answer.text
     assert answer.json()["remedy"]
+
+
+@one_kind
+@pytest.mark.parametrize("names", [False, True])
+def test_encrypted_7z_is_refused(client: TestClient, names: bool) -> None:
+    answer = send(client, "a.7z", packed_7z({"a.bvh": bvh(2)}, password="secret", header_encryption=names))
+    assert answer.status_code == 422
+    assert answer.json()["detail"] == "The 7z archive is encrypted."
+    assert "without a password" in answer.json()["remedy"]
+
+
+@pytest.mark.parametrize(
+    ("content", "word"),
+    [
+        (packed_7z({"a.bvh": bytes(40 << 20)}), "unpacks to more"),
+        (packed_7z({f"{number}.bvh": b"" for number in range(30)}), "holds 30 files"),
+        (packed_7z({"a.bvh": bytes(40 << 20)}, filters=[{"id": py7zr.FILTER_ZSTD, "level": 3}]), "unpacks to more"),
+    ],
+)
+@one_kind
+def test_7z_is_bounded(database: Database, content: bytes, word: str) -> None:
+    settings = Settings(max_zip_ratio=20, max_zip_files=20)
+    with served(database, settings) as client:
+        answer = send(client, "bomb.7z", content)
+    assert answer.status_code == 422, answer.text
+    assert word in answer.json()["detail"]
+
+
+@one_kind
+def test_the_memory_of_7z_is_bounded(client: TestClient) -> None:
+    """A dictionary of 3 GiB is refused before it is filled."""
+    filters = [{"id": py7zr.FILTER_LZMA2, "dict_size": 1 << 20}]
+    content = packed_7z({"a.bvh": bvh(2)}, filters=filters)
+    answer = send(client, "large.7z", _with_dictionary(content, 39))
+    assert answer.status_code == 422, answer.text
+    assert "MiB of memory" in answer.json()["detail"]
+
+
+def _with_dictionary(content: bytes, size: int) -> bytes:
+    """The archive with another size of its dictionary. size: as LZMA2 codes it."""
+    (start,) = struct.unpack("<Q", content[12:20])
+    with py7zr.SevenZipFile(io.BytesIO(content)) as archive:
+        archive.header.main_streams.unpackinfo.folders[0].coders[0]["properties"] = bytes([size])
+        written = io.BytesIO()
+        written.write(content[: 32 + start])
+        written.seek(0, io.SEEK_END)
+        archive.header.write(written, 32, encoded=False)
+    header = written.getvalue()[32 + start :]
+    facts = struct.pack("<QQI", start, len(header), zlib.crc32(header))
+    return content[:8] + struct.pack("<I", zlib.crc32(facts)) + facts + content[32 : 32 + start] + header
+
+
+@one_kind
+def test_without_py7zr_the_remedy_installs_it(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("mcml.files.members_7z.find_spec", lambda name: None)
+    answer = send(client, "a.7z", packed_7z({"a.bvh": bvh(2)}))
+    assert answer.status_code == 415
+    assert "pip install 'mcml-repository[7z]'" in answer.json()["remedy"]
 
 
 @one_kind
@@ -173,7 +251,6 @@ def test_names_of_files(client: TestClient, disposition: bytes, name: str) -> No
     [
         (b"Vocaloid Motion Data 0002\0\0", "VMD", "MMD Tools"),
         (b'<?xml version="1.0"?><!-- x --><COLLADA xmlns="a">', "COLLADA", "Blender"),
-        (b"7z\xbc\xaf\x27\x1c\0\4", "7z", "Unpack"),
         (b"Rar!\x1a\x07\1\0", "RAR", "Unpack"),
         (b"\x89PNG\r\n\x1a\n\0\0", "image", "the motion file itself"),
         (b"\x89PNG\r\n\x1a\n" + bytes(600), "image", "the motion file itself"),

@@ -169,6 +169,7 @@ def _load_demo(database: str | None, seed: int = 1) -> int:
 
 
 EXTRAS = {
+    "7z": "py7zr",
     "arrow": "pyarrow",
     "audio": "librosa",
     "gltf": "pygltflib",

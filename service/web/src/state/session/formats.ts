@@ -6,7 +6,7 @@ export type Format = Schemas["FormatInfo"];
 
 /** The language of the repository, which every clip can be written in. */
 export const LANGUAGE = "mcml";
-const ARCHIVES = [".zip", ".tar", ".tgz", ".gz"];
+const ARCHIVES = [".zip", ".7z", ".tar", ".tgz", ".gz"];
 
 const known = signal<readonly Format[]>([]);
 let asked = false;
