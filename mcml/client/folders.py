@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any, TypeAlias
 
 from mcml.answers import UploadError
@@ -11,6 +11,7 @@ from mcml.client.client import Client
 from mcml.errors import UnsupportedError
 from mcml.files.on_disk import name_of, opened_files
 from mcml.formats import READERS
+from mcml.formats.gltf.document import BUFFER, find_uris
 from mcml_schemas.documents import UploadResult
 
 ARCHIVES = {".zip", ".7z", ".gz", ".tgz", ".tar"}
@@ -76,7 +77,9 @@ def _upload(client: Client, paths: list[Path], options: dict[str, Any], progress
 
 
 def groups_of(paths: list[Path], most: int) -> Iterator[list[Path]]:
-    """Group files by calls: ASF with the AMC files of its folder, a zip alone, at most `most` others together."""
+    """Group files by calls: ASF with the AMC files of its folder, glTF with its buffers, a zip alone, at most `most`
+    others together.
+    """
     others: list[Path] = []
     for path in paths:
         if not path.exists():
@@ -86,8 +89,11 @@ def groups_of(paths: list[Path], most: int) -> Iterator[list[Path]]:
             continue
         paired: dict[Path, list[Path]] = {}
         for file in sorted(entry for entry in path.rglob("*") if entry.suffix.lower() in EXTENSIONS):
+            buffers = find_buffers(file)
             if file.suffix.lower() in PAIRED:
                 paired.setdefault(file.parent, []).append(file)
+            elif buffers:
+                yield [*buffers, file]
             else:
                 others.append(file)
         yield from paired.values()
@@ -95,6 +101,17 @@ def groups_of(paths: list[Path], most: int) -> Iterator[list[Path]]:
     loose = [path for path in paths if path.is_file() and path.suffix.lower() in PAIRED]
     if loose:
         yield loose
+
+
+def find_buffers(file: Path) -> list[Path]:
+    """Return the files that hold the numbers of a .gltf, in its folder and below; none for other files."""
+    if file.suffix.lower() != ".gltf" or not file.is_file():
+        return []
+    with file.open("rb") as stream:
+        paths = [PurePosixPath(path) for path in sorted(find_uris(stream)) if path.lower().endswith(BUFFER)]
+    # A file from elsewhere must not name other files of this machine.
+    inside = [path for path in paths if not path.is_absolute() and ".." not in path.parts]
+    return [file.parent / path for path in inside if (file.parent / path).is_file()]
 
 
 def _split(files: list[Path], most: int) -> Iterator[list[Path]]:

@@ -126,7 +126,7 @@ def _attach_buffers(buffers: list[SourceFile], result: Gathered) -> None:
         if clip.format != "glb" or not buffers:
             continue
         file = clip.files["glb"]
-        wanted = find_uris(file.stream)
+        wanted = {posixpath.basename(path) for path in find_uris(file.stream)}
         near = [each for each in buffers if posixpath.basename(each.name) in wanted]
         near.sort(key=lambda each: posixpath.dirname(each.name) != posixpath.dirname(file.name))
         chosen = {posixpath.basename(each.name): each for each in reversed(near)}

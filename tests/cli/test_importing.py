@@ -56,6 +56,14 @@ def test_groups_hold_every_file_once_and_what_belongs_together(folder: Path) -> 
     assert Counter(map(len, groups_of([folder], 1))) == {1: 11, 2: 2}
 
 
+def test_a_gltf_comes_with_its_buffers(tmp_path: Path) -> None:
+    (tmp_path / "scene.gltf").write_text('{"buffers": [{"uri": "parts/a%201.bin"}, {"uri": "../b.bin"}]}')
+    (tmp_path / "parts").mkdir()
+    for path in ("parts/a 1.bin", "parts/c.bin", "../b.bin"):
+        (tmp_path / path).write_bytes(b"1")
+    assert names(list(groups_of([tmp_path], 4))) == [["a 1.bin", "scene.gltf"]]
+
+
 def test_groups_are_bounded_in_bytes(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     size = (folder / "0.bvh").stat().st_size
     monkeypatch.setattr(folders, "MOST_BYTES", int(2.5 * size))

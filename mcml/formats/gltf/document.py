@@ -35,15 +35,15 @@ _URI = re.compile(rb'"uri"\s*:\s*"((?!data:)[^"]{1,1000})"')
 
 
 def find_uris(stream: BinaryIO) -> set[str]:
-    """The names of the files that the text of a glTF names, without folders."""
+    """The paths of the files that the text of a glTF names, with slashes."""
     stream.seek(0)
     text = stream.read()
     stream.seek(0)
-    return {_name_of(uri.decode("utf-8", "replace")) for uri in _URI.findall(text)}
+    return {_path_of(uri.decode("utf-8", "replace")) for uri in _URI.findall(text)}
 
 
-def _name_of(uri: str) -> str:
-    return unquote(uri).replace("\\", "/").rsplit("/", 1)[-1]
+def _path_of(uri: str) -> str:
+    return unquote(uri).replace("\\", "/")
 
 
 class Document:
@@ -141,7 +141,7 @@ class Document:
                 return base64.b64decode(uri.partition(",")[2], validate=True)
             except (binascii.Error, ValueError):
                 raise FormatError(f"the data of buffer {number} is not base64", remedy=DAMAGED) from None
-        name = _name_of(uri)
+        name = _path_of(uri).rsplit("/", 1)[-1]
         found = self._companion(name)
         if found is None:
             raise FormatError(

@@ -23,6 +23,7 @@ BY_HAND = {
     "convert": "files:convert",
     "validate": "files:validate",
     "import": "importing:import_",
+    "sync": "syncing:sync",
     "export": "exporting:export",
     "xpath": "querying:xpath",
     "search": "searching:search",

@@ -1,0 +1,1 @@
+"""A folder and the documents of a project, kept equal."""
