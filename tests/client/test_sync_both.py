@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -177,3 +178,59 @@ def test_a_sync_that_is_stopped_anywhere_continues(synced: Synced, monkeypatch: 
     fetched = {"leg.mcml", *(f"made {number}.bvh" for number in numbers)} if both else set()
     assert set(synced.files()) == files | fetched
     assert not both or f"hop {last}".encode() in (synced.folder / "leg.mcml").read_bytes()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_random_changes_on_both_sides_lose_nothing(synced: Synced, seed: int) -> None:
+    _change_at_random(synced, seed)
+
+
+@pytest.mark.fuzz(seeds=40)
+def test_many_random_changes_on_both_sides_lose_nothing(synced: Synced, seed: int) -> None:
+    _change_at_random(synced, seed)
+
+
+def _change_at_random(synced: Synced, seed: int) -> None:
+    """After each sync: files are as people left them, documents have the frames of their files, and a second sync does
+    nothing.
+    """
+    chance = random.Random(seed)
+    for number in range(30):
+        path = chance.choice(["a.bvh", "b.bvh", "sub/a.bvh"])
+        deed = chance.choice(["write", "write", "write", "remove", "move", "edit", "edit", "delete"])
+        items = synced.client.every("list_documents", project="film").items
+        if deed == "write":
+            # Some contents come again.
+            synced.put(path, bvh(chance.choice([number + 3, 40, 41])))
+        elif deed == "remove":
+            (synced.folder / path).unlink(missing_ok=True)
+        elif deed == "move" and (synced.folder / path).exists():
+            (synced.folder / path).rename(synced.folder / "moved.bvh")
+        elif items and deed == "edit":
+            label = {"name": f"hop {number}", "first": 1, "last": 2}
+            synced.client.call("add_labels", id=chance.choice(items).id, labels=[label], if_match="*")
+        elif items and deed == "delete" and chance.random() < 0.3:
+            synced.client.call("delete_document", id=chance.choice(items).id, if_match="*")
+        if chance.random() < 0.4:
+            continue
+        content = {path: (synced.folder / path).read_bytes() for path in synced.files()}
+        both = chance.random() < 0.5
+        events = synced.run(both=both)
+        after = {path: (synced.folder / path).read_bytes() for path in synced.files()}
+        assert after.keys() >= content.keys()
+        assert all(after[path] == text for path, text in content.items() if path.endswith(".bvh")), number
+        refused = {event.path for event in events if event.action in ("failed", "conflict")}
+        _check_bindings(synced, after, refused)
+        assert not {event.action for event in synced.run(both=both)} & {"stored", "skipped", "replaced", "fetched"}
+
+
+def _check_bindings(synced: Synced, files: dict[str, bytes], refused: set[str]) -> None:
+    bindings = Bindings.read(synced.folder, "here", "film").all()
+    bound = {path for binding in bindings for path in binding.files}
+    assert set(files) - refused <= bound
+    stored = {item.id: item for item in synced.client.every("list_documents", project="film").items}
+    for binding in bindings:
+        item = stored.get(binding.document)
+        [path] = binding.files
+        if item is not None and item.revision == binding.revision and path in files and path not in refused:
+            assert path.endswith(".mcml") or b"Frames: %d\n" % item.frames in files[path], path
