@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import shutil
 import zipfile
 from collections import Counter
@@ -33,6 +34,19 @@ def test_new_files_are_imported_once(synced: Synced) -> None:
     assert synced.actions() == [("stored", "day 1/걷기.bvh"), ("stored", "day 2/walk.bvh"), ("stored", "walk.bvh")]
     assert synced.actions() == []
     assert synced.names() == ["walk", "walk", "걷기"]
+
+
+def test_names_in_other_encodings(synced: Synced) -> None:
+    """Of older systems, as bytes that are not UTF-8."""
+    name = os.fsdecode("걷기.bvh".encode("cp949"))
+    synced.put(name, bvh(3))
+    assert synced.actions() == [("stored", name)]
+    assert synced.names() == ["걷기"]
+    synced.put(name, bvh(4))
+    assert synced.actions() == [("replaced", name)]
+    synced.put(name, bvh(4)[:-40])
+    assert synced.actions() == [("failed", name)]
+    assert synced.actions() == [("failed", name)]
 
 
 def test_a_changed_file_replaces_the_frames_of_its_document(synced: Synced) -> None:
