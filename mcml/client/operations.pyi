@@ -339,7 +339,7 @@ class Operations:
         self,
         *,
         id: str,
-        format: str,
+        format: str | None = ...,
         revision: int | None = ...,
         first: int | None = ...,
         last: int | None = ...,
@@ -351,6 +351,7 @@ class Operations:
         fps: float | None = ...,
         scale: float | None = ...,
         guesses: bool | None = ...,
+        for_: str | None = ...,
         raw: bool | None = ...,
         progress: FileProgress | None = None,
     ) -> Content:
@@ -1102,7 +1103,7 @@ class Operations:
         *,
         progress: FileProgress | None = None,
     ) -> FormatList:
-        """List supported formats, and known formats that are not supported, with the reason."""
+        """List supported formats, presets of exports, and known formats that are not supported, with the reason."""
     def list_joint_names(
         self,
         *,

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import entry_points
 from os import PathLike
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any, Literal
 
 import numpy as np
@@ -18,7 +18,7 @@ from mcml.client.client import Client
 from mcml.client.folders import Told, import_paths
 from mcml.client.operations import Operations
 from mcml.errors import QueryError, UnsupportedError
-from mcml.files.convert_files import files_to_write, format_of
+from mcml.files.convert_files import files_to_write, stated_format
 from mcml.files.on_disk import write_file
 from mcml.files.read_numbers import Space
 from mcml.frames import Frames
@@ -340,12 +340,16 @@ class Document:
 
         format: if the name does not decide it. force: replace an existing file.
 
-        options: first, last, names (of joints: mcml, bvh1, bvh2, asf, htr), unit, up, frame_time, revision, original.
-        A name that ends with .asf or .amc makes both files.
+        options: first, last, names (of joints: mcml, bvh1, bvh2, asf, htr), unit, up, frame_time, revision, original,
+        for_: a program such as "blender", which decides unit and axes, and format and ending of a name without one. A
+        name that ends with .asf or .amc makes both files.
         """
         target = Path(path)
-        for part, form in files_to_write(target, format or format_of(target.name)):
+        chosen = stated_format(target, format, options.get("for_"))
+        for part, form in files_to_write(target, chosen) if chosen else [(target, None)]:
             content = self._call("export_document", format=form, **options)
+            if form is None:
+                target = part = target.with_suffix(PurePath(content.name or "").suffix)
             write_file(part, content.blocks, force=force)
         return target
 

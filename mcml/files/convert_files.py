@@ -13,6 +13,7 @@ from mcml.files.gather_files import gathered, several_motions
 from mcml.files.import_options import ImportOptions
 from mcml.files.limits import FileLimits
 from mcml.files.open_clip import open_clip
+from mcml.files.presets import choose_shape, find_preset, fit_shape
 from mcml.files.reshape_clip import Reshaping, need_stated_facts, parse_range, reshape
 from mcml.files.targets import convert_clip, part_without_frames, targets
 from mcml.formats import WRITERS
@@ -33,7 +34,7 @@ class Converted:
 @contextmanager
 def convert_files(
     files: list[SourceFile],
-    target: str,
+    target: str | None,
     limits: FileLimits,
     *,
     frame_time: str | float | None = None,
@@ -47,17 +48,21 @@ def convert_files(
     fps: float | None = None,
     scale: float | None = None,
     guesses: bool = True,
+    for_: str | None = None,
     stem: str = "motion",
 ) -> Iterator[Converted]:
     """Convert the only clip among the files to another format. Raises the errors of readers and writers.
 
+    target: the format, None for that of the preset. for_: a preset of `PRESETS`; target, fps and scale win over it.
     frame_time, unit, up: facts that the files do not state; nothing is scaled or turned. take: which motion of a
     file that holds several. rate: frames a second at which its keys are sampled. frames: FIRST-LAST, from 1. fps:
     frames a second of the result. scale: factor of all lengths. guesses: False refuses where a format needs a unit or
     an up axis that the files do not state.
     """
-    known = targets()
-    if target not in known or target == "csv":
+    known, preset = targets(), None if for_ is None else find_preset(for_)
+    if target is None and preset is None:
+        raise UnsupportedError("No format is stated.", remedy="Say `to`, or `for` with the program that reads it.")
+    if target is not None and (target not in known or target == "csv"):
         raise UnsupportedError(
             f"Unknown format {target!r}.", remedy=f"Use one of: {', '.join(sorted(set(known) - {'csv'}))}."
         )
@@ -73,7 +78,11 @@ def convert_files(
         head = to_head(opened.document, frame_time or stream.head.frame_time)
         clip = ClipStream(head, stream.blocks, stream.frames, stream.notices)
         first, last = parse_range(frames)
-        clip = reshape(clip, Reshaping(first, last, fps, scale))
+        shape = None if preset is None else choose_shape(preset, clip.head.skeleton, target)
+        clip = reshape(clip, Reshaping(first, last, fps or (shape.fps if shape else None), scale))
+        if preset is not None and shape is not None:
+            target, clip = shape.format, fit_shape(clip, shape, preset, guesses=guesses)
+        assert target is not None
         name, part = known[target]
         part = part_without_frames(name) if clip.frames == 0 and part is None else part
         if name == "mcml":
@@ -101,6 +110,27 @@ def format_of(file_name: str) -> str:
         f"{file_name!r} does not say which format to write.",
         remedy=f"Say the format (--to, in Python to=): one of: {', '.join(sorted(targets()))}.",
     )
+
+
+def stated_format(result: Path, to: str | None, for_: str | None) -> str | None:
+    """Return the format of a file to write: `to`, else by its name; None if the preset decides it.
+
+    Raises UnsupportedError if nothing decides it, or for a name with the ending of another format.
+    """
+    if for_ is not None and to is None and not result.suffix:
+        return None
+    form = to or format_of(result.name)
+    if result.suffix:
+        files_to_write(result, form)
+    return form
+
+
+def result_paths(result: Path, done: Converted, form: str | None) -> list[tuple[Path, Iterator[bytes]]]:
+    """Return the files to write, each with its content. form: of `stated_format`."""
+    keeps_name = len(done.files) == 1 and form is not None
+    return [
+        (result if keeps_name else result.with_suffix(extension), content) for extension, content in done.files.items()
+    ]
 
 
 def files_to_write(path: Path, target: str) -> list[tuple[Path, str]]:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from mcml.files.check_names import check_frame_time
-from mcml.files.convert_files import Converted, convert_files, files_to_write, format_of
+from mcml.files.convert_files import Converted, convert_files, result_paths, stated_format
 from mcml.files.gather_files import gathered, several_motions
 from mcml.files.import_options import ImportOptions
 from mcml.files.limits import FileLimits
@@ -161,11 +161,19 @@ def read(
 
 
 def convert(
-    files: Files, target: str | PathLike[str], *, to: str | None = None, force: bool = False, **options: Any
+    files: Files,
+    target: str | PathLike[str],
+    *,
+    to: str | None = None,
+    for_: str | None = None,
+    force: bool = False,
+    **options: Any,
 ) -> list[Path]:
     """Write a motion in another format; return the written files (two for ASF/AMC).
 
-    to: the format, if the name of the target does not decide it. force: replace existing files.
+    to: the format, if the name of the target does not decide it. for_: the program that reads the result, such as
+    "blender": its preset decides format, unit and axes, and the ending of a name without one.
+    force: replace existing files.
     options: frame_time, encoding, unit, up, take, rate, frames, fps, scale, guesses, and names (of joints: mcml, bvh1,
     bvh2, asf or htr).
     Raises Error for files that cannot be read or written, or that exist.
@@ -176,13 +184,11 @@ def convert(
     result = Path(target)
     with ExitStack() as stack:
         sources = stack.enter_context(opened_files(files))
-        form = to or format_of(result.name)
-        if result.suffix:
-            files_to_write(result, form)
-        done: Converted = stack.enter_context(convert_files(sources, form, FileLimits(), stem=result.stem, **options))
+        form = stated_format(result, to, for_)
+        converted = convert_files(sources, form, FileLimits(), for_=for_, stem=result.stem, **options)
+        done: Converted = stack.enter_context(converted)
         paths = []
-        for extension, content in done.files.items():
-            path = result if len(done.files) == 1 else result.with_suffix(extension)
+        for path, content in result_paths(result, done, form):
             check_free(path, force=force, sources=paths_of(files))
             write_file(path, content, force=force)
             paths.append(path)

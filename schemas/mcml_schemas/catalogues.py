@@ -20,6 +20,13 @@ _BVH = {
     "reads": True,
     "writes": True,
 }
+_PRESET = {
+    "name": "blender",
+    "title": "Blender",
+    "bodies": {"format": "bvh", "unit": "m", "up": "Y"},
+    "markers": {"format": "glb", "unit": "m", "up": "Y"},
+    "why": "Blender imports BVH as an armature with Y up and takes its numbers as metres; markers arrive by glTF.",
+}
 _JOINT_NAME = {"number": 6, "name": "left_up_arm", "reconstructed": False, "aliases": {"asf": ["lhumerus"]}}
 _LEG = {"part": "leg", "sided": True, "joints": ["*_up_leg"], "movements": ["flexion", "extension"]}
 
@@ -63,12 +70,32 @@ class UnsupportedFormat(BaseModel):
     why: str
 
 
+class PresetShape(BaseModel):
+    format: str
+    unit: str | None = Field(None, description="Unit of its numbers; null: that of the document")
+    up: str | None = Field(None, description="Axis that points up; null: that of the document")
+    fps: float | None = Field(None, description="Frames a second; null: those of the document")
+
+
+class PresetInfo(BaseModel):
+    """A program that documents are exported for, with `for`."""
+
+    name: str
+    title: str
+    bodies: PresetShape | None = Field(description="How clips of joints leave; null: not at all")
+    markers: PresetShape | None = Field(description="How clips of markers leave; null: not at all")
+    why: str = Field(description="The reason")
+
+
 class FormatList(BaseModel):
     model_config = ConfigDict(
-        json_schema_extra=shown({"items": [_BVH], "unsupported": [{"name": "c3d", "why": "comes later"}]})
+        json_schema_extra=shown(
+            {"items": [_BVH], "presets": [_PRESET], "unsupported": [{"name": "c3d", "why": "comes later"}]}
+        )
     )
 
     items: list[FormatInfo]
+    presets: list[PresetInfo]
     unsupported: list[UnsupportedFormat]
 
 

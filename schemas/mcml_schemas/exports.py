@@ -16,8 +16,15 @@ class ExportRequest(RequestBody):
     model_config = ConfigDict(json_schema_extra=shown({"selection": {"project": PROJECT}, "format": "bvh"}))
 
     selection: Selection = Field(description="Which documents")
-    format: str = Field(
-        "bvh", description="A format that `GET /formats` lists as written, a part of one (asf, amc), or csv"
+    format: str | None = Field(
+        None,
+        description="A format that `GET /formats` lists as written, a part of one (asf, amc), or csv; if it is "
+        "missing, `for` decides, else bvh",
+    )
+    for_: str | None = Field(
+        None,
+        alias="for",
+        description="The program that reads the files, a preset of `GET /formats`; it decides format, unit and axes",
     )
     names: str | None = Field(None, description="Joint names: mcml, bvh1, bvh2, asf or htr; default the source's")
     unit: str | None = Field(None, description="Scale lengths to this unit; the documents must state their own")

@@ -90,6 +90,9 @@ def test_exports_are_those_that_are_named_and_never_the_file_itself(scene: Scene
     scene.opened(formats=["bvh", "htr"])
     assert (scene.see("/export", format="bvh"), scene.see("/export", format="htr")) == (200, 200)
     assert (scene.see("/export", format="c3d"), scene.see("/mcml"), scene.see("/media")) == (403, 403, 403)
+    # A preset decides no format for visitors, and an export without any is refused, not given away.
+    assert (scene.see("/export", **{"for": "blender"}), scene.see("/export")) == (403, 403)
+    assert scene.see("/export", format="bvh", **{"for": "blender"}) == 200
     exported = scene.visitor.get(f"{SHARED}/documents/{scene.stored[0]}/export?format=bvh&original=true").content
     original = scene.keeper.get(f"{API}/documents/{scene.stored[0]}/export?format=bvh&original=false").content
     assert exported == original

@@ -108,3 +108,32 @@ def test_tables_of_opensim_are_not_read(client: TestClient) -> None:
         answer = client.post(f"{API}/documents", files=[("file", (f"back.{format}", content))])
         assert answer.status_code >= 400
         assert "written, not read" in answer.text
+
+
+def test_a_preset_decides_format_unit_and_axes(client: TestClient) -> None:
+    uuid = stored(client, {"walk.bvh": person(1, 30)}, unit="cm", up="Z")
+    address = f"{API}/documents/{uuid}/export"
+    answer = client.get(address, params={"for": "blender"})
+    assert answer.headers["x-mcml-notices"].endswith("for Blender: BVH, lengths in m, Y up")
+    again = stored(client, {"again.bvh": answer.content})
+    asked = {"format": "npy", "space": "positions"}
+    before, after = (
+        np.load(io.BytesIO(client.get(f"{API}/documents/{each}/frames", params=asked).content))
+        for each in (uuid, again)
+    )
+    np.testing.assert_allclose(after[..., 1], before[..., 2] / 100, atol=1e-6)
+    wins = client.get(address, params={"for": "blender", "format": "htr", "unit": "mm", "fps": 30})
+    assert "for Blender: HTR" in wins.headers["x-mcml-notices"]
+    assert b"mm" in wins.content
+    assert client.get(address).status_code == 422
+    assert client.get(address, params={"for": "lathe"}).status_code == 415
+
+
+def test_presets_are_listed_and_export_many(client: TestClient) -> None:
+    bodies = stored(client, {"walk.bvh": person(1, 30)}, unit="cm", up="Y")
+    points = stored(client, {"points.trc": TRC})
+    presets = {preset["name"]: preset for preset in client.get(f"{API}/formats").json()["presets"]}
+    assert presets["opensim"]["markers"] == {"format": "trc", "unit": "m", "up": "Y", "fps": None}
+    request = {"selection": {"documents": [bodies, points]}, "for": "blender"}
+    names = zipfile.ZipFile(io.BytesIO(client.post(f"{API}/exports", json=request).content)).namelist()
+    assert sorted(names) == ["points.glb", "walk.bvh"]

@@ -90,3 +90,16 @@ def test_no_format_guesses_a_frame_rate(mcml: Mcml, tmp_path: Path, format: str)
     assert (tmp_path / f"x.{format}").stat().st_size
     timed = json.loads(mcml("import", "walk.bvh", "--unit", "cm", "--json")[1])["documents"][0]["id"]
     assert "states its frame time" in told(mcml("export", timed, "--format", format, "--frame-time", "7", "-o", "y"))
+
+
+def test_a_program_decides_format_and_ending(mcml: Mcml, tmp_path: Path) -> None:  # noqa: F811
+    (tmp_path / "goes.bvh").write_bytes(person(3, 20))
+    uuid = json.loads(mcml("import", "goes.bvh", "--json")[1])["documents"][0]["id"]
+    code, output, errors = mcml("convert", "goes.bvh", "made", "--for", "blender")
+    assert code == 0, errors
+    assert "for Blender: BVH, lengths in m, Y up" in " ".join((output + errors).split())
+    assert mcml("export", uuid, "--for", "blender", "-o", "made.bvh", "--force")[0] == 0
+    assert (tmp_path / "made.bvh").read_bytes().startswith(b"HIERARCHY")
+    assert mcml("export", uuid, "--for", "unity")[0] == 0
+    assert (tmp_path / "goes.glb").read_bytes().startswith(b"glTF")
+    assert "Use one of: blender" in told(mcml("export", uuid, "--for", "lathe"))

@@ -9,12 +9,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mcml.errors import ConversionError, Notice
+from mcml.errors import ConversionError
 from mcml.formats.format import need_seconds, note
+from mcml.formats.missing_facts import guess_unit, guess_up
 from mcml.motion.clip import ClipHead, ClipStream
 from mcml.motion.conventions.convert import with_scale_factor
 from mcml.motion.conventions.survey import STILL
-from mcml.motion.guesses import is_person, likely_up, size_of_person, stated_up
+from mcml.motion.guesses import stated_up
 from mcml.motion.hub import HubReader, Rest, walked
 from mcml.motion.rotations import multiply
 from mcml.motion.skeleton import Array, Convention, Skeleton
@@ -120,8 +121,8 @@ def look_through(clip: ClipStream, title: str, taken_for: str) -> Stage:
     )  # fmt: skip
     places = stage.rest_places() if first is None else walked(skeleton, first[0][None], first[1][None])[0][0]
     size = float(np.ptp(places, axis=0).max()) if len(places) else 0.0
-    metres = _guess_unit(head, places, notices, taken_for) if metres is None else metres
-    up = _guess_up(head, places, notices, title) if up is None else up
+    metres = guess_unit(head, places, notices, taken_for) if metres is None else metres
+    up = guess_up(head, places, notices, title) if up is None else up
     return replace(stage, size=size if 0 < size < LARGEST else 1.0, metres=metres, up=up)
 
 
@@ -163,29 +164,6 @@ def _seconds(head: ClipHead, frames: int, title: str) -> float:
             remedy="State another frame time first.",
         )
     return seconds
-
-
-def _guess_unit(head: ClipHead, places: Array, notices: list[Notice], taken_for: str) -> float | None:
-    """Metres of a unit that is not stated, by the size of a person; None where there is none or it fits no unit."""
-    said = head.fields.get("calibration_unit", "").strip()
-    what = f"the document's unit of length, {said!r}, is not known" if said else "the document states no unit of length"
-    found = None if said else size_of_person(head, places)
-    if found is None:
-        note(notices, "note", f"{what}: its numbers were written as they are, and {taken_for}")
-        return None
-    unit, metres = found
-    note(notices, "guess", f"{what}: its numbers were taken as {unit}, in which the body has the size of a person")
-    return metres
-
-
-def _guess_up(head: ClipHead, places: Array, notices: list[Notice], title: str) -> str | None:
-    """The up axis that is not stated, where heads and feet tell it; else None."""
-    likely = likely_up(head.skeleton, places) if is_person(head.skeleton) else None
-    if likely is None or not likely.sure:
-        note(notices, "note", f"the document states no up axis: nothing was turned, and {title} takes Y as up")
-        return None
-    note(notices, "guess", f"the document states no up axis: {likely.axis} was taken as up, for {likely.why}")
-    return likely.axis
 
 
 def turn_to_y(up: str | None) -> Array:

@@ -21,6 +21,7 @@ from mcml_service.cli.terminal.choosing import (
 from mcml_service.cli.terminal.opening import (
     DatabaseOption,
     ForceOption,
+    ForOption,
     RawOption,
     ServerOption,
     console,
@@ -35,8 +36,12 @@ def export(
     motion_name: MotionNameOption = None,
     xpath: XPathOption = None,
     format: Annotated[
-        str, typer.Option(help="bvh, asf-amc, asf, amc, htr, c3d, trc, glb, usd, usda, mot, sto, mcml, csv or original")
-    ] = "bvh",
+        str | None,
+        typer.Option(
+            help="bvh (the default), asf-amc, asf, amc, htr, c3d, trc, glb, usd, usda, mot, sto, mcml, csv or original"
+        ),
+    ] = None,
+    for_: ForOption = None,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="File or folder; default this folder, - prints")
     ] = None,
@@ -62,15 +67,19 @@ def export(
     documents = resolve_documents(client, ids, project, motion_name, xpath)
     written: set[Path] = set()
     stated: dict[str, Any] = {"first": first, "last": last, "names": names, "unit": unit, "up": up}
-    stated |= {"frame_time": frame_time, "fps": fps, "scale": scale, "guesses": guesses, "raw": raw}
+    stated |= {"frame_time": frame_time, "fps": fps, "scale": scale, "guesses": guesses, "raw": raw, "for_": for_}
+    form = format or ("bvh" if for_ is None else None)
 
     def export_one(item: Any) -> None:
         to_name = output is not None and str(output) != "-" and not output.is_dir() and len(documents) == 1
-        for path, form in files_to_write(output, format) if to_name and output is not None else [(output, format)]:
-            write_one(item, path, form)
+        if not to_name or output is None or form is None:
+            write_one(item, output, form)
+            return
+        for path, part in files_to_write(output, form):
+            write_one(item, path, part)
 
-    def write_one(item: Any, output: Path | None, form: str) -> None:
-        file = client.call("export_document", id=item.id, format=form, revision=revision, original=original, **stated)
+    def write_one(item: Any, output: Path | None, part: str | None) -> None:
+        file = client.call("export_document", id=item.id, format=part, revision=revision, original=original, **stated)
         if output is not None and str(output) == "-":
             for block in file.blocks:
                 sys.stdout.buffer.write(block)

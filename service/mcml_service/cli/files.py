@@ -9,16 +9,17 @@ from typing import Annotated
 import typer
 
 from mcml.errors import McmlError
-from mcml.files.convert_files import convert_files, files_to_write, format_of
+from mcml.files.convert_files import convert_files, result_paths, stated_format
 from mcml.files.import_options import ImportOptions
 from mcml.files.on_disk import check_free, opened_files, write_file
 from mcml_service.actions.reading.inspect_files import inspect_files
-from mcml_service.cli.terminal.opening import ForceOption, JsonOption, choose_settings, console, print_json
+from mcml_service.cli.terminal.opening import ForceOption, ForOption, JsonOption, choose_settings, console, print_json
 
 
 def convert(
     paths: Annotated[list[Path], typer.Argument(help="IN… OUT: files to read (ASF and AMC together), then the result")],
     to: Annotated[str | None, typer.Option(help="Format of the result, where its name does not say")] = None,
+    for_: ForOption = None,
     skeleton: Annotated[Path | None, typer.Option(help="ASF file for an AMC")] = None,
     frame_time: Annotated[str | None, typer.Option(help="Seconds a frame, where the files do not say")] = None,
     encoding: Annotated[str | None, typer.Option(help="Text encoding of the input, if it is not UTF-8")] = None,
@@ -38,9 +39,7 @@ def convert(
     if len(paths) < 2:
         raise typer.BadParameter("give at least one file to read and one to write")
     *sources, result = paths
-    target = to or format_of(result.name)
-    if result.suffix:
-        files_to_write(result, target)
+    target = stated_format(result, to, for_)
     with ExitStack() as stack:
         inputs = [*sources, *([skeleton] if skeleton else [])]
         files = stack.enter_context(opened_files(inputs))
@@ -59,11 +58,11 @@ def convert(
             fps=fps,
             scale=scale,
             guesses=guesses,
+            for_=for_,
             stem=result.stem,
         )
         done = stack.enter_context(converted)
-        for extension, content in done.files.items():
-            path = result if len(done.files) == 1 else result.with_suffix(extension)
+        for path, content in result_paths(result, done, target):
             check_free(path, force=force, sources=inputs)
             write_file(path, content, force=force)
         if not quiet:

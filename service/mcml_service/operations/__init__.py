@@ -285,7 +285,7 @@ _ROWS = [
 
     # catalogues
     Operation("list_formats", "GET /formats", READS, READ,
-              "List supported formats, and known formats that are not supported, with the reason.",
+              "List supported formats, presets of exports, and known formats that are not supported, with the reason.",
               "catalogues", "formats"),
     Operation("list_joint_names", "GET /joint-names", READS, READ,
               "List joint names: MCML's own, and their names in other rigs.", "catalogues", "joints"),

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from importlib.util import find_spec
 
+from mcml.files.presets import PRESETS
 from mcml.formats import NEEDED, READERS, UNSUPPORTED, WRITERS
 from mcml.formats.format import TakesReader
 from mcml.language import joint_names, motion_names
@@ -19,6 +21,7 @@ from mcml_schemas.catalogues import (
     JointNameList,
     MotionNameInUse,
     MotionNameList,
+    PresetInfo,
     ProjectList,
     RestPose,
     SkeletonInfo,
@@ -36,7 +39,9 @@ def list_formats(call: Call) -> FormatList:
     about |= {"extensions": list(mcml.extensions)}
     items.append(FormatInfo(name="mcml", parts=[mcml], bodies=True, markers=True, **about))
     return FormatList(
-        items=items, unsupported=[UnsupportedFormat(name=name, why=why) for name, why in UNSUPPORTED.items()]
+        items=items,
+        presets=[PresetInfo.model_validate(asdict(preset)) for preset in PRESETS.values()],
+        unsupported=[UnsupportedFormat(name=name, why=why) for name, why in UNSUPPORTED.items()],
     )
 
 

@@ -8,6 +8,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from mcml.answers import Content
+from mcml.errors import RequestError
+from mcml.files.presets import Preset, find_preset
 from mcml.formats import WRITERS
 from mcml.language.writer import Layout
 from mcml_schemas.elements import TextFound, TextPlace
@@ -69,13 +71,13 @@ def export_document(
     call: Call,
     id: DocumentId,
     format: Annotated[
-        str,
+        str | None,
         Field(
             description="A format that `GET /formats` lists as written, a part of one (asf, amc), csv, or original: "
-            "the uploaded file as it came",
+            "the uploaded file as it came; `for` decides it if it is missing",
             examples=["htr"],
         ),
-    ],
+    ] = None,
     revision: AtRevision = None,
     first: First = 1,
     last: Last = None,
@@ -98,12 +100,21 @@ def export_document(
     fps: Fps = None,
     scale: Scale = None,
     guesses: Guesses = True,
+    for_: Annotated[
+        str | None,
+        Field(
+            alias="for",
+            description="The program that reads the file, a preset of `GET /formats`; it decides format, unit and "
+            "axes, other arguments win",
+            examples=["blender"],
+        ),
+    ] = None,
     raw: Raw = False,
 ) -> Content:
-    """In its own format an unedited one comes back byte for byte."""
+    """In its own format an unedited one comes back byte for byte. `for` or `format` is required."""
     options = ExportOptions(
         format, first, last, names, unit, up, original=original, frame_time=frame_time, raw=raw, fps=fps, scale=scale,
-        guesses=guesses,
+        guesses=guesses, preset=_find_preset(for_, format),
     )  # fmt: skip
     return _content(call, id, revision, options)
 
@@ -117,11 +128,22 @@ def export_documents(call: Call, request: ExportRequest) -> Content:
     from mcml_service.actions.composing import export_documents as exporting
 
     options = ExportOptions(
-        request.format, names=request.names, unit=request.unit, up=request.up, frame_time=request.frame_time,
-        raw=request.raw, fps=request.fps, scale=request.scale, guesses=request.guesses,
+        request.format or ("bvh" if request.for_ is None else None),
+        names=request.names, unit=request.unit, up=request.up, frame_time=request.frame_time, raw=request.raw,
+        fps=request.fps, scale=request.scale, guesses=request.guesses,
+        preset=None if request.for_ is None else find_preset(request.for_),
     )  # fmt: skip
     content = exporting.export_documents(call.database, call.queries, request.selection, options)
     return Content(content, "application/zip", f"{request.selection.project or 'documents'}.zip")
+
+
+def _find_preset(name: str | None, format: str | None) -> Preset | None:
+    """Return a preset by its name. Raises RequestError if neither it nor a format is named."""
+    if name is not None:
+        return find_preset(name)
+    if format is None:
+        raise RequestError("No format is stated.", remedy="Say `format`, or `for` with the program that reads it.")
+    return None
 
 
 def _content(call: Call, uuid: str, revision: int | None, options: ExportOptions) -> Content:

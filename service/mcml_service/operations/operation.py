@@ -8,7 +8,7 @@ the documentation are generated from these.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Set
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from enum import StrEnum
 from functools import cached_property
@@ -252,7 +252,7 @@ class Operation:
         """
         self.allow(call)
         if call.share is not None:
-            given = _as_shared(call.share, given)
+            given = _as_shared(call.share, given, {argument.name for argument in self.arguments})
         values: dict[str, Any] = {}
         parts: dict[str, dict[str, Any]] = {name: {} for name in self.groups}
         for argument in self.arguments:
@@ -274,18 +274,21 @@ class Operation:
         return {name: known[name].check(value) for name, value in given.items()}
 
 
-def _as_shared(share: Share, given: Mapping[str, Any]) -> Mapping[str, Any]:
+def _as_shared(share: Share, given: Mapping[str, Any], known: Set[str]) -> Mapping[str, Any]:
     """Return the arguments of a call by a visitor with a share link, with the revision of the link.
 
+    known: names of all arguments of the operation, also of those that are not given.
     Raises NotFoundError for another document or revision, AccessError for a format that the link does not allow.
     """
     document = share.documents.get(given["id"])
     if document is None:
         raise NotFoundError("This link shows no such document.", remedy="Take one that it shows.")
-    if "format" in given and "original" in given:
-        if given["format"] not in share.formats:
+    if {"format", "original"} <= known:
+        # A preset alone would choose any format.
+        format = given.get("format")
+        if format not in share.formats:
             raise AccessError(
-                f"This link does not give {given['format']} away.",
+                f"This link does not give {format or 'formats of presets'} away.",
                 remedy=f"It gives {', '.join(sorted(share.formats)) or 'none'}.",
             )
         given = {**given, "original": False}

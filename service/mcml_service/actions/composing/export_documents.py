@@ -29,8 +29,10 @@ def export_documents(
     cannot represent are listed in `refused.txt`, the last file. Raises UnsupportedError for an unknown format, before
     anything is made.
     """
-    name, part = find_target(options.format)
-    parts = [item.name for item in WRITERS[name].parts] if name in WRITERS and part is None else [options.format]
+    parts: list[str | None] = [options.format]
+    if options.format is not None:
+        name, part = find_target(options.format)
+        parts = [item.name for item in WRITERS[name].parts] if name in WRITERS and part is None else parts
     uuids, _ = select_documents(database, queries, selection)
     # A started export cannot be made again, which would be needed if a replica became unreachable.
     database = database.for_call(database.view)
@@ -38,7 +40,7 @@ def export_documents(
 
 
 def _files(
-    database: Database, documents: list[str], options: ExportOptions, parts: list[str]
+    database: Database, documents: list[str], options: ExportOptions, parts: list[str | None]
 ) -> Iterator[tuple[str, Callable[[], Iterator[bytes]]]]:
     taken: set[str] = set()
     refused: list[str] = []

@@ -15,6 +15,7 @@ import orjson
 
 from mcml.errors import ConversionError, Notice
 from mcml.files.check_names import check_frame_time
+from mcml.files.presets import Preset, choose_shape, fit_shape
 from mcml.files.reshape_clip import Reshaping, need_stated_facts, reshape
 from mcml.files.targets import convert_clip, find_target, part_without_frames
 from mcml.formats import FORMATS, READERS, WRITERS
@@ -41,6 +42,7 @@ WITH_REFERENCE = frozenset({"mot", "sto"})
 class ExportOptions:
     """format: a catalogue name, one part of a format ("asf", "amc"), "mcml", "csv" or "original".
 
+    preset: the program that the file is for; it decides what the other options leave open, also the format None.
     names: table of joint names ("mcml", "bvh1", …) instead of the source's. unit, up: turn and scale to these; the
     document must state its own. fps, scale: at another frame rate, with all lengths multiplied. guesses: False refuses
     where a format needs a unit or an up axis that the document does not state. frame_time: seconds of a frame, for a
@@ -48,7 +50,7 @@ class ExportOptions:
     do. raw: CSV has also texts that spreadsheets take for formulas as they are.
     """
 
-    format: str
+    format: str | None
     first: int = 1
     last: int | None = None
     names: str | None = None
@@ -61,10 +63,11 @@ class ExportOptions:
     fps: float | None = None
     scale: float | None = None
     guesses: bool = True
+    preset: Preset | None = None
 
     @property
     def whole(self) -> bool:
-        stated = self.names or self.unit or self.up or self.frame_time
+        stated = self.names or self.unit or self.up or self.frame_time or self.preset
         return self.first == 1 and self.last is None and not stated and self.reshaping == Reshaping()
 
     @property
@@ -92,9 +95,13 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
 
     Raises UnsupportedError for an unknown format, ConversionError where the format cannot hold the motion.
     """
+    if options.preset is not None:
+        skeleton = read_clip(tx, stored).clip.head.skeleton
+        shape = choose_shape(options.preset, skeleton, options.format)
+        options = replace(options, format=shape.format, fps=options.fps or shape.fps)
     if options.format == ORIGINAL:
         return _export_original(tx, stored)
-    name, part = find_target(options.format)
+    name, part = find_target(options.format or "")
     part = part_without_frames(name) if stored.frames == 0 and part is None else part
     stem = file_stem(stored.name)
     if options.original and options.whole and stored.intact and stored.format == name and name in READERS:
@@ -197,6 +204,11 @@ def _convert(source: StoredClip, name: str, options: ExportOptions) -> ClipStrea
         clip = scale(clip, stated / metres_per_unit(options.unit), unit=options.unit)
     if options.up:
         clip = turn_up(clip, _read_fact(clip, "global_axis_of_gravity", "up axis", "up").upper(), options.up.upper())
+    if options.preset is not None:
+        shape = choose_shape(options.preset, clip.head.skeleton, options.format)
+        # The user's own unit and axis win.
+        left = replace(shape, unit=None if options.unit else shape.unit, up=None if options.up else shape.up)
+        clip = fit_shape(clip, left, options.preset, guesses=options.guesses)
     if not options.guesses:
         need_stated_facts(clip.head, name)
     return convert_clip(clip, name, options.names)

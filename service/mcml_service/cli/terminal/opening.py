@@ -17,6 +17,7 @@ from rich.table import Table
 from mcml.client.client import Client
 from mcml.errors import McmlError
 from mcml.files.on_disk import write_file
+from mcml.files.presets import PRESETS
 from mcml_service.local_secret import read_secret
 from mcml_service.settings import Settings, data_folder, is_loopback, private_folder
 from mcml_service.storage.database import Database
@@ -30,6 +31,12 @@ RevisionOption = Annotated[
 ForceOption = Annotated[bool, typer.Option("--force", help="Replace a file of that name")]
 RawOption = Annotated[
     bool, typer.Option("--raw", help="In CSV, also texts that spreadsheets take for formulas as they are")
+]
+ForOption = Annotated[
+    str | None,
+    typer.Option(
+        "--for", help=f"Program that reads the result, which decides format, unit and axes: {', '.join(PRESETS)}"
+    ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for scripts")]
 

@@ -2581,8 +2581,8 @@ export interface components {
         };
         ExportRequest: {
             selection: components["schemas"]["Selection"];
-            /** @default bvh */
-            format: string;
+            format?: string | null;
+            for?: string | null;
             names?: string | null;
             unit?: string | null;
             up?: string | null;
@@ -2859,6 +2859,7 @@ export interface components {
         };
         FormatList: {
             items: components["schemas"]["FormatInfo"][];
+            presets: components["schemas"]["PresetInfo"][];
             unsupported: components["schemas"]["UnsupportedFormat"][];
         };
         FormatPart: {
@@ -3479,6 +3480,19 @@ export interface components {
         };
         PresentList: {
             items: components["schemas"]["Present"][];
+        };
+        PresetInfo: {
+            name: string;
+            title: string;
+            bodies: components["schemas"]["PresetShape"] | null;
+            markers: components["schemas"]["PresetShape"] | null;
+            why: string;
+        };
+        PresetShape: {
+            format: string;
+            unit?: string | null;
+            up?: string | null;
+            fps?: number | null;
         };
         PreviewMotion: {
             first: number;
@@ -5292,8 +5306,8 @@ export interface operations {
     };
     export_document: {
         parameters: {
-            query: {
-                format: string;
+            query?: {
+                format?: string | null;
                 revision?: number | null;
                 first?: number;
                 last?: number | null;
@@ -5305,6 +5319,7 @@ export interface operations {
                 fps?: number | null;
                 scale?: number | null;
                 guesses?: boolean;
+                for?: string | null;
                 raw?: boolean;
             };
             header?: never;

@@ -1,6 +1,6 @@
 /** A server that lists formats, some of which no real one has. */
 import { vi } from "vitest";
-import { formats, type Format } from "../state/session/formats";
+import { formats, type Format, type Preset } from "../state/session/formats";
 
 const part = (name: string) => ({ name, title: name, extensions: [`.${name}`] });
 
@@ -39,9 +39,21 @@ export const LISTED: Format[] = [
   format("mcml", "MCML", "both", { needs: [] }),
 ];
 
+export const PRESETS: Preset[] = [
+  {
+    name: "blender",
+    title: "Blender",
+    bodies: { format: "bvh", unit: "m", up: "Y", fps: null },
+    markers: { format: "glb", unit: "m", up: "Y", fps: null },
+    why: "",
+  },
+  { name: "maya", title: "Maya", bodies: { format: "usd", unit: "cm", up: "Y", fps: null }, markers: null, why: "" },
+  { name: "lab", title: "Lab", bodies: null, markers: { format: "trc", unit: "m", up: "Y", fps: null }, why: "" },
+];
+
 /** Have the formats asked of that server. */
 export async function learnFormats(): Promise<void> {
-  const answer = JSON.stringify({ items: LISTED, unsupported: [] });
+  const answer = JSON.stringify({ items: LISTED, presets: PRESETS, unsupported: [] });
   vi.stubGlobal("fetch", async () => new Response(answer, { headers: { "content-type": "application/json" } }));
   await vi.waitFor(() => {
     if (!formats().length) throw new Error("not yet");

@@ -3,7 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 import { ask, fetched, address } from "../../api/client";
 import { saveBlob } from "../../ui/exporting/saveBlob";
 import * as library from "../../state/library/library";
-import { writtenFormats } from "../../state/session/formats";
+import { presets, writtenFormats } from "../../state/session/formats";
 import { askMe, mayEdit } from "../../state/session/me";
 import { note, refuse } from "../../state/session/notes";
 import { collectionsChanged } from "../../state/library/collections";
@@ -26,14 +26,14 @@ export function PickedBar() {
   const ids = [...library.picked.value];
   if (!ids.length) return null;
   const edits = mayEdit();
-  const exportAll = async (format: string) => {
+  const exportAll = async (chosen: { format: string } | { for: string }) => {
     try {
       const answer = await fetched(address("/exports"), {
         method: "POST",
         headers: { "content-type": "application/json" },
-        body: JSON.stringify({ selection: { documents: ids }, format }),
+        body: JSON.stringify({ selection: { documents: ids }, ...chosen }),
       });
-      saveBlob(await answer.blob(), `clips ${format}.zip`);
+      saveBlob(await answer.blob(), `clips ${Object.values(chosen)[0]}.zip`);
     } catch (error) {
       refuse(error);
     }
@@ -54,12 +54,17 @@ export function PickedBar() {
       <Menu
         label={w("button.exportWord")}
         className="button dense"
-        items={() =>
-          writtenFormats().map(({ name, label }) => ({
+        items={() => [
+          ...presets("bodies").map(({ preset, format }) => ({
+            text: w("label.exportFor", { program: preset.title }),
+            detail: format.label,
+            run: () => void exportAll({ for: preset.name }),
+          })),
+          ...writtenFormats().map(({ name, label }) => ({
             text: w("label.exportAs", { format: label }),
-            run: () => void exportAll(name),
-          }))
-        }
+            run: () => void exportAll({ format: name }),
+          })),
+        ]}
       >
         <Icon name="export" />
         {w("button.exportWord")}

@@ -3,12 +3,14 @@ import { signal } from "@preact/signals";
 import { get, type Schemas } from "../../api/client";
 
 export type Format = Schemas["FormatInfo"];
+export type Preset = Schemas["PresetInfo"];
 
 /** The language of the repository, which every clip can be written in. */
 export const LANGUAGE = "mcml";
 const ARCHIVES = [".zip", ".7z", ".tar", ".tgz", ".gz"];
 
 const known = signal<readonly Format[]>([]);
+const programs = signal<readonly Preset[]>([]);
 let asked = false;
 
 /** All, as the server lists them; none until it has answered. */
@@ -16,7 +18,10 @@ export function formats(): readonly Format[] {
   if (!asked) {
     asked = true;
     get("/formats").then(
-      (list) => (known.value = list.items),
+      (list) => {
+        known.value = list.items;
+        programs.value = list.presets;
+      },
       () => (asked = false),
     );
   }
@@ -27,6 +32,15 @@ export function formats(): readonly Format[] {
 export function writtenFormats(holds?: "bodies" | "markers"): Format[] {
   const written = formats().filter((one) => one.writes && (!holds || one[holds]));
   return [...written.filter((one) => one.name === LANGUAGE), ...written.filter((one) => one.name !== LANGUAGE)];
+}
+
+/** The programs that clips are exported for, each with the format that it gets; only formats that are written. */
+export function presets(holds: "bodies" | "markers"): { preset: Preset; format: Format }[] {
+  const written = writtenFormats(holds);
+  return programs.value.flatMap((preset) => {
+    const format = written.find((one) => one.name === preset[holds]?.format);
+    return format ? [{ preset, format }] : [];
+  });
 }
 
 export const isOneFile = (format: Format): boolean => format.parts.length === 1;

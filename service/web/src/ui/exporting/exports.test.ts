@@ -11,11 +11,33 @@ const texts = (markers: boolean) => exportItems({ ...known, markers, revision: 3
 
 describe("what a document can be exported as", () => {
   it("is what the server writes and what holds the clip", () => {
-    expect(texts(false)).toEqual(["MCML", "BVH", "ASF/AMC", "HTR", "glTF", "Tomorrow's", "CSV", "NumPy"]);
-    expect(texts(true)).toEqual(["MCML", "C3D", "TRC", "glTF", "Tomorrow's", "CSV", "NumPy"]);
+    expect(texts(false)).toEqual([
+      "For Blender",
+      "MCML",
+      "BVH",
+      "ASF/AMC",
+      "HTR",
+      "glTF",
+      "Tomorrow's",
+      "CSV",
+      "NumPy",
+    ]);
+    expect(texts(true)).toEqual(["For Blender", "For Lab", "MCML", "C3D", "TRC", "glTF", "Tomorrow's", "CSV", "NumPy"]);
     expect(exportItems({ ...known, markers: true, format: "" }).find((item) => item.text === "glTF")!.href).toContain(
       "/documents/x/export?format=glb",
     );
+  });
+
+  it("leaves for a program in the format that it reads, where the server writes it", () => {
+    const item = (markers: boolean, text: string) =>
+      exportItems({ ...known, markers }).find((one) => one.text === text);
+    expect(item(false, "For Blender")).toMatchObject({ detail: "BVH" });
+    expect(item(false, "For Blender")!.href).toContain("/documents/x/export?for=blender");
+    expect(item(true, "For Blender")).toMatchObject({ detail: "glTF" });
+    // The server writes no USD, and the lab takes markers alone.
+    expect([item(false, "For Maya"), item(false, "For Lab")]).toEqual([undefined, undefined]);
+    const bare = exportItems({ ...known, markers: true, unit: null });
+    expect(bare.find((one) => one.text === "For Lab")).toMatchObject({ disabled: true, detail: "needs a unit" });
   });
 
   it("says what a guessed unit does to a file, with what mends it first", () => {

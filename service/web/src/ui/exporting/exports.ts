@@ -1,6 +1,6 @@
 /** What a document can be exported as, as items of a menu. */
 import { address } from "../../api/client";
-import { LANGUAGE, writtenFormats, type Format } from "../../state/session/formats";
+import { LANGUAGE, presets, writtenFormats, type Format } from "../../state/session/formats";
 import type { Item } from "../Menu";
 import { number, w } from "../../words";
 
@@ -76,6 +76,17 @@ export function exportItems(one: Exported, { accept, give }: Mending = {}): Item
     ...(!one.hasRate && give
       ? [{ text: w("button.giveRate"), icon: "warn" as const, detail: w("label.rateUnknown"), run: give }]
       : []),
+    ...presets(markers ? "markers" : "bodies").map(({ preset, format: other }): Item => {
+      const text = w("label.exportFor", { program: preset.title });
+      const lack = factLacking(one, other.needs);
+      if (lack) return { text, detail: lack, disabled: true };
+      return {
+        text,
+        detail: other.label,
+        href: address("/documents/{id}/export", { id }, { ...query, for: preset.name }),
+        download: true,
+      };
+    }),
     { text: "MCML", detail: ".mcml", href: address("/documents/{id}/mcml", { id }, query), download: true },
     ...others.map((other): Item => {
       const { name, label: text } = other;
