@@ -82,6 +82,10 @@ PRESETS: dict[str, Preset] = {
             "opensim", "OpenSim", Shape("mot"), Shape("trc", "m", "Y"),
             "OpenSim reads joint angles as MOT, and markers as TRC in metres with Y up.",
         ),
+        Preset(
+            "amass", "AMASS (SMPL)", Shape("smpl"), None,
+            "Programs for AMASS read axis-angles of SMPL's joints from NPZ, in metres with Z up.",
+        ),
     )
 }  # fmt: skip
 """Every preset, by its name."""

@@ -18,6 +18,7 @@ from mcml.formats.recognition import UNSUPPORTED, recognise
 from mcml.formats.scenes.glb import Glb
 from mcml.formats.scenes.usd import Usd
 from mcml.formats.smpl.format import Smpl
+from mcml.formats.smpl.writer import SmplWriter
 from mcml.formats.trc.format import Trc
 from mcml.formats.usd.format import UsdReader
 
@@ -49,6 +50,7 @@ WRITERS: dict[str, Writer] = {
     "usda": Usd("usda", "USD as text", (".usda",)),
     "mot": OpenSim("mot", "OpenSim motion"),
     "sto": OpenSim("sto", "OpenSim storage"),
+    "smpl": SmplWriter(),
 }
 """Every format that is written, by its name."""
 

@@ -26,6 +26,7 @@ from mcml.motion.rotation_vectors import from_vector
 from mcml.motion.skeleton import Array, Convention
 
 RATES: Final = ("mocap_framerate", "mocap_frame_rate", "fps")
+_OF_AMASS: Final = RATES[:2]
 _PIECES: Final = ("root_orient", "pose_body", "pose_jaw", "pose_eye", "pose_hand")
 _DAMAGED: Final = "Save the file again with numpy.savez."
 _FRAMES_AT_ONCE: Final = 2048
@@ -60,6 +61,7 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
             found = _Arrays(archive, limits)
             poses, places = _poses_of(found), found.read("trans")
             rate = next((found.number(name) for name in RATES if found.has(name)), None)
+            is_amass = rate is not None and any(found.has(name) for name in _OF_AMASS)
             properties = _properties(found)
     except (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, RuntimeError, ValueError) as error:
         raise FormatError(f"the NPZ file is damaged or cut off: {error}", remedy=_DAMAGED) from None
@@ -74,7 +76,6 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
         raise LimitError(f"the body has {len(body.names)} joints, more than the limit", remedy="Raise the limit.")
     for name in body.names:
         limits.check_name(name)
-    is_amass = rate is not None
     rate = options.rate or rate
     if not rate:
         raise FormatError("the file states no frame rate", remedy="Say it with `rate`: frames a second.")

@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
+
 from mcml.errors import FormatError
 from mcml.motion.lexemes import lexeme
 from mcml.motion.skeleton import ROTATIONS, TRANSLATIONS, Convention, Joint, Skeleton
@@ -48,6 +50,9 @@ _FACE: Final[tuple[tuple[str, str, Point], ...]] = (
     ("left_eye", "head", (0.03, 0.06, 0.08)),
     ("right_eye", "head", (-0.03, 0.06, 0.08)),
 )
+_JOINTS: Final = frozenset({22, 24, 52, 55})
+_SAME_WAY: Final = 0.999
+"""Cosine between bones that point in the same direction."""
 _KNUCKLES: Final = {"index": 0.02, "middle": 0.0, "pinky": -0.04, "ring": -0.02}
 
 
@@ -86,6 +91,30 @@ def body_of(joints: int) -> SmplBody:
     names = tuple(listed[place][0] for place in order)
     parents = tuple(names.index(listed[place][1]) if listed[place][1] else -1 for place in order)
     return SmplBody(names, parents, tuple(listed[place][2] for place in order), tuple(order))
+
+
+def find_body(skeleton: Skeleton) -> SmplBody | None:
+    """Return the model that a skeleton has the joints and the rest pose of; None for other skeletons.
+
+    Bones may have other lengths, and point in the same directions.
+    """
+    names = [joint.source_name for joint in skeleton.joints]
+    if len(names) not in _JOINTS or not all(joint.offset for joint in skeleton.joints):
+        return None
+    body = body_of(len(names))
+    if sorted(names) != sorted(body.names):
+        return None
+    index = {name: place for place, name in enumerate(names)}
+    for name, parent, offset in zip(body.names, body.parents, body.offsets, strict=True):
+        joint = skeleton.joints[index[name]]
+        above = names[joint.parent] if joint.parent >= 0 else None
+        bone = np.array([float(text) for text in joint.offset or ()])
+        size = np.linalg.norm(bone) * np.linalg.norm(offset)
+        if above != (body.names[parent] if parent >= 0 else None) or joint.convention is not Convention.LISTED:
+            return None
+        if parent >= 0 and not bone @ np.array(offset) > _SAME_WAY * size:
+            return None
+    return body
 
 
 def _fingers(side: str, sign: int) -> tuple[tuple[str, str, Point], ...]:

@@ -38,7 +38,7 @@ def export(
     format: Annotated[
         str | None,
         typer.Option(
-            help="bvh (the default), asf-amc, asf, amc, htr, c3d, trc, glb, usd, usda, mot, sto, mcml, csv or original"
+            help="bvh (default), asf-amc, asf, amc, htr, c3d, trc, glb, usd, usda, mot, sto, smpl, mcml, csv, original"
         ),
     ] = None,
     for_: ForOption = None,
