@@ -83,6 +83,10 @@ PRESETS: dict[str, Preset] = {
             "OpenSim reads joint angles as MOT, and markers as TRC in metres with Y up.",
         ),
         Preset(
+            "vrm", "VRM avatars", Shape("vrma", fps=30.0), None,
+            "VRM Animation moves any avatar in VRM; its specification suggests 30 frames a second.",
+        ),
+        Preset(
             "amass", "AMASS (SMPL)", Shape("smpl"), None,
             "Programs for AMASS read axis-angles of SMPL's joints from NPZ, in metres with Z up.",
         ),

@@ -17,6 +17,7 @@ from mcml.formats.opensim.storage import OpenSim
 from mcml.formats.recognition import UNSUPPORTED, recognise
 from mcml.formats.scenes.glb import Glb
 from mcml.formats.scenes.usd import Usd
+from mcml.formats.scenes.vrma import Vrma
 from mcml.formats.smpl.format import Smpl
 from mcml.formats.smpl.writer import SmplWriter
 from mcml.formats.trc.format import Trc
@@ -46,6 +47,7 @@ READERS: dict[str, Reader] = {
 WRITERS: dict[str, Writer] = {
     **FORMATS,
     "glb": Glb(),
+    "vrma": Vrma(),
     "usd": Usd("usd", "USD", (".usd", ".usdc")),
     "usda": Usd("usda", "USD as text", (".usda",)),
     "mot": OpenSim("mot", "OpenSim motion"),
@@ -54,7 +56,7 @@ WRITERS: dict[str, Writer] = {
 }
 """Every format that is written, by its name."""
 
-NEEDED = {"glb": "pygltflib", "usd": "pxr", "usda": "pxr"}
+NEEDED = {"glb": "pygltflib", "vrma": "pygltflib", "usd": "pxr", "usda": "pxr"}
 """Modules that formats need and that are not always installed, by format."""
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,9 +16,9 @@ from scipy.spatial.transform import Rotation
 
 from mcml.errors import ConversionError
 from mcml.files.motion import convert, read
-from mcml.formats import WRITERS
+from mcml.formats import WRITERS, transfer
 from mcml.formats.smpl.skeleton import body_of
-from mcml.motion.clip import ClipStream
+from mcml.motion.clip import ClipStream, FrameBlock
 from mcml.motion.conventions.convert import scale, turn_up
 from mcml.motion.skeleton import Array
 from tests.formats.readers.posing import npz, places_of, read_clip
@@ -148,3 +149,18 @@ def test_no_frames_and_no_rate_are_refused() -> None:
     fields = {name: text for name, text in clip.head.fields.items() if name != "dataframe_rate"}
     with pytest.raises(ConversionError, match="how fast frames follow"):
         write(ClipStream(replace(clip.head, fields=fields), clip.blocks, 3))
+
+
+def test_long_clips_are_refused_before_they_are_in_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    clip, drawn = timed(clip_of(person(4, 10))), []
+
+    def blocks() -> Iterator[FrameBlock]:
+        for block in [*clip.blocks()] * 100:
+            drawn.append(len(block))
+            yield block
+
+    monkeypatch.setattr(transfer, "_MOST", 52 * 25)
+    fields = {**clip.head.fields, "global_axis_of_gravity": "Y"}
+    with pytest.raises(ConversionError, match="more than 25 frames of 52 joints"):
+        write(ClipStream(replace(clip.head, fields=fields), blocks, None))
+    assert sum(drawn) <= 40

@@ -132,5 +132,7 @@ def frame_times(tracks: list[Track], rate: float) -> Array:
     """(n,) seconds of the frames: from the first key of all tracks to the last."""
     first = min(float(track.times[0]) for track in tracks)
     last = max(float(track.times[-1]) for track in tracks)
-    count = int(np.floor((last - first) * rate + 1e-3)) + 1
+    # Rates are rounded to usual ones, and times to single precision: over long clips this adds up to parts of a frame.
+    span = (last - first) * rate
+    count = int(np.floor(span * (1 + 1e-5) + 1e-3)) + 1
     return np.asarray(first + np.arange(count) / rate)

@@ -48,15 +48,19 @@ class Glb:
     assumes = "m"
 
     def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:
-        try:
-            import pygltflib  # noqa: F401
-        except ImportError:
-            raise UnsupportedError(
-                "glTF needs a library that is not installed.",
-                remedy="Install the extra: pip install 'mcml-repository[gltf]'.",
-            ) from None
-        stage = look_through(clip, "glTF", "glTF takes them as metres")
-        return _write(stage)
+        need_library()
+        return write_stage(look_through(clip, "glTF", "glTF takes them as metres"))
+
+
+def need_library() -> None:
+    """Raises UnsupportedError where the library for glTF is not installed."""
+    try:
+        import pygltflib  # noqa: F401
+    except ImportError:
+        raise UnsupportedError(
+            "glTF needs a library that is not installed.",
+            remedy="Install the extra: pip install 'mcml-repository[gltf]'.",
+        ) from None
 
 
 @dataclass(frozen=True)
@@ -77,13 +81,18 @@ class _Piece:
     values: NDArray[np.float32]
 
 
-def _write(stage: Stage) -> Iterator[bytes]:
+def write_stage(stage: Stage, extensions: dict[str, Any] | None = None) -> Iterator[bytes]:
+    """Write a scene as GLB.
+
+    extensions: of the file, by their names; a file with extensions describes a motion alone and has no visible body.
+    Raises ConversionError for files of more than 4 GiB.
+    """
     tracks = [_Track(joint, "rotation") for joint in np.flatnonzero(stage.turning).tolist()]
     tracks += [_Track(joint, "translation") for joint in np.flatnonzero(stage.moving).tolist()]
     if not stage.frames:
         tracks = []
     content = _Content()
-    model = _model(stage, tracks, content)
+    model = _model(stage, tracks, content, extensions)
     length = content.length
     text = model.to_json(separators=(",", ":")).encode("utf-8", "replace")
     text += b" " * (-len(text) % 4)
@@ -120,7 +129,7 @@ class _Content:
         return offset, length
 
 
-def _model(stage: Stage, tracks: list[_Track], content: _Content) -> GLTF2:
+def _model(stage: Stage, tracks: list[_Track], content: _Content, extensions: dict[str, Any] | None) -> GLTF2:
     """Return the JSON part, with references to the binary part."""
     import pygltflib as gltf
 
@@ -145,7 +154,9 @@ def _model(stage: Stage, tracks: list[_Track], content: _Content) -> GLTF2:
         scenes=[gltf.Scene(name=_text(stage.title), nodes=[root])],
         nodes=nodes,
     )
-    if len(skeleton):
+    if extensions:
+        model.extensions, model.extensionsUsed = extensions, list(extensions)
+    elif len(skeleton):
         _add_body(model, stage, body_of(stage), content)
     if tracks:
         _add_animation(model, stage, tracks, content)

@@ -5,20 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from mcml.errors import ConversionError
 from mcml.formats.format import note
-from mcml.formats.missing_facts import guess_up
 from mcml.formats.scenes.stage import turn_to_y
 from mcml.formats.smpl.skeleton import SmplBody, body_of, skeleton_of
+from mcml.formats.transfer import match_person, transfer
 from mcml.motion.clip import ClipStream
-from mcml.motion.conventions.convert import turn_up
-from mcml.motion.frames import joined
 from mcml.motion.guesses import stated_up
-from mcml.motion.hub import HubReader, walked
-from mcml.motion.retargeting.bone_mapping import suggest_matches
-from mcml.motion.retargeting.retarget import retarget
+from mcml.motion.hub import HubReader
 from mcml.motion.rotations import inverse, multiply, rotate
-from mcml.motion.skeleton import Array, Convention
+from mcml.motion.skeleton import Array
 from mcml.motion.units import metres_of, reading_of
 
 _TARGET = 52
@@ -28,10 +23,6 @@ _CORE = (
     "right_shoulder", "left_elbow", "right_elbow", "left_wrist", "right_wrist",
 )  # fmt: skip
 """Joints without which a motion is not a person's."""
-_SURE = 0.7
-_MOST = 5_000_000
-"""Joints, over all frames, that are transferred at once."""
-_FRAMES_AT_ONCE = 2048
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,63 +65,12 @@ def own_poses(clip: ClipStream, body: SmplBody) -> Poses:
 def transfer_poses(clip: ClipStream, seconds: float) -> Poses:
     """Return the poses of another skeleton, retargeted to a general body of SMPL-H.
 
-    Bones point as they do in the clip; travel is scaled by the length of the legs. Raises ConversionError for clips
-    that lack joints of a person, and for very long ones.
+    Raises ConversionError for clips that lack joints of a person, and for very long ones.
     """
     body = body_of(_TARGET)
-    target, skeleton = skeleton_of(body), clip.head.skeleton
-    if any(joint.convention is Convention.MARKER for joint in skeleton.joints):
-        raise ConversionError("SMPL holds joints, and markers have none", remedy="Export them as C3D or TRC.")
-    matches = suggest_matches(skeleton, target)
-    matched = {body.names[match.target] for match in matches}
-    missing = [name for name in _CORE if name not in matched]
-    if missing:
-        raise ConversionError(
-            f"SMPL needs the joints of a person, and the clip lacks {', '.join(missing)}",
-            remedy="Give its joints MCML's names with aliases, or choose another format.",
-        )
-    upright = turn_up(clip, _find_up(clip), "Y")
-    block = joined(part for part in upright.blocks() if len(part))
-    joints = max(len(skeleton), _TARGET)
-    if len(block) * joints > _MOST:
-        raise ConversionError(
-            f"{len(block)} frames of {joints} joints are more than are transferred at once",
-            remedy=f"Export a part, `first` and `last`: no more than {_MOST // joints} frames.",
-        )
-    result = retarget(
-        upright.head.skeleton, block, target, matches, seconds, reading=reading_of(upright.head)
-    )  # fmt: skip
-    note(
-        clip.notices, "warning", "the clip was retargeted to a general SMPL-H body of 1.70 m: its bones point the same"
-    )
-    for notice in result.report.notices(skeleton, target):
-        note(clip.notices, notice.kind, notice.what)
-    doubtful = [body.names[match.target] for match in matches if match.confidence < _SURE]
-    if doubtful:
-        note(clip.notices, "guess", f"joints that stand in for those of SMPL: {', '.join(doubtful)}")
-    pose = HubReader(target).read(result.block)
-    turn = _turn_to_z("Y")
-
-    def blocks() -> Iterator[tuple[Array, Array]]:
-        for first in range(0, len(block), _FRAMES_AT_ONCE):
-            rows = slice(first, first + _FRAMES_AT_ONCE)
-            yield _turn_root(pose.translations[rows, 0], pose.rotations[rows], turn)
-
-    return Poses(body, True, blocks)
-
-
-def _find_up(clip: ClipStream) -> str:
-    """The up axis that the document states, else a guess with a notice."""
-    stated = stated_up(clip.head)
-    if stated is not None:
-        return stated
-    hub = HubReader(clip.head.skeleton, reading_of(clip.head))
-    first = next((block for block in clip.blocks() if len(block)), None)
-    if first is None:
-        return "Y"
-    pose = hub.read(first)
-    places = walked(clip.head.skeleton, pose.translations[:1], pose.rotations[:1])[0][0]
-    return guess_up(clip.head, places, clip.notices, "this export") or "Y"
+    target = skeleton_of(body)
+    matches = match_person(clip, target, _CORE, "SMPL")
+    return own_poses(transfer(clip, target, matches, seconds, "a general SMPL-H body of 1.70 m"), body)
 
 
 def _turn_to_z(up: str | None) -> Array:

@@ -38,7 +38,8 @@ def export(
     format: Annotated[
         str | None,
         typer.Option(
-            help="bvh (default), asf-amc, asf, amc, htr, c3d, trc, glb, usd, usda, mot, sto, smpl, mcml, csv, original"
+            help="bvh (default), asf-amc, asf, amc, htr, c3d, trc, glb, vrma, usd, usda, mot, sto, smpl, mcml, csv, "
+            "original"
         ),
     ] = None,
     for_: ForOption = None,

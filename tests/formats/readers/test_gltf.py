@@ -18,7 +18,7 @@ from mcml.files.limits import FileLimits
 from mcml.formats import READERS, WRITERS, find_format
 from mcml.formats.format import SourceFile
 from mcml.formats.gltf import document
-from mcml.formats.gltf.tracks import Track, find_rate
+from mcml.formats.gltf.tracks import Track, find_rate, frame_times
 from mcml.motion.skeleton import Array
 from mcml.testing import frames
 from tests.formats.readers.posing import places_of, read_clip, reads_or_refuses, spoil
@@ -235,3 +235,12 @@ def test_any_byte_may_be_wrong() -> None:
     for end in range(0, len(data), 7):
         with pytest.raises(McmlError):
             read_clip("glb", data[:end])
+
+
+def test_the_last_frame_of_a_long_clip_is_there() -> None:
+    """A frame time of 0.0083333 is read as 120 Hz, and 993 of them end before the 993rd frame at that rate."""
+    times = (np.arange(994) * 0.0083333).astype(np.float32).astype(float)
+    track = Track(0, "rotation", "LINEAR", times, np.tile([0.0, 0.0, 0.0, 1.0], (994, 1)))
+    rate, _ = find_rate([track])
+    assert rate == 120
+    assert len(frame_times([track], rate)) == 994
