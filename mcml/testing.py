@@ -15,6 +15,7 @@ from mcml.errors import ConversionError, FormatError, LimitError, McmlError, Uns
 from mcml.formats import FORMATS, find_format
 from mcml.formats.format import Format, Limits, ReadOptions, SourceFile
 from mcml.motion.clip import ClipStream, FrameBlock
+from mcml.motion.skeleton import CHANNELS
 
 Files = Mapping[str, bytes]
 
@@ -45,7 +46,9 @@ def frames(clip: ClipStream) -> list[tuple[object, tuple[tuple[int, tuple[tuple[
             bones = tuple(
                 (
                     joint,
-                    tuple((c, block.values[row, place[joint, c]].tobytes()) for c in range(8) if bits >> c & 1),
+                    tuple(
+                        (c, block.values[row, place[joint, c]].tobytes()) for c in range(len(CHANNELS)) if bits >> c & 1
+                    ),
                 )
                 for joint, bits in shape
             )

@@ -181,6 +181,21 @@ MCML = b"""<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
+FACE = b"""<mcml version="1.0"><header><units angle="rad"/><dataframe_rate>30</dataframe_rate></header>
+<root order="Ry Rx Rz" position="0 0 0" name="Head" convention="listed"/>
+<skeleton><bone convention="shape"><name>JawOpen</name><order>weight</order></bone>
+<bone convention="shape"><name>EyeBlinkLeft</name><order>weight</order></bone></skeleton>
+<motion><frames>4</frames>
+<frame id="1"><frame_bone name="Head" Rx="0.1" Ry="0.2" Rz="-0.1"/><frame_bone name="JawOpen" weight="0.25"/>
+<frame_bone name="EyeBlinkLeft" weight="0"/></frame>
+<frame id="2"><motion_name>blink</motion_name><frame_bone name="Head" Rx="0.3" Ry="0.2" Rz="0"/>
+<frame_bone name="JawOpen" weight="0.75"/><frame_bone name="EyeBlinkLeft" weight="1.053"/></frame>
+<frame id="3"><frame_bone name="Head"/><frame_bone name="JawOpen"/><frame_bone name="EyeBlinkLeft"/></frame>
+<frame id="4"><frame_bone name="Head" Rx="0.2" Ry="0" Rz="0.1"/><frame_bone name="JawOpen" weight="0.5"/>
+<frame_bone name="EyeBlinkLeft" weight="0.1"/></frame></motion></mcml>"""
+"""A head with two blend shapes; a frame without samples."""
+
+
 def mcml_of(ids: Sequence[int | str]) -> bytes:
     """A document of one bone that turns by a degree a frame, and frames with these ids."""
     head, _, rest = MCML.decode().partition("    <frames>3</frames>")

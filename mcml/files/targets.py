@@ -8,6 +8,7 @@ from mcml.errors import UnsupportedError
 from mcml.formats import WRITERS
 from mcml.language import joint_names
 from mcml.motion.clip import ClipStream
+from mcml.motion.conventions.blend_shapes import without_blend_shapes
 from mcml.motion.conventions.convert import convert
 
 
@@ -41,7 +42,7 @@ def part_without_frames(name: str) -> str | None:
 def convert_clip(clip: ClipStream, name: str, names: str | None = None) -> ClipStream:
     """The clip as a format of the catalogue can write it; `names`: with joint names of that table."""
     convention = WRITERS[name].convention
-    clip = clip if convention is None else convert(clip, convention)
+    clip = without_blend_shapes(clip) if convention is None else convert(clip, convention)
     if names:
         skeleton = joint_names.translate(clip.head.skeleton, names)
         clip = clip.with_head(replace(clip.head, skeleton=skeleton))

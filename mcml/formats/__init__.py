@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from mcml.formats.arkit.format import Arkit
 from mcml.formats.asf_amc.format import AsfAmc
 from mcml.formats.bvh.format import Bvh
 from mcml.formats.c3d.format import C3d
@@ -41,6 +42,7 @@ READERS: dict[str, Reader] = {
     "usd": UsdReader(),
     "smpl": Smpl(),
     "mvnx": Mvnx(),
+    "arkit": Arkit(),
 }
 """Every format that is read, by its name."""
 

@@ -36,7 +36,7 @@ _LFS: Final = b"version https://git-lfs.github.com/spec/"
 _WRITTEN: Final = ((rb"(?s).*\ninDegrees=(yes|no)\s", "OpenSim's MOT and STO"),)
 """How files begin that are written and not read."""
 _TITLES = {"ask-sdl": "ASK/SDL", "skl-mot": "SKL/MOT"}
-_READ: Final = "Send FBX, glTF, VRM, USD, AMASS npz, MVNX, BVH, ASF with AMC, HTR, C3D, TRC or MCML."
+_READ: Final = "Send FBX, glTF, VRM, USD, AMASS npz, MVNX, ARKit CSV, BVH, ASF with AMC, HTR, C3D, TRC or MCML."
 
 
 def recognise(formats: Mapping[str, Reader], file_name: str, first_bytes: bytes) -> tuple[Reader, str]:

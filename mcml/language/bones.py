@@ -30,7 +30,7 @@ from mcml.language.vocabulary import (
     ROOT,
     SKELETON,
 )
-from mcml.motion.skeleton import ROTATIONS, Convention, EndSite, Joint, Skeleton, Triple
+from mcml.motion.skeleton import CHANNELS, ROTATIONS, Convention, EndSite, Joint, Skeleton, Triple
 
 MAX_DEPTH = 256
 """Bones in bones that a skeleton may have; no body comes near it."""
@@ -272,7 +272,7 @@ def _channels(text: str, address: str) -> tuple[str, ...]:
         channel = CHANNEL_OF.get(word.lower())
         if channel is None:
             raise DocumentError(
-                f"unknown channel {word!r}", at=Place(element=address), remedy="Use Tx Ty Tz Rx Ry Rz SF residual."
+                f"unknown channel {word!r}", at=Place(element=address), remedy=f"Use {' '.join(CHANNELS)}."
             )
         if channel in channels:
             raise DocumentError(f"channel {channel} stands twice", at=Place(element=address))

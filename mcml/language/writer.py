@@ -3,8 +3,8 @@
 Three layouts. LINES, the default: header, root and skeleton on a line each, then each frame on a line of its own, so
 that an error can name a line and tools can compare two exports. COMPACT: no white space between elements at all,
 which is how XPath sees a document. PRETTY: every element on its own line, indented. The order of the attributes of a
-frame_bone is always name Tx Ty Tz Rx Ry Rz SF residual. Numbers are in the shortest form that reads back as the same
-double (orjson's).
+frame_bone is always name Tx Ty Tz Rx Ry Rz SF residual weight. Numbers are in the shortest form that reads back as the
+same double (orjson's).
 """
 
 from __future__ import annotations

@@ -36,7 +36,8 @@ class Rest:
 
 @dataclass(frozen=True)
 class HubBlock:
-    """Frames. translations: (n, J, 3). rotations: (n, J, 4). scales: (n, J) of each joint's own bone.
+    """Frames. translations: (n, J, 3). rotations: (n, J, 4). scales: (n, J) of each joint's own bone; of a blend shape
+    its weight.
 
     values: (n, D) the channels they come from, in the skeleton's columns, missing ones held.
     """
@@ -193,6 +194,8 @@ def _places(
     moved = [(index, [(axis, place[index, axis]) for axis in range(3) if (index, axis) in place]) for index in joints]
     scale = CHANNEL_INDEX["SF"]
     scaled = [(index, place[index, scale]) for index in joints if (index, scale) in place]
+    weight = CHANNEL_INDEX["weight"]
+    scaled += [(index, place[index, weight]) for index in skeleton.blend_shapes if (index, weight) in place]
     replaced = {
         index
         for index, joint in enumerate(skeleton.joints)
@@ -212,7 +215,7 @@ def _rotation_groups(skeleton: Skeleton, place: dict[tuple[int, int], int]) -> _
         if joint.convention is Convention.LISTED:
             order = "".join(channel[1].upper() for channel in joint.channels if channel[0] == "R")
         order = "".join(letter for letter in order if f"R{letter.lower()}" in joint.channels)
-        if order and joint.convention is not Convention.MARKER:
+        if order and joint.has_axes:
             joints, columns = groups.setdefault((joint.convention, order), ([], []))
             joints.append(index)
             columns += [place[index, CHANNEL_INDEX[f"R{letter.lower()}"]] for letter in order]
@@ -222,10 +225,13 @@ def _rotation_groups(skeleton: Skeleton, place: dict[tuple[int, int], int]) -> _
 def walked(skeleton: Skeleton, translations: Array, rotations: Array) -> tuple[Array, Array]:
     """Forward kinematics: positions (n, J, 3) and rotations from the rest pose (n, J, 4), in the world.
 
-    translations (n, J, 3), rotations (n, J, 4): of each joint in its parent, as `HubBlock` has them.
+    translations (n, J, 3), rotations (n, J, 4): of each joint in its parent, as `HubBlock` has them. Blend shapes have
+    no position: NaN.
     """
     if translations.size <= AT_ONCE:
-        return _walked_by_depth(skeleton, translations, rotations)
+        positions, turned = _walked_by_depth(skeleton, translations, rotations)
+        positions[:, skeleton.blend_shapes] = np.nan
+        return positions, turned
     positions, turned = np.empty_like(translations), np.empty_like(rotations)
     for index, joint in enumerate(skeleton.joints):
         parent = joint.parent
@@ -236,6 +242,7 @@ def walked(skeleton: Skeleton, translations: Array, rotations: Array) -> tuple[A
         turn = turned[:, parent]
         positions[:, index] = positions[:, parent] + rotate(turn, translations[:, index])
         turned[:, index] = multiply(turn, rotations[:, index])
+    positions[:, skeleton.blend_shapes] = np.nan
     return positions, turned
 
 

@@ -27,6 +27,7 @@ Flags = NDArray[np.bool_]
 
 _AXIS = {"X": 0, "Y": 1, "Z": 2}
 _SCALE = CHANNEL_INDEX["SF"]
+_WEIGHT = CHANNEL_INDEX["weight"]
 ROUNDING = 1e-9
 """Radians, and fractions of the size of a skeleton: differences up to this are rounding, not losses."""
 
@@ -89,9 +90,7 @@ class HubWriter:
         self._reader = HubReader(skeleton, reading)
         self.rest = self._reader.rest
         place = {column: index for index, column in enumerate(self.columns)}
-        self._letters = [
-            "" if joint.convention is Convention.MARKER else product_order(joint) for joint in skeleton.joints
-        ]
+        self._letters = [product_order(joint) if joint.has_axes else "" for joint in skeleton.joints]
         self._turns = [
             [place[index, CHANNEL_INDEX[f"R{letter.lower()}"]] for letter in letters]
             for index, letters in enumerate(self._letters)
@@ -101,7 +100,11 @@ class HubWriter:
             for index in range(len(skeleton))
         ]
         self._scaled = {index: place[index, _SCALE] for index in range(len(skeleton)) if (index, _SCALE) in place}
-        self._others = [index for index, (_, channel) in enumerate(self.columns) if channel > _SCALE]
+        self._scaled |= {index: place[index, _WEIGHT] for index in skeleton.blend_shapes if (index, _WEIGHT) in place}
+        scaled = set(self._scaled.values())
+        self._others = [
+            index for index, (_, channel) in enumerate(self.columns) if channel > _SCALE and index not in scaled
+        ]
         self._of_joint = [
             [column for column, (joint, _) in enumerate(self.columns) if joint == index]
             for index in range(len(skeleton))

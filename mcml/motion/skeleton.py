@@ -20,7 +20,7 @@ Found = TypeVar("Found")
 Array = NDArray[np.float64]
 Triple = tuple[str, str, str]
 
-CHANNELS = ("Tx", "Ty", "Tz", "Rx", "Ry", "Rz", "SF", "residual")
+CHANNELS = ("Tx", "Ty", "Tz", "Rx", "Ry", "Rz", "SF", "residual", "weight")
 """Every channel a joint can have in a frame, in the order in which a frame_bone writes its attributes."""
 
 CHANNEL_INDEX = {name: index for index, name in enumerate(CHANNELS)}
@@ -39,12 +39,15 @@ class Convention(StrEnum):
     BASE: HTR. Translation and rotation are relative to a base pose: T = offset + (Tx, Ty, Tz) in the parent's
         axes, R = R(axis) R(Rx, Ry, Rz), both in `rotation_order`.
     MARKER: labelled points (C3D, TRC): Tx Ty Tz are positions in the world.
+    BLEND_SHAPE: a blend shape of a face or a body: `weight` says how much of it is there, 0 for none, 1 for all. It
+        has no position and no rotation; its parent is the joint that it belongs to.
     """
 
     LISTED = "listed"
     FIXED = "fixed"
     BASE = "base"
     MARKER = "marker"
+    BLEND_SHAPE = "shape"
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +110,11 @@ class Joint:
         """The source's name, without the joints above it where that is a path, as in USD (`Hips/Spine/Neck`)."""
         return self.source_name.rpartition("/")[2] or self.source_name
 
+    @property
+    def has_axes(self) -> bool:
+        """Whether the joint has axes that can turn; markers and blend shapes have none."""
+        return self.convention not in (Convention.MARKER, Convention.BLEND_SHAPE)
+
 
 @dataclass(frozen=True)
 class Skeleton:
@@ -135,6 +143,11 @@ class Skeleton:
     def parents(self) -> NDArray[np.intp]:
         """(J,) index of each joint's parent, -1 at a root."""
         return np.array([joint.parent for joint in self.joints], dtype=np.intp)
+
+    @cached_property
+    def blend_shapes(self) -> tuple[int, ...]:
+        """The blend shapes: they have a weight and no place."""
+        return tuple(index for index, joint in enumerate(self.joints) if joint.convention is Convention.BLEND_SHAPE)
 
     @property
     def roots(self) -> tuple[int, ...]:

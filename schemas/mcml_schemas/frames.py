@@ -76,7 +76,7 @@ class AdjustFrames(_Range):
     """Multiply channels, then add to them."""
 
     do: Literal["adjust"]
-    channels: list[Literal["Tx", "Ty", "Tz", "Rx", "Ry", "Rz", "SF", "residual"]] = Field(min_length=1)
+    channels: list[Literal["Tx", "Ty", "Tz", "Rx", "Ry", "Rz", "SF", "residual", "weight"]] = Field(min_length=1)
     factor: float = Field(1.0, ge=-1e9, le=1e9)
     offset: float = Field(0.0, ge=-1e12, le=1e12, description="In the channel's own unit")
     bones: Bones = Field([])

@@ -56,7 +56,7 @@ class SkeletonBone(BaseModel):
     along: list[float] = Field(description="From the joint to the tip of its own bone, 0 where formats have none")
     channels: list[str] = Field(description="In the file's order; none: the bone never moves by itself")
     rotation_order: str = Field(description="Order of the rotations, as the convention means it")
-    convention: Literal["listed", "fixed", "base", "marker"] = Field(description="How channels move a joint")
+    convention: Literal["listed", "fixed", "base", "marker", "shape"] = Field(description="How channels move a joint")
     translation: str = Field(description="Position channels replace the offset (absolute), or add to it (relative)")
 
 

@@ -159,6 +159,27 @@ def test_a_project_goes_to_another_store_and_back(database: Database, tmp_path: 
     other.close()
 
 
+def test_a_file_of_a_program_with_fewer_channels_is_read(database: Database) -> None:
+    store(database, {"a.bvh": bvh(600, 3)}, project="mine")
+    changed = io.BytesIO()
+    with (
+        zipfile.ZipFile(io.BytesIO(exported(database))) as archive,
+        zipfile.ZipFile(changed, "w") as older,
+    ):
+        for name in archive.namelist():
+            content = archive.read(name)
+            if name == "rows/track.jsonl":
+                rows = [json.loads(line) for line in content.splitlines()]
+                content = b"".join(
+                    json.dumps({key: row[key] for key in row if not key.endswith("_weight")}).encode() + b"\n"
+                    for row in rows
+                )
+            older.writestr(name, content.replace(b"residual weight", b"residual"))
+    assert brought(database, changed.getvalue(), "again") == ("again", 1)
+    assert database.check() == []
+    assert without_keys(histories(database, "again")) == without_keys(histories(database, "mine"))
+
+
 def test_it_holds_what_people_can_read(database: Database) -> None:
     fill(database, 2)
     with zipfile.ZipFile(io.BytesIO(exported(database))) as archive:

@@ -13,16 +13,18 @@ from mcml.language.elements import from_head
 from mcml.language.writer import write_document
 from mcml.motion.clip import ClipStream
 from mcml_service.demo import body, face
-from tests.builders import ASF, HTR, MCML, amc, bvh
+from tests.builders import ASF, FACE, HTR, MCML, amc, bvh
 from tests.mcml.strategies import documents, small_document
 
 EMPTY = b'<mcml version="1.0"><header/><skeleton/><motion><frames>0</frames></motion></mcml>'
 
-MARKERS = b"""<mcml version="1.0"><header><num_segments>3</num_segments></header><skeleton><bone><name>a</name></bone>
+MARKERS = b"""<mcml version="1.0"><header><num_segments>4</num_segments></header><skeleton><bone><name>a</name></bone>
 <bone convention="marker"><name>b</name><position>1 2 3</position><end_site position="0 0 1"/>
-<bone><name>c</name></bone></bone></skeleton><motion><frames>4</frames><frame id="x"/><frame id="7">
+<bone><name>c</name></bone><bone convention="shape"><name>d</name><order>weight</order></bone></bone></skeleton>
+<motion><frames>4</frames><frame id="x"/><frame id="7">
 <frame_bone name="b" Tx="1" residual="-1"/><frame_bone name="a"/></frame><frame id="7"><motion_name>x</motion_name>
-<frame_bone name="c" Rx="0"/></frame><frame id="8"><frame_bone name="a" Tx="1" Ty="-0.0"/><frame_bone name="c"/></frame>
+<frame_bone name="c" Rx="0"/></frame><frame id="8"><frame_bone name="a" Tx="1" Ty="-0.0"/><frame_bone name="c"/>
+<frame_bone name="d" weight="0.5"/></frame>
 </motion></mcml>"""
 
 FIGURES = b"""<mcml version="1.0">
@@ -49,7 +51,7 @@ PAPER = (
 def hand_written() -> list[bytes]:
     """Documents that people wrote: every element, none, markers, frames of different shapes, several frames."""
     small = [small_document(frames, pretty) for frames in (0, 1, 3) for pretty in (True, False)]
-    return [*small, MARKERS, EMPTY, PAPER, MCML.partition(b'mcml.dtd">\n')[2]]
+    return [*small, MARKERS, EMPTY, PAPER, FACE, MCML.partition(b'mcml.dtd">\n')[2]]
 
 
 def captures() -> list[bytes]:

@@ -54,7 +54,7 @@ def skeletons(draw: st.DrawFn, convention: Convention) -> Skeleton:
     optional = st.one_of
     joints = []
     for index, parent in enumerate(tree):
-        channels = tuple(draw(st.lists(st.sampled_from(CHANNELS[:7]), unique=True)))
+        channels = tuple(draw(st.lists(st.sampled_from((*CHANNELS[:7], "weight")), unique=True)))
         listed = "".join(channel[1] for channel in channels if channel[0] == "R")
         common = {
             "name": names[index],

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from tests.builders import FACE
 from tests.web.conftest import Served, Visit, one_door, walk
 from tests.web.test_editing import expect_other_picture
 from tests.web.test_journeys import ready
@@ -214,3 +215,18 @@ def test_revisions_are_flipped_and_two_of_them_compared(visit: Visit, studio: Se
     page.get_by_label("Frame", exact=True).press("Enter")
     told.click()
     expect(page.get_by_label("Frame", exact=True)).to_have_value("20")
+
+
+def test_blend_shapes_are_bars_and_curves(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("face.mcml", FACE)
+    page = visit.open(f"/clips/{uuid}?f=2&tab=graph")
+    ready(page)
+    shapes = page.get_by_role("region", name="Blend shapes")
+    jaw = shapes.get_by_role("button", name="JawOpen")
+    expect(jaw).to_contain_text("0.75")
+    expect(shapes.get_by_role("button", name="EyeBlinkLeft")).to_contain_text("1.05")
+    jaw.click()
+    expect(page.get_by_label("weight", exact=True)).to_have_value("0.75")
+    page.keyboard.press("ArrowRight")
+    expect(jaw).to_contain_text("–")
+    expect(jaw).to_have_attribute("aria-pressed", "true")

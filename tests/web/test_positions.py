@@ -9,7 +9,7 @@ import pytest
 
 from mcml.formats import FORMATS
 from mcml.motion.skeleton import Convention
-from tests.builders import ASF, HTR, TRC, amc, bvh, c3d_file
+from tests.builders import ASF, FACE, HTR, TRC, amc, bvh, c3d_file
 from tests.conftest import shared_folder
 from tests.motion.random_clips import FORMAT_OF, random_clip
 from tests.web.conftest import Served
@@ -41,6 +41,7 @@ def generated(seeds: range) -> dict[str, dict[str, bytes]]:
         "htr with gaps": {"a.htr": HTR},
         "trc by hand": {"a.trc": TRC},
         "c3d": {"a.c3d": c3d_file(40, 12)},
+        "face": {"face.mcml": FACE},
     }
     for convention in (Convention.LISTED, Convention.FIXED, Convention.BASE):
         for seed in seeds:

@@ -35,7 +35,7 @@ from mcml_service.xpath.queries import Queries
 from tests.builders import HTR, MCML, bvh, store
 from tests.edits import change_element, delete_element
 
-CHANNELS = ["Rx", "Ry", "Rz", "Tx", "SF"]
+CHANNELS = ["Rx", "Ry", "Rz", "Tx", "SF", "weight"]
 NUMBERS = ["0", "5", "10.5", "-20", "45.5", "1e3", "(0 div 0)"]
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from mcml.errors import ConversionError, Notice
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, full_shape
+from mcml.motion.conventions.blend_shapes import without_blend_shapes
 from mcml.motion.conventions.plan_fixed import plan_fixed
 from mcml.motion.conventions.plans import (
     FLIP,
@@ -32,7 +33,7 @@ from mcml.motion.hub import HubBlock, HubReader, Rest
 from mcml.motion.markers import as_markers
 from mcml.motion.rotations import IDENTITY, inverse, multiply, rotate, to_euler
 from mcml.motion.skeleton import CHANNEL_INDEX, Array, Convention, Skeleton
-from mcml.motion.units import Reading, metres_of, reading_of
+from mcml.motion.units import DEGREES, Reading, metres_of, reading_of
 
 __all__ = ["convert", "scale", "turn_up", "with_scale_factor"]
 
@@ -41,15 +42,17 @@ _SIGNS_OF_FLIP = {"X": 1.0, "Y": -1.0, "Z": -1.0}
 
 
 def convert(clip: ClipStream, to: Convention, *, keep_translations: bool = False) -> ClipStream:
-    """Convert a clip to another convention; return the same clip if it has that convention.
+    """Convert a clip to another convention; return the same clip if it has that convention, and angles in degrees where
+    its formats know no other unit.
 
     keep_translations: for FIXED, joints that move in their parent keep moving (`dof tx ty tz`, which few programs
     read); else they are fixed, with a notice. The frames are read once before, if joints may move in their parents. To
     MARKER: the positions of joints. Raises ConversionError for markers to anything else, as they have no skeleton, and
-    for several roots to FIXED.
+    for several roots to FIXED. Blend shapes are left out, with a notice.
     """
+    clip = without_blend_shapes(clip)
     conventions = {joint.convention for joint in clip.head.skeleton.joints}
-    if conventions <= {to}:
+    if conventions <= {to} and not (to is Convention.LISTED and reading_of(clip.head) != DEGREES):
         return clip
     if Convention.MARKER in conventions:
         raise ConversionError(

@@ -14,7 +14,7 @@ from mcml.motion.hub import rest_of
 from mcml.motion.kinematics import Walker
 from mcml.motion.rigs.recognise import Recognition, recognise
 from mcml.motion.rigs.tree import Tree
-from mcml.motion.skeleton import Array, Skeleton
+from mcml.motion.skeleton import Array, Convention, Skeleton
 from mcml.motion.units import reading_of
 
 MOST_JOINTS = 300
@@ -36,7 +36,8 @@ def rig_of(skeleton: Skeleton) -> Tree:
     if not np.isfinite(places).all() or (places.size and np.abs(places).max() > _FARTHEST):
         places = np.zeros_like(places)
     tips = tuple((joint, places[joint] + vector) for joint, vector in rest.tips if np.abs(vector).max() < _FARTHEST)
-    names = [joint.own_name for joint in skeleton.joints]
+    # A blend shape named after a part of the face is not that part.
+    names = ["" if joint.convention is Convention.BLEND_SHAPE else joint.own_name for joint in skeleton.joints]
     return Tree(names, [joint.parent for joint in skeleton.joints], places, tips)
 
 

@@ -23,7 +23,7 @@ Files: TypeAlias = Annotated[
     list[SourceFile],
     Upload(),
     Field(
-        description="FBX, glTF, VRM, USD, AMASS npz, MVNX, BVH, ASF and AMC, HTR, C3D, TRC, MCML, or archives of them",
+        description="FBX, glTF, VRM, USD, AMASS npz, MVNX, ARKit CSV, BVH, ASF and AMC, HTR, C3D, TRC, MCML, archives",
         examples=[["walk.bvh"]],
     ),
 ]

@@ -29,6 +29,14 @@ def require_layout(store: Statements) -> None:
             )
 
 
+def is_readable(layout: object) -> bool:
+    """Whether tracks of that layout are read as they are: this one, or that of a program that knew fewer channels."""
+    if not isinstance(layout, dict) or not isinstance(layout.get("channels"), str):
+        return False
+    channels = f"{layout['channels']} "
+    return f"{LAYOUT['channels']} ".startswith(channels) and layout | {"channels": LAYOUT["channels"]} == LAYOUT
+
+
 def refuse_newer(found: str | None, wanted: str | None) -> None:
     """StoreError where a newer program made or upgraded the store."""
     if found is not None and wanted is not None and found > wanted:

@@ -7,6 +7,7 @@ import pytest
 
 from tests.formats.readers.fbx_text import fbx_text
 from tests.formats.readers.posing import npz, reads_or_refuses, spoil
+from tests.formats.readers.test_arkit import table
 from tests.formats.readers.test_gltf import TIMES, TURNS, gltf, model_of
 from tests.formats.readers.test_mvnx import mvnx, poses
 from tests.formats.readers.test_usd import ARM
@@ -16,6 +17,7 @@ SAMPLES = {
     "usd": (ARM, 15),
     "glb": (gltf(*model_of([(1, "rotation", "LINEAR", TIMES, TURNS.as_quat())]), form="data"), 1000),
     "smpl": (npz(poses=np.zeros((3, 72)), trans=np.zeros((3, 3)), fps=30), 1000),
+    "arkit": (table(12), 1000),
     "mvnx": (mvnx(*poses(2)), 1000),
 }
 

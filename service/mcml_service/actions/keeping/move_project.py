@@ -26,7 +26,7 @@ from mcml_service.actions.exporting.export_motion import ExportOptions, export_d
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.storage.documents.uploads import BLOCK_BYTES, compress_block
-from mcml_service.storage.layout import LAYOUT
+from mcml_service.storage.layout import LAYOUT, is_readable
 from mcml_service.storage.transaction import Transaction
 from mcml_service.storage.upkeep.checks import document_faults
 from mcml_service.storage.upkeep.project_rows import MOVED, ProjectRows, ProjectWriter, Row
@@ -118,7 +118,7 @@ class _Reading:
         """FormatError for that of no project, or of a program that this one does not know."""
         try:
             about = orjson.loads(b"".join(self._blocks("manifest.json")))
-            is_known = about["format"] == FORMAT and about["version"] == VERSION and about["layout"] == LAYOUT
+            is_known = about["format"] == FORMAT and about["version"] == VERSION and is_readable(about["layout"])
             fits = isinstance(about["rows"], dict) and isinstance(about["project"], str)
         except (KeyError, TypeError, orjson.JSONDecodeError):
             is_known = fits = False

@@ -203,6 +203,10 @@ def _is_sound(codec: int, data: bytes, checksum: int) -> bool:
 
 
 _INTEGERS = 8
+_FIRST_ENDS = 16
+"""Ends of the channels that stores have had from their beginning. Those of a channel that was added later count for
+nothing where it is absent, so sums of tracks from before hold.
+"""
 _ODD: NDArray[np.uint64] = np.array(
     [xxh3_64_intdigest(f"{name}".encode()) | 1 for name in TRACK_FACTS], np.uint64
 ).reshape(-1, 1)
@@ -215,9 +219,10 @@ def track_checksums(integers: NDArray[np.int64], ends: NDArray[np.float64]) -> N
     of products with odd numbers, modulo 2^64: arrays do it for thousands of tracks at once, as zone maps are read.
     """
     # Databases know no negative zero.
-    ends = np.where(np.isnan(ends), np.nan, ends + 0.0)
+    bits = np.where(np.isnan(ends), np.nan, ends + 0.0).view(np.uint64)
+    bits[_FIRST_ENDS:][np.isnan(ends[_FIRST_ENDS:])] = 0
     total = (integers.view(np.uint64) * _ODD[:_INTEGERS]).sum(axis=0)
-    total += (ends.view(np.uint64) * _ODD[_INTEGERS:]).sum(axis=0)
+    total += (bits * _ODD[_INTEGERS:]).sum(axis=0)
     return np.asarray(total >> np.uint64(SPARE), np.int64)
 
 

@@ -45,7 +45,7 @@ def merge_track(before: Track | None, after: Track | None, now: Track | None) ->
 
 
 def _whole(track: Track | None, length: int) -> Array:
-    """Return (8, n) with NaN for missing samples."""
+    """Return (channels, n) with NaN for missing samples."""
     whole = np.full((len(CHANNELS), length), np.nan)
     if track is not None:
         whole[track[0], : track[1].shape[1]] = track[1]

@@ -16,7 +16,7 @@ from sqlalchemy import Column, ColumnElement, LargeBinary, Table, select
 from mcml.errors import FormatError
 from mcml_service.storage.core import tables
 from mcml_service.storage.core.identifiers import new_uuid
-from mcml_service.storage.core.schema import CURRENT
+from mcml_service.storage.core.schema import CHANNEL_ENDS, CURRENT
 from mcml_service.storage.core.seals import SEALS, add_checksums
 from mcml_service.storage.documents.damage import describe_damage, describe_track_damage
 from mcml_service.storage.work import tables as work_tables
@@ -54,6 +54,8 @@ _KINDS: Mapping[str, Kind] = {
 _OWN_KEY = {"commit": "number", **dict.fromkeys(("document", "skeleton", "upload", "result"), "id")}
 _FIXED = (0, CURRENT, None)
 """Values in commit columns that are not commits."""
+_NO_ZONES: Row = dict.fromkeys(CHANNEL_ENDS)
+"""Of channels that the program which wrote a track did not know; its checksum counts all others."""
 _REFERRING = {"result": ("inputs", "parameters"), "saved": ("content",)}
 """Columns whose texts name documents by their ids."""
 
@@ -235,6 +237,8 @@ class ProjectWriter:
         count = 0
         block: list[Row] = []
         for row in rows:
+            if table is tables.track:
+                row = _NO_ZONES | row
             if set(row) != set(_columns(table)):
                 raise FormatError(f"This is no row of {table.name}: {', '.join(sorted(row))[:200]}.")
             count += 1

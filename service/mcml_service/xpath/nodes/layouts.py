@@ -12,6 +12,7 @@ import numpy as np
 
 from mcml.language.lexical import escape, unescape
 from mcml.motion.clip import Shape
+from mcml.motion.skeleton import CHANNELS
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.nodes.numbering import (
@@ -285,7 +286,7 @@ class ShapeRuns(Stored):
         """(index into bones, attribute) of all attributes of each frame_bone, in order."""
         bits = self.bits[self.entries(bones)]
         present = np.concatenate(
-            [np.ones((len(bones), 1), bool), (bits[:, None] >> np.arange(8) & 1).astype(bool)], axis=1
+            [np.ones((len(bones), 1), bool), (bits[:, None] >> np.arange(len(CHANNELS)) & 1).astype(bool)], axis=1
         )
         source, place = np.nonzero(present)
         return source, bones[source] + FIRST_ATTRIBUTE + place

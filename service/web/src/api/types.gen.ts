@@ -1824,7 +1824,7 @@ export interface components {
              * @enum {string}
              */
             do: "adjust";
-            channels: ("Tx" | "Ty" | "Tz" | "Rx" | "Ry" | "Rz" | "SF" | "residual")[];
+            channels: ("Tx" | "Ty" | "Tz" | "Rx" | "Ry" | "Rz" | "SF" | "residual" | "weight")[];
             /** @default 1 */
             factor: number;
             /** @default 0 */
@@ -4127,7 +4127,7 @@ export interface components {
             channels: string[];
             rotation_order: string;
             /** @enum {string} */
-            convention: "listed" | "fixed" | "base" | "marker";
+            convention: "listed" | "fixed" | "base" | "marker" | "shape";
             translation: string;
         };
         SkeletonCount: {

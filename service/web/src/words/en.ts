@@ -125,7 +125,7 @@ export const en = {
   "label.options": "Options", "label.scaleOf": "root motion × {value}", "help.cleanFeetHelp": "Prevents foot skating by adjusting the legs.",
   "label.matchRest": "Match rest poses", "help.matchRestHelp": "Joints rotate from the target's rest pose as in the source. Otherwise bones keep their directions in space.",
   "label.ownScale": "Root motion scale", "help.ownScaleHelp": "Distance travelled relative to the source. Empty: by leg length.",
-  "button.goToFrame": "Go to frame {n}", "label.worstFrame": "Largest error: frame {n}", "label.bone": "Joint", "label.mean": "mean", "label.largest": "maximum", "label.atFrame": "at frame",
+  "button.goToFrame": "Go to frame {n}", "label.worstFrame": "Largest error: frame {n}", "label.bone": "Joint", "label.blendShapes": "Blend shapes", "label.mean": "mean", "label.largest": "maximum", "label.atFrame": "at frame",
   "label.footSlides": "{foot} foot skate: {before} → {after}. Contacts:", "label.contactOf": "{foot} contact in frames {first} to {last}", "label.andMore": "and {n} more",
   "button.applyToMany": "Apply to many clips", "button.applyMany": "Retarget clips to {name}", "label.whichClips": "Clips to retarget", "label.noCollections": "No collections yet",
   "help.applyHelp": "Uses the mapping and the options of this page for each clip.", "button.applyNow": "Retarget clips", "label.manyRunning": "{done} of {n} done",

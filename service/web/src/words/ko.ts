@@ -117,7 +117,7 @@ export const ko: typeof en = {
   // Retargeting of one and of many
   "label.options": "옵션", "label.scaleOf": "이동 거리 × {value}", "help.cleanFeetHelp": "딛고 있는 발이 미끄러지지 않도록 다리를 맞춥니다.", "label.matchRest": "기준 자세 맞추기",
   "help.matchRestHelp": "관절이 기준 자세에서 원래 동작만큼 돕니다. 아니면 뼈가 원래 방향을 가리킵니다.", "label.ownScale": "이동 거리 배율", "help.ownScaleHelp": "원본에 대한 이동 거리의 비율입니다. 비우면 다리 길이로 정합니다.",
-  "button.goToFrame": "프레임 {n} 보기", "label.worstFrame": "가장 큰 오차: {n}프레임", "label.bone": "관절", "label.mean": "평균", "label.largest": "최대", "label.atFrame": "프레임",
+  "button.goToFrame": "프레임 {n} 보기", "label.worstFrame": "가장 큰 오차: {n}프레임", "label.bone": "관절", "label.blendShapes": "블렌드 셰이프", "label.mean": "평균", "label.largest": "최대", "label.atFrame": "프레임",
   "label.footSlides": "{foot} 미끄러짐: {before} → {after}. 접지:", "label.contactOf": "{foot} 접지, {first}-{last}프레임", "label.andMore": "외 {n}개", "button.applyToMany": "여러 클립에 적용",
   "button.applyMany": "{name}에 클립 리타기팅", "label.whichClips": "대상 클립", "label.noCollections": "아직 모음이 없습니다", "help.applyHelp": "이 화면의 관절 대응과 옵션을 모든 클립에 씁니다.", "button.applyNow": "클립 리타기팅",
   "label.manyRunning": "{n}개 중 {done}개 완료", "help.manyDone": "클립 {n}개를 만들었습니다.", "help.manyStopped": "취소했습니다. 만든 클립 {n}개는 남아 있습니다.", "help.manyFailed": "{n}개는 실패했습니다.",

@@ -30,6 +30,7 @@ export function posed(skeleton: Skeleton, columns: Map<string, number>, values: 
     scales.push(scaleOf(bone, value("SF")));
     hidden.push(
       (bone.parent >= 0 && hidden[bone.parent]) ||
+        bone.convention === "shape" ||
         bone.channels.some((channel) => channel !== "residual" && value(channel) === null),
     );
     const above = view.bones[bone.parent] ?? null;

@@ -15,7 +15,7 @@ const DIGITS = 6;
 export function vectorOf(view: SkeletonView, bone: number): Vector | null {
   const one = itemAt(view.bones, bone);
   if (one.convention === "fixed") return Math.hypot(...one.along) ? (one.along as Vector) : null;
-  return one.convention !== "marker" && one.parent >= 0 ? (one.offset as Vector) : null;
+  return one.convention !== "marker" && one.convention !== "shape" && one.parent >= 0 ? (one.offset as Vector) : null;
 }
 
 /** The joint that the vector begins at. */
@@ -78,7 +78,9 @@ function vectorSaid(view: SkeletonView, bone: Bone, changes: Changes): Vector | 
     return norm ? (towards.map((part) => (part / norm) * (length?.[0] ?? Math.hypot(...bone.along))) as Vector) : null;
   }
   const position =
-    bone.parent >= 0 && bone.convention !== "marker" ? read(changes.get(`${bone.address}/position`)?.text, 3) : null;
+    bone.parent >= 0 && bone.convention !== "marker" && bone.convention !== "shape"
+      ? read(changes.get(`${bone.address}/position`)?.text, 3)
+      : null;
   if (!position) return null;
   return bone.convention === "base"
     ? rotate(itemAt(view.bones, bone.parent).axes as Quaternion, position as Vector)

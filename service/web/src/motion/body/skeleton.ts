@@ -50,7 +50,8 @@ export function skeletonOf(view: SkeletonView): Skeleton {
   });
   const edges: number[] = [];
   for (let point = 0; point < points; point++)
-    if (numberAt(parents, point) >= 0) edges.push(numberAt(parents, point), point);
+    if (numberAt(parents, point) >= 0 && view.bones[point]?.convention !== "shape")
+      edges.push(numberAt(parents, point), point);
   let extent = 0;
   for (let axis = 0; axis < 3; axis++) {
     let [least, most] = [Infinity, -Infinity];

@@ -72,7 +72,7 @@ function BoneGraph({ clip, bone, reload }: { clip: Clip; bone: number; reload: (
       return parts;
     }
     return channels
-      .filter((channel) => channel[0] === kind || (kind === "T" && channel === "SF"))
+      .filter((channel) => channel[0] === kind || (kind === "T" && (channel === "SF" || channel === "weight")))
       .map((channel) => {
         const curve = curves.get(channel)!;
         const turn = Math.round((Math.PI * 2) / clip.skeleton.view.radians);

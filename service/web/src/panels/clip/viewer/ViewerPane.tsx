@@ -14,6 +14,7 @@ import { Trouble } from "../../../ui/Trouble";
 import { rate, w } from "../../../words";
 import { cameraView, clipActions, frameAsked, shown } from "../actions";
 import { saveFilm, savePicture } from "./pictures";
+import { BlendShapes } from "./BlendShapes";
 import { bodiesBeside } from "./bodiesBeside";
 import { Compared } from "./Compare";
 import { floorOf, metresText, niceStep } from "./ground";
@@ -246,6 +247,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
       {clip.blocks.trouble.value !== null && (
         <Trouble error={clip.blocks.trouble.value} retry={() => clip.blocks.want(player.frame.peek())} />
       )}
+      <BlendShapes clip={clip} />
       <Compared clip={clip} />
       <p ref={words} class="unseen" aria-live="polite" />
     </div>
