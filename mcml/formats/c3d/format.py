@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import BinaryIO
 
@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.errors import Notice
+from mcml.formats.c3d.events import Event, label_frames, read_events, section_of
 from mcml.formats.c3d.layout import find_layout, scales_said
 from mcml.formats.c3d.parameters import Statements, read_statements
 from mcml.formats.c3d.points import Points
@@ -78,18 +79,23 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
     measured, unmeasured = _survey(points, places)
     if unmeasured:
         notices.append(Notice("guess", "every residual says that there is no sample; the coordinates count"))
-    _say_what_stays(said, layout.analog, notices)
     skeleton = marker_skeleton([labels[place] for place in places.tolist()], residual=measured)
     name = file.name.rsplit("/", 1)[-1]
     fields, first_id = _fields(said, name, notices), _first_id(said, layout.frames)
+    events = read_events(said, notices)
+    labelled = _label_frames(events, fields, first_id, layout.frames, notices)
+    _say_what_stays(said, layout.analog, notices)
     read = _with_samples(points, quantities, first_id, fields.get("dataframe_rate", "?"), unmeasured)
     sections = (("POINT:SCALE", repr(scale)), ("processor", said.machine.name), *sections_of(read, notices))
+    sections += (section_of(events),) if events else ()
     head = ClipHead("c3d", skeleton, fields, sources=(SourcePart(part="c3d", name=name, sections=sections),))
 
     def blocks() -> Iterator[FrameBlock]:
         for first in range(0, layout.frames, points.block):
             coordinates, residuals = points.read(first, points.block)
-            yield _block(coordinates[:, places], residuals[:, places], skeleton, first_id + first, unmeasured)
+            block = _block(coordinates[:, places], residuals[:, places], skeleton, first_id + first, unmeasured)
+            names = [labelled.get(first + row, ()) for row in range(len(block))]
+            yield replace(block, motion_names=names) if any(names) else block
 
     return ClipStream(head, blocks, layout.frames, notices)
 
@@ -152,14 +158,25 @@ def _survey(points: Points, places: NDArray[np.intp]) -> tuple[bool, bool]:
 
 def _say_what_stays(said: Statements, analog_values: int, notices: list[Notice]) -> None:
     channels = int(said.number("ANALOG:USED") or 0) or analog_values // max(1, int(said.words[9]))
-    events = len(said.texts("EVENT:LABELS"))
-    lost = [
-        f"{channels} analog channels" if analog_values else "",
-        f"{events} events" if events else "",
-    ]
-    if any(lost):
-        kept = " and ".join(text for text in lost if text)
-        note(notices, "warning", f"{kept} are not in the document; the kept file has them")
+    if analog_values:
+        note(notices, "warning", f"{channels} analog channels are not in the document; the kept file has them")
+
+
+def _label_frames(
+    events: Sequence[Event], fields: Mapping[str, str], first_id: int, frames: int, notices: list[Notice]
+) -> dict[int, tuple[str, ...]]:
+    """The labels of events by frame, from 0, with notices."""
+    rate = fields.get("dataframe_rate")
+    if not events or rate is None:
+        return {}
+    labels = label_frames(events, float(rate), first_id, frames)
+    outside = sum(not 0 <= event.frame(float(rate)) - first_id < frames for event in events)
+    if labels:
+        what = f"{len(events) - outside} events are labels of the nearest frames; a section of the head has their times"
+        note(notices, "note", what)
+    if outside:
+        note(notices, "warning", f"{outside} events are outside of the frames: only a section of the head has them")
+    return labels
 
 
 def _labels(said: Statements, points: int, notices: list[Notice]) -> list[str]:

@@ -87,11 +87,12 @@ class Parameter:
 class Statements:
     """The header and parameters of a file.
 
-    words: the 256 words of the header without sign, the first of which is word 1 of the specification at index 0.
+    header: its bytes. words: its 256 words without sign, the first of which is word 1 of the specification at index 0.
     section: (first byte, byte behind the last) of the parameter section, as stated.
     """
 
     machine: Machine
+    header: bytes
     words: NDArray[np.int64]
     scale: float
     rate: float
@@ -138,6 +139,7 @@ def read_statements(stream: BinaryIO, notices: list[Notice]) -> Statements:
     parameters = _walk(section[: data if data > 0 else section[2] * BLOCK], machine, notices)
     return Statements(
         machine,
+        header,
         words,
         scale=float(machine.floats(header[12:16])[0]),
         rate=float(machine.floats(header[20:24])[0]),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Final
 
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.errors import ConversionError, Notice
+from mcml.formats.c3d.events import Event, events_of_labels, kept_events
 from mcml.formats.c3d.parameters import BLOCK, INTEL
 from mcml.formats.c3d.points import to_floats
 from mcml.formats.c3d.quantities import Quantity, kept_quantities, samples_at, units_of
@@ -40,6 +41,7 @@ def write_c3d(clip: ClipStream) -> Iterator[bytes]:
     labels = [_label(joint.source_name, clip.notices) for joint in head.skeleton.joints]
     quantities = _quantities(clip, str(np.float32(rate)).removesuffix(".0"))
     worst, frames, first = 0.0, 0, 1
+    labelled: dict[int, tuple[str, ...]] = {}
     data: list[bytes] = []
     for block in clip.blocks():
         if not frames and not isinstance(block.ids, list):
@@ -58,12 +60,15 @@ def write_c3d(clip: ClipStream) -> Iterator[bytes]:
             coordinates = np.concatenate([coordinates, kept[..., :3]], axis=1)
             residuals = np.concatenate([residuals, kept[..., 3]], axis=1)
         data.append(to_floats(coordinates, residuals, scale))
+        if block.motion_names is not None:
+            labelled |= {first + frames + row: names for row, names in enumerate(block.motion_names) if names}
         frames += len(block)
     if not frames:
         raise ConversionError("C3D cannot hold a motion without frames", remedy="Export it as TRC or MCML.")
     if worst:
         note(clip.notices, "warning", f"C3D holds numbers in single precision: the largest difference is {worst:.3g}")
-    parameters = _parameters(head, labels, quantities, frames, first, rate, scale)
+    events = _events(clip, labelled, rate)
+    parameters = _parameters(head, labels, quantities, events, frames, first, rate, scale)
     header = struct.pack(
         "<BBHHHHHfHHf", 2, 0x50, len(labels) + len(quantities), 0, first, min(first + frames - 1, _CAPPED), 0, -scale,
         2 + len(parameters) // BLOCK, 0, rate,
@@ -90,8 +95,32 @@ def _quantities(clip: ClipStream, rate: str) -> list[Quantity]:
     return fitting
 
 
+def _events(clip: ClipStream, labelled: Mapping[int, tuple[str, ...]], rate: float) -> list[Event]:
+    """Events for labels of one frame. labelled: names by the number of the frame."""
+    part = next((source for source in clip.head.sources if source.part == "c3d"), None)
+    kept = kept_events(part.sections) if part is not None else []
+    instants: dict[int, list[str]] = {}
+    spans: set[str] = set()
+    for number, names in labelled.items():
+        beside = {*labelled.get(number - 1, ()), *labelled.get(number + 1, ())}
+        instants[number] = [name for name in names if name not in beside]
+        spans |= beside & set(names)
+    if spans:
+        listed = ", ".join(sorted(spans))[:200]
+        what = f"an event of C3D has one frame: labels of several frames are left out ({listed})"
+        note(clip.notices, "warning", what)
+    return events_of_labels(instants, kept, rate)
+
+
 def _parameters(
-    head: ClipHead, markers: list[str], quantities: list[Quantity], frames: int, first: int, rate: float, scale: float
+    head: ClipHead,
+    markers: list[str],
+    quantities: list[Quantity],
+    events: list[Event],
+    frames: int,
+    first: int,
+    rate: float,
+    scale: float,
 ) -> bytes:
     """The parameter section, in whole blocks."""
     labels = [*markers, *(quantity.label for quantity in quantities)]
@@ -121,6 +150,7 @@ def _parameters(
     records += _typed(quantities)
     records += [_group(2, "ANALOG"), _record(2, "USED", 2, (), struct.pack("<H", 0))]
     records += [_group(3, "FORCE_PLATFORM"), _record(3, "USED", 2, (), struct.pack("<H", 0))]
+    records += _timed(events)
     if many:
         records.append(_group(4, "TRIAL"))
         for name, number_of in (("ACTUAL_START_FIELD", first), ("ACTUAL_END_FIELD", last)):
@@ -151,6 +181,28 @@ def _typed(quantities: list[Quantity]) -> list[bytes]:
         for start in range(0, len(named), _MOST_TEXTS):
             number = str(start // _MOST_TEXTS + 1) if start else ""
             records.append(_texts(1, f"{group}{number}", named[start : start + _MOST_TEXTS]))
+    return records
+
+
+def _timed(events: list[Event]) -> list[bytes]:
+    """Return the parameters of the group EVENT."""
+    if not events:
+        return []
+    records = [_group(5, "EVENT"), _record(5, "USED", 2, (), struct.pack("<H", len(events)))]
+    for start in range(0, len(events), _MOST_TEXTS):
+        some = events[start : start + _MOST_TEXTS]
+        number = str(start // _MOST_TEXTS + 1) if start else ""
+        columns = {
+            "CONTEXTS": [event.context for event in some],
+            "LABELS": [event.label for event in some],
+            "SUBJECTS": [event.subject for event in some],
+            "DESCRIPTIONS": [event.description for event in some],
+        }
+        for name, texts in columns.items():
+            cut = [(text or " ").encode("utf-8", errors="replace")[:_LONGEST_LABEL] for text in texts]
+            records.append(_texts(5, f"{name}{number}", cut))
+        times = np.array([(0.0, event.seconds) for event in some], "<f4").tobytes()
+        records.append(_record(5, f"TIMES{number}", 4, (2, len(some)), times))
     return records
 
 
