@@ -24,6 +24,7 @@ from mcml.formats.c3d.layout import find_layout, scales_said
 from mcml.formats.c3d.parameters import Statements, read_statements
 from mcml.formats.c3d.points import Points
 from mcml.formats.c3d.quantities import Quantity, quantities_of, sections_of, texts_of
+from mcml.formats.c3d.rotations import count_rotations, read_rotations
 from mcml.formats.c3d.writer import write_c3d
 from mcml.formats.format import FileKind, ReadOptions, SourceFile, need_convention, note
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, Shape, SourcePart, full_shape
@@ -65,6 +66,20 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
     limits, stream = options.limits, file.stream
     notices: list[Notice] = []
     said = read_statements(stream, notices)
+    name = file.name.rsplit("/", 1)[-1]
+    if count_rotations(said) and not said.number("POINT:USED") and not said.words[1]:
+        fields = _fields(said, name, notices)
+        clip = read_rotations(
+            stream,
+            said,
+            float(fields.get("dataframe_rate", "0")),
+            fields.get("calibration_unit", ""),
+            fields.get("global_axis_of_gravity", ""),
+            SourcePart(part="c3d", name=name),
+            options,
+        )
+        clip.notices.extend(notices)
+        return clip
     size = stream.seek(0, io.SEEK_END)
     layout = find_layout(said, size, lambda first, behind: _is_zero(stream, first, behind), notices)
     limits.check_size(layout.frames, 3 * layout.points)
@@ -80,7 +95,6 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
     if unmeasured:
         notices.append(Notice("guess", "every residual says that there is no sample; the coordinates count"))
     skeleton = marker_skeleton([labels[place] for place in places.tolist()], residual=measured)
-    name = file.name.rsplit("/", 1)[-1]
     fields, first_id = _fields(said, name, notices), _first_id(said, layout.frames)
     events = read_events(said, notices)
     labelled = _label_frames(events, fields, first_id, layout.frames, notices)
@@ -158,8 +172,14 @@ def _survey(points: Points, places: NDArray[np.intp]) -> tuple[bool, bool]:
 
 def _say_what_stays(said: Statements, analog_values: int, notices: list[Notice]) -> None:
     channels = int(said.number("ANALOG:USED") or 0) or analog_values // max(1, int(said.words[9]))
-    if analog_values:
-        note(notices, "warning", f"{channels} analog channels are not in the document; the kept file has them")
+    rotations = count_rotations(said)
+    lost = [
+        f"{channels} analog channels" if analog_values else "",
+        f"{rotations} rotations" if rotations else "",
+    ]
+    if any(lost):
+        kept = " and ".join(text for text in lost if text)
+        note(notices, "warning", f"{kept} are not in the document; the kept file has them")
 
 
 def _label_frames(
