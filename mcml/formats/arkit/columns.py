@@ -12,7 +12,8 @@ from mcml.motion.skeleton import Convention, Joint, Skeleton, unique_names
 FIRST = ("timecode", "blendshapecount")
 """The first two columns, in lower case."""
 
-_TURNING = {"Head": "head", "LeftEye": "lefteye", "RightEye": "righteye"}
+_TURNING = {"head": "head", "left_eye": "lefteye", "right_eye": "righteye"}
+"""Names of joints, and how the names of their columns begin, in lower case."""
 _ANGLES = {"yaw": "Ry", "pitch": "Rx", "roll": "Rz"}
 """Channels in the order in which the angles turn."""
 
@@ -42,11 +43,11 @@ def find_columns(names: Sequence[str], limits: Limits) -> Columns:
     for name, prefix in _TURNING.items():
         found = {channel: place[prefix + angle] for angle, channel in _ANGLES.items() if prefix + angle in place}
         if found:
-            parent = 0 if joints and joints[0].source_name == "Head" else -1
+            parent = 0 if joints and joints[0].source_name == "head" else -1
             joints.append(_joint(name, parent, tuple(found)))
             cells += found.values()
             used |= set(found.values())
-    parent = 0 if joints and joints[0].source_name == "Head" else -1
+    parent = 0 if joints and joints[0].source_name == "head" else -1
     shapes = [index for index in range(len(names)) if index not in used]
     limits.check_points([names[index] for index in shapes])
     unique = unique_names([*(joint.name for joint in joints), *(names[index] for index in shapes)])[len(joints) :]

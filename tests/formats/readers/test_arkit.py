@@ -51,7 +51,7 @@ def table(
 def test_columns_are_found_by_their_names() -> None:
     clip = read_clip("arkit", table(5))
     skeleton = clip.head.skeleton
-    assert skeleton.names == ("Head", "LeftEye", "RightEye", *SHAPES)
+    assert skeleton.names == ("head", "left_eye", "right_eye", *SHAPES)
     assert [joint.channels for joint in skeleton.joints] == [("Ry", "Rx", "Rz")] * 3 + [("weight",)] * 4
     assert {joint.convention for joint in skeleton.joints[3:]} == {Convention.BLEND_SHAPE}
     assert all(joint.parent == 0 for joint in skeleton.joints[1:])
@@ -69,7 +69,7 @@ def test_order_and_case_of_columns_do_not_count(order: list[str], upper: bool) -
     joints = clip.head.skeleton.joints
     for value, (joint, channel) in zip(block.values[0], block.columns, strict=True):
         angle = {3: "pitch", 4: "yaw", 5: "roll", 8: ""}[channel]
-        name = joints[joint].source_name.lower() + angle
+        name = joints[joint].source_name.lower().replace("_", "") + angle
         assert round(value * 100) == [each.lower() for each in order].index(name)
 
 
