@@ -23,7 +23,7 @@ from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.lists.filtering import DocumentFilter
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.queries import Queries
-from tests.builders import ASF, FACE, HTR, MCML, amc, bvh, mcml_of, store
+from tests.builders import ASF, HTR, MCML, amc, bvh, mcml_of, store
 from tests.edits import change_element, delete_element
 
 FILES: list[dict[str, bytes]] = [
@@ -35,13 +35,12 @@ FILES: list[dict[str, bytes]] = [
     {"g_ids.mcml": mcml_of([5, 5, 5, 9, 9, 8, 7, 7, 2, 2, 2, 2, -1, -1, 30, 60, 90, 91, 91])},
     {"h_ids.mcml": mcml_of([4, 4, "4", "04", "x", 4, 900719925474099301, 900719925474099302, 0, 0, -3])},
     {"i_ids.mcml": mcml_of([6] * 5)},
-    {"j_face.mcml": FACE},
 ]
 EDITS: list[tuple[str, Change | None]] = [
     ("/mcml/motion/frame[2]", None),
     ("/mcml/motion/frame[1]/frame_bone[2]", None),
     ("/mcml/motion/frame[2]/frame_bone[1]/@Rx", None),
-    ("/mcml/motion/frame[1]/frame_bone[1]", Change({"Tz": "7", "SF": "2", "weight": "0.25"})),
+    ("/mcml/motion/frame[1]/frame_bone[1]", Change({"Tz": "7", "SF": "2"})),
     ("/mcml/motion/frame[1]", Change({"id": "x1"})),
     ("/mcml/motion/frame[last()]", Change({"id": "-3.5 or so"})),
     ("/mcml/motion/frame[3]", Change({"id": "0x1"})),

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from random import Random
 from typing import Any
 
-CHANNELS = ("Tx", "Ty", "Tz", "Rx", "Ry", "Rz", "weight")
+CHANNELS = ("Tx", "Ty", "Tz", "Rx", "Ry", "Rz")
 OPERATORS = ("<", "<=", ">", ">=", "=", "!=")
 
 
