@@ -23,7 +23,7 @@ SECTION: Final = "EVENT"
 _HEADER_KEY: Final = 12345
 _HEADER_MOST: Final = 18
 _SIDES: Final = {"l": "Left", "left": "Left", "r": "Right", "right": "Right", "general": "General"}
-_SHORT: Final = re.compile(r"(?i)([lr])(hs|to|ic|fs|fo|on|off)")
+_SHORT: Final = re.compile(r"(?i)([lr])(hs|to|ic|f[so]|on|off)")
 """A side and a word for strike or off in one, as in `LHS` and `RTO` of Qualisys."""
 _GAPS: Final = re.compile(r"[\W_]+")
 _CONTROL: Final = re.compile(r"[\x00-\x1f\x7f]+")
