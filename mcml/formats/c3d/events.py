@@ -15,7 +15,7 @@ import numpy as np
 
 from mcml.errors import Notice
 from mcml.formats.c3d.parameters import Statements
-from mcml.formats.c3d.quantities import texts_of
+from mcml.formats.c3d.quantities import decode_text, texts_of
 from mcml.formats.format import note
 from mcml.formats.text.numbers import is_number
 
@@ -73,7 +73,7 @@ def names_of(events: Sequence[Event]) -> list[str]:
 
 def read_events(said: Statements, notices: list[Notice]) -> list[Event]:
     """The events of the group EVENT, else those of the header; in the order of the file."""
-    labels = [_decoded(text) for text in texts_of(said, "EVENT:LABELS")]
+    labels = [_plain_text(text) for text in texts_of(said, "EVENT:LABELS")]
     if not labels:
         return _header_events(said)
     times, number = _numbers(said, "EVENT:TIMES"), 2
@@ -84,7 +84,7 @@ def read_events(said: Statements, notices: list[Notice]) -> list[Event]:
     if count < len(labels) and (used is None or count < used):
         note(notices, "warning", f"{len(labels)} events have {len(times) // 2} times: {count} were read")
     columns = {
-        name: [_decoded(text) for text in texts_of(said, f"EVENT:{name}")]
+        name: [_plain_text(text) for text in texts_of(said, f"EVENT:{name}")]
         for name in ("CONTEXTS", "SUBJECTS", "DESCRIPTIONS")
     }
     told = {name: [*texts, *[""] * count] for name, texts in columns.items()}
@@ -114,7 +114,7 @@ def _header_events(said: Statements) -> list[Event]:
     if said.words[149] != _HEADER_KEY or not 0 < count <= _HEADER_MOST:
         return []
     times = said.machine.floats(said.header[304 : 304 + 4 * count])
-    labels = [_decoded(said.header[396 + 4 * place : 400 + 4 * place].strip(b"\0 ")) for place in range(count)]
+    labels = [_plain_text(said.header[396 + 4 * place : 400 + 4 * place].strip(b"\0 ")) for place in range(count)]
     return [Event(float(time), "", label) for time, label in zip(times, labels, strict=True) if np.isfinite(time)]
 
 
@@ -123,12 +123,9 @@ def _numbers(said: Statements, name: str) -> list[float]:
     return found.numbers() if found is not None else []
 
 
-def _decoded(text: bytes) -> str:
-    try:
-        plain = text.decode("utf-8")
-    except UnicodeDecodeError:
-        plain = text.decode("cp1252", errors="replace")
-    return _CONTROL.sub(" ", plain).strip()
+def _plain_text(text: bytes) -> str:
+    """The text of a parameter without control characters, which would end a line of the section or one of its parts."""
+    return _CONTROL.sub(" ", decode_text(text)).strip()
 
 
 def label_frames(events: Sequence[Event], rate: float, first: int, frames: int) -> dict[int, tuple[str, ...]]:

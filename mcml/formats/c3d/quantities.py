@@ -73,7 +73,7 @@ def quantities_of(said: Statements, labels: Sequence[str]) -> dict[int, Quantity
     found: dict[int, Quantity] = {}
     for group, unit in _groups(said):
         for text in texts_of(said, f"{_PREFIX}{group}"):
-            label = _decoded(text)
+            label = decode_text(text)
             place = places[label] if label in places else places.get(label.rpartition(":")[2])
             if label and place is not None and place not in found:
                 found[place] = Quantity(group, labels[place], unit)
@@ -82,12 +82,12 @@ def quantities_of(said: Statements, labels: Sequence[str]) -> dict[int, Quantity
 
 def _groups(said: Statements) -> list[tuple[str, str]]:
     """(group, unit) of groups whose points are no places."""
-    pairs = [_decoded(text).upper() for text in said.texts(f"{_PREFIX}TYPE_GROUPS")]
+    pairs = [decode_text(text).upper() for text in said.texts(f"{_PREFIX}TYPE_GROUPS")]
     stems = dict(zip(pairs[::2], pairs[1::2], strict=False))
     found = []
     for group in dict.fromkeys((*TYPES, *stems)):
         texts = said.texts(f"{_PREFIX}{stems.get(group) or group.removesuffix('S')}_UNITS")
-        unit = _decoded(texts[0]) if texts else "deg" if group == "ANGLES" else ""
+        unit = decode_text(texts[0]) if texts else "deg" if group == "ANGLES" else ""
         # Groups of a maker's own are quantities where their unit is one.
         if group in TYPES or (group and group not in PLACES and unit and unit.lower() not in _LENGTHS):
             found.append((group, unit))
@@ -102,7 +102,8 @@ def texts_of(said: Statements, name: str) -> list[bytes]:
     return texts
 
 
-def _decoded(text: bytes) -> str:
+def decode_text(text: bytes) -> str:
+    """The text of a parameter without blanks around it: UTF-8, otherwise Windows-1252."""
     try:
         return text.decode("utf-8").strip()
     except UnicodeDecodeError:

@@ -150,7 +150,7 @@ def _parameters(
     records += _typed(quantities)
     records += [_group(2, "ANALOG"), _record(2, "USED", 2, (), struct.pack("<H", 0))]
     records += [_group(3, "FORCE_PLATFORM"), _record(3, "USED", 2, (), struct.pack("<H", 0))]
-    records += _timed(events)
+    records += _event_records(events)
     if many:
         records.append(_group(4, "TRIAL"))
         for name, number_of in (("ACTUAL_START_FIELD", first), ("ACTUAL_END_FIELD", last)):
@@ -184,7 +184,7 @@ def _typed(quantities: list[Quantity]) -> list[bytes]:
     return records
 
 
-def _timed(events: list[Event]) -> list[bytes]:
+def _event_records(events: list[Event]) -> list[bytes]:
     """Return the parameters of the group EVENT."""
     if not events:
         return []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import ClassVar
 
@@ -17,7 +18,7 @@ KEPT_BYTES = 64 << 20
 """Of the scene that was opened last: its takes are mostly read one after the other."""
 
 
-class SceneReader:
+class SceneReader(ABC):
     """A reader of scenes; see `mcml.formats.format.Reader`. A subclass gives the facts, `sniff` and `open_scene`."""
 
     name: ClassVar[str]
@@ -31,9 +32,9 @@ class SceneReader:
     def __init__(self) -> None:
         self._last: tuple[tuple[object, ...], Scene] | None = None
 
+    @abstractmethod
     def open_scene(self, files: Mapping[str, SourceFile], options: ReadOptions) -> Scene:
         """The scene in the files. Raises as `read` does."""
-        raise NotImplementedError
 
     def list_takes(self, files: Mapping[str, SourceFile], options: ReadOptions) -> list[str]:
         """The names of the takes, as the file has them."""
