@@ -94,7 +94,7 @@ def test_the_one_reason_for_a_missing_quantity_stands_with_what_mends_it(visit: 
         uuid = client.post("/documents", files=files, data={"unit": "cm"}).json()["documents"][0]["id"]
     page = visit.open(f"/clips/{uuid}?tab=body&quantity=speed:Root")
     ready(page)
-    expect(page.get_by_text("Frame rate unknown")).to_be_visible()
+    expect(page.get_by_role("tabpanel").get_by_text("Frame rate unknown")).to_be_visible()
     page.get_by_role("tabpanel").get_by_role("button", name="Set frame rate").click()
     page.get_by_label("Frame rate").fill("60")
     page.get_by_label("Frame rate").press("Enter")
