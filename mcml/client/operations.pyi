@@ -48,6 +48,7 @@ from mcml_schemas.jobs import (
     Selection,
 )
 from mcml_schemas.labels import LabelChange, LabelQuery, SuggestedLabels
+from mcml_schemas.measurements import MeasurementList
 from mcml_schemas.media import MediaChange, MediaInfo
 from mcml_schemas.names import AliasTable, AppliedNames, SavedAliases
 from mcml_schemas.querying.facets import FacetList
@@ -387,6 +388,14 @@ class Operations:
         progress: FileProgress | None = None,
     ) -> Calibration:
         """Get the calibration of a body: unit, up axis, floor and leg length, each with its source."""
+    def list_measurements(
+        self,
+        *,
+        id: str,
+        revision: int | None = ...,
+        progress: FileProgress | None = None,
+    ) -> MeasurementList:
+        """List the measurements of a document's file beside the motion: angles and moments of its model."""
     def change_calibration(
         self,
         *,

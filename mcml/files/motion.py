@@ -19,6 +19,7 @@ from mcml.files.limits import FileLimits
 from mcml.files.on_disk import Files, check_free, opened_files, paths_of, write_file
 from mcml.files.open_clip import open_clip
 from mcml.files.read_numbers import Space, read_numbers
+from mcml.formats.measurements import Measurement, Measurements
 from mcml.frames import Frames
 from mcml.language.elements import to_head
 from mcml.motion.bodies.calibration import Calibration
@@ -116,14 +117,29 @@ class Motion:
         """Return (frames,): 1 where a joint is planted on the ground, else 0."""
         return self._quantity("contact", joint)
 
+    def quantity(self, label: str, axis: str) -> Array:
+        """(frames,) of a quantity of the file's own model, such as "LKneeAngles" of Plug-in Gait, in the file's unit.
+
+        axis: "x", "y" or "z". NaN where the file has no sample. Raises NotFoundError for a label that it does not have.
+        """
+        return self._quantity("quantity", label, axis)
+
+    @cached_property
+    def measurements(self) -> tuple[Measurement, ...]:
+        """The measurements of the file beside the motion, such as angles and moments of a laboratory's own model."""
+        return tuple(Measurements(self._clip.head).list())
+
     @cached_property
     def _body(self) -> ClipBody:
         return body_of(self._clip.head, self._clip.blocks())
 
     def _quantity(self, name: str, *arguments: str | None) -> Array:
-        """Return a quantity in every frame. Raises NotFoundError for an unknown joint."""
+        """Return a quantity in every frame. Raises NotFoundError for an unknown joint or measurement."""
         stated = [argument for argument in arguments if argument is not None]
         asked = asked_quantity(f"{name}:{','.join(stated)}" if stated else name)
+        if asked.of_file:
+            ids = [number for block in self._clip.blocks() for number in block.ids]
+            return Measurements(self._clip.head).values(asked, ids)
         return quantity_values(self._clip, self._body, asked)
 
 

@@ -12,11 +12,13 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mcml.errors import Notice
 from mcml.formats.c3d.parameters import Statements
 from mcml.formats.format import note
 from mcml.formats.text.numbers import is_number, is_whole
+from mcml.motion.clip import ClipHead
 from mcml.motion.skeleton import Array
 
 TYPES: Final = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS", "REACTIONS")
@@ -47,6 +49,10 @@ class Quantity:
     first: int = 1
     rate: str = "?"
     samples: Array | None = None
+
+    def has_rate(self, rate: str) -> bool:
+        """Whether frames at this rate (`rate_of`) may be its own; a rate that nobody knows is no reason against it."""
+        return "?" in (self.rate, rate or "?") or self.rate == rate
 
     def section(self) -> tuple[str, str]:
         """(name, text) of the section that keeps it: a line of facts, then a line for each frame."""
@@ -155,16 +161,23 @@ def _sample(words: list[str]) -> tuple[float, float, float, float] | None:
     return x, y, z, residual[0] if residual else 0.0
 
 
-def samples_at(quantity: Quantity, ids: Sequence[int] | Sequence[str]) -> Array:
+def samples_at(quantity: Quantity, ids: NDArray[np.int64] | Sequence[int] | Sequence[str]) -> Array:
     """(n, 4) of the frames with these numbers; missing where it has none."""
     samples = np.zeros((0, 4)) if quantity.samples is None else quantity.samples
-    gone = np.array([0.0, 0.0, 0.0, -1.0])
-    found = np.tile(gone, (len(ids), 1))
-    for row, number in enumerate(ids):
-        place = number - quantity.first if isinstance(number, int) else -1
-        if 0 <= place < len(samples):
-            found[row] = samples[place]
-    return found
+    chosen = np.tile([0.0, 0.0, 0.0, -1.0], (len(ids), 1))
+    numbers = np.asarray(ids)
+    if numbers.dtype.kind == "i":
+        places = numbers - quantity.first
+        inside = (places >= 0) & (places < len(samples))
+        chosen[inside] = samples[places[inside]]
+    return chosen
+
+
+def rate_of(head: ClipHead) -> str:
+    """Frames a second of a clip, as sections write them; "" where unknown."""
+    seconds = head.seconds_per_frame()
+    rate = float(head.fields.get("dataframe_rate") or (1 / seconds if seconds else 0.0))
+    return str(np.float32(rate)).removesuffix(".0") if rate > 0 else ""
 
 
 def units_of(quantities: Iterable[Quantity]) -> Mapping[str, str]:

@@ -15,7 +15,7 @@ from mcml.errors import ConversionError, Notice
 from mcml.formats.c3d.events import Event, events_of_labels, kept_events
 from mcml.formats.c3d.parameters import BLOCK, INTEL
 from mcml.formats.c3d.points import to_floats
-from mcml.formats.c3d.quantities import Quantity, kept_quantities, samples_at, units_of
+from mcml.formats.c3d.quantities import Quantity, kept_quantities, rate_of, samples_at, units_of
 from mcml.formats.format import need_seconds, note
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock
 from mcml.motion.skeleton import CHANNEL_INDEX, Array, Skeleton
@@ -39,7 +39,7 @@ def write_c3d(clip: ClipStream) -> Iterator[bytes]:
     sections = dict(head.sources[0].sections) if head.sources and head.sources[0].part == "c3d" else {}
     scale = abs(float(sections.get("POINT:SCALE", "1")) or 1.0)
     labels = [_label(joint.source_name, clip.notices) for joint in head.skeleton.joints]
-    quantities = _quantities(clip, str(np.float32(rate)).removesuffix(".0"))
+    quantities = _quantities(clip)
     worst, frames, first = 0.0, 0, 1
     labelled: dict[int, tuple[str, ...]] = {}
     data: list[bytes] = []
@@ -55,8 +55,7 @@ def write_c3d(clip: ClipStream) -> Iterator[bytes]:
             )
         worst = max(worst, error)
         if quantities:
-            ids = block.ids if isinstance(block.ids, list) else block.ids.tolist()
-            kept = np.stack([samples_at(quantity, ids) for quantity in quantities], axis=1)
+            kept = np.stack([samples_at(quantity, block.ids) for quantity in quantities], axis=1)
             coordinates = np.concatenate([coordinates, kept[..., :3]], axis=1)
             residuals = np.concatenate([residuals, kept[..., 3]], axis=1)
         data.append(to_floats(coordinates, residuals, scale))
@@ -78,11 +77,11 @@ def write_c3d(clip: ClipStream) -> Iterator[bytes]:
     yield bytes(-sum(map(len, data)) % BLOCK)
 
 
-def _quantities(clip: ClipStream, rate: str) -> list[Quantity]:
+def _quantities(clip: ClipStream) -> list[Quantity]:
     """The quantities that came with the clip from C3D, as far as its frames are still those of the file."""
     part = next((source for source in clip.head.sources if source.part == "c3d"), None)
     kept = kept_quantities(part.sections) if part is not None else []
-    fitting = [quantity for quantity in kept if quantity.rate in ("?", rate)]
+    fitting = [quantity for quantity in kept if quantity.has_rate(rate_of(clip.head))]
     if len(fitting) < len(kept):
         what = f"{len(kept) - len(fitting)} quantities of the C3D file are of another frame rate: they were left out"
         note(clip.notices, "warning", what)

@@ -1,9 +1,9 @@
-"""The quantities of a body in a frame: each with its arguments, unit, joints, and the number of neighbouring frames
-that it uses.
+"""The quantities of a frame: each with its arguments, unit, joints, and the number of neighbouring frames that it uses.
 
-Values are in metres, seconds and degrees, NaN where the unit, the frame time, a joint or a sample is unknown. They
-depend on rounded positions only, so every way to compute them gives the same bits. A frame range extended by `halo`
-frames gives the same values as the whole document.
+Most are of a body; some are stated by the file beside it, such as the angles of a laboratory's own model. Values are
+in metres, seconds and degrees (of a file: in its units), NaN where the unit, the frame time, a joint or a sample is
+unknown. Those of a body depend on rounded positions only, so every way to compute them gives the same bits. A frame
+range extended by `halo` frames gives the same values as the whole document.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ from mcml.motion.skeleton import Array
 from mcml.motion.vectors import angle_between, cross, length
 
 AXES: Final = ("x", "y", "z", "up", "front", "left")
+AXES_OF_FILE: Final = ("x", "y", "z")
+"""Components of the measurements of a file: of its laboratory for forces, of its own model for angles and moments."""
 
 _GROUND = "_toes"
 """Joints on the ground: the ankle (`*_foot`) stays above it."""
@@ -39,6 +41,7 @@ class Quantity:
 
     joints: the joints that given arguments need (alternatives with `|`). windowed: whether it uses neighbouring frames,
     as far as `local_fit.reach`. whole: whether it needs the whole document instead. compute: (n,) values of a stretch.
+    of_file: whether the file states it, not the body: `mcml.formats.measurements` reads it, and `compute` gives NaN.
     """
 
     parameters: tuple[str, ...]
@@ -47,6 +50,7 @@ class Quantity:
     compute: Callable[[Stretch, Arguments], Array]
     windowed: bool = False
     whole: bool = False
+    of_file: bool = False
 
 
 def _height(stretch: Stretch, arguments: Arguments) -> Array:
@@ -187,6 +191,18 @@ def _joints_of_position(arguments: Arguments) -> tuple[str, ...]:
     return (joint, *origin, *(HIPS if axis in ("front", "left") else ()))
 
 
+def _unmeasured(stretch: Stretch, arguments: Arguments) -> Array:
+    return np.full(stretch.frames, np.nan)
+
+
+def _axis_of_file(arguments: Arguments) -> tuple[str, ...]:
+    """No joints. Raises RequestError where the second argument is not an axis of the file."""
+    if arguments[1] not in AXES_OF_FILE:
+        what = f"{arguments[1]!r} is no axis of {arguments[0]!r}"
+        raise RequestError(what, remedy=f"Take one of: {', '.join(AXES_OF_FILE)}.")
+    return ()
+
+
 QUANTITIES: Final[Mapping[str, Quantity]] = {
     "time": Quantity((), "s", _none, _time),
     "unit": Quantity((), "m", _none, _unit),
@@ -200,6 +216,7 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {
     "acceleration": Quantity(("joint", "relative?"), "m/s2", _named, _acceleration, windowed=True),
     "heading": Quantity((), "deg", _hips, _heading, whole=True),
     "contact": Quantity(("joint",), "", _named, _contact, whole=True),
+    "quantity": Quantity(("label", "axis"), "", _axis_of_file, _unmeasured, of_file=True),
 }
 """By name. `rate` is of any numbers (`local_fit.rate`); poses and motions are compared in `poses`."""
 
@@ -254,6 +271,11 @@ class AskedQuantity:
     def needs_rotations(self) -> bool:
         """Whether positions of joints do not tell it."""
         return self.name == "angle" and len(self.arguments) == 1 and turn_named(self.arguments[0]) is not None
+
+    @property
+    def of_file(self) -> bool:
+        """Whether the file states it, not the body."""
+        return QUANTITIES[self.name].of_file
 
     def joints(self, names: Collection[str]) -> tuple[str, ...]:
         """Return the joints of a skeleton that it needs."""

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 from mcml.answers import Content
 from mcml.errors import NotFoundError
 from mcml_schemas.bodies import Calibration, CalibrationChange
+from mcml_schemas.measurements import MeasurementFacts, MeasurementList
 from mcml_schemas.skeletons import SkeletonView
 from mcml_service.operations.arguments import AtRevision, DocumentId, IfMatch, at_revision, find_for_write, tag
 from mcml_service.operations.call import Call
@@ -34,6 +37,21 @@ def get_calibration(call: Call, id: DocumentId, revision: AtRevision = None) -> 
     with call.database.read() as tx:
         then, stored = at_revision(tx, id, revision)
         return describe_calibration(then, stored)
+
+
+def list_measurements(call: Call, id: DocumentId, revision: AtRevision = None) -> MeasurementList:
+    """`GET /documents/{id}/frames?quantity=quantity:LKneeAngles,x` returns their values, and XPath asks for them.
+
+    The values are the file's own: edits of the motion do not change them.
+    """
+    from mcml_service.clips.frame_quantities import read_measurements
+
+    with call.database.read() as tx:
+        then, stored = at_revision(tx, id, revision)
+        call.set_tag(tag(stored, "measurements"), lasting=revision is not None)
+        return MeasurementList(
+            items=[MeasurementFacts(**asdict(each)) for each in read_measurements(then, stored).list()]
+        )
 
 
 def change_calibration(call: Call, id: DocumentId, change: CalibrationChange, if_match: IfMatch = None) -> Calibration:

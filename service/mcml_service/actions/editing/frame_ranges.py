@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from mcml.errors import DocumentError
+from mcml.formats.measurements import has_capture_numbers
 from mcml.language.elements import to_head
 from mcml.motion.clip import FrameBlock
 from mcml.motion.frames import reversed_frames
@@ -104,20 +105,24 @@ def move_frames(tx: Transaction, stored: StoredDocument, first: int, last: int, 
     renumber = renumber and counts_up(tx, stored)
     count = last - first + 1
     splice_frames(tx, stored, first, count, renumber=renumber)
-    splice_frames(tx, tx.documents.get(stored.uuid), to - count if to > last else to, 0, blocks, renumber=renumber)
+    at = to - count if to > last else to
+    splice_frames(tx, tx.documents.get(stored.uuid), at, 0, blocks, renumber=renumber, same_instants=True)
 
 
 def reverse(tx: Transaction, stored: StoredDocument, first: int, last: int) -> None:
-    """Let frames first to last run backwards. Motion names go with their frames; ids stay at their places."""
+    """Let frames first to last run backwards. Motion names go with their frames; ids stay at their places, unless they
+    are numbers in the file."""
     check_range(stored, first, last)
     spans = tx.spans.of(stored.key)
     ids = tx.tracks.frame_ids(stored.key, first, last)
+    if has_capture_numbers(to_head(tx.heads.document(stored), stored.frame_time)):
+        ids = ids[::-1]
     at, turned = 0, []
     for block in reversed(list(tx.tracks.blocks(stored.key, first, last))):
         end = at + len(block)
         turned.append(replace(reversed_frames(block), ids=ids[at:end]))
         at = end
-    splice_frames(tx, stored, first, last - first + 1, turned, renumber=False)
+    splice_frames(tx, stored, first, last - first + 1, turned, renumber=False, same_instants=True)
     # As spans, not frame by frame: each stays one label, with its rank.
     rows = [row for span in spans for row in _reverse_span(span, first, last)]
     tx.spans.close([span.key for span in tx.spans.of(stored.key)])

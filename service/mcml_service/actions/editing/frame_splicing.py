@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from mcml.errors import NotFoundError
-from mcml.language.elements import refresh_counts
+from mcml.formats.measurements import BEYOND_CAPTURES, has_capture_numbers
+from mcml.language.elements import refresh_counts, to_head
 from mcml.motion.clip import FrameBlock
 from mcml.motion.extremes import check_numbers
 from mcml_service.storage.core.schema import CHUNK
@@ -46,11 +47,16 @@ def splice_frames(
     blocks: Iterable[FrameBlock] = (),
     *,
     renumber: bool = True,
+    same_instants: bool = False,
 ) -> None:
     """Insert frames before position `first`, replacing the `removed` frames there.
 
     blocks: their joints are the document's bones, by number; they include motion names. renumber: ids that counted up
     by one before do so again; else the frames keep theirs. Writes no revision.
+
+    Where ids are numbers in the file (`mcml.formats.measurements.has_capture_numbers`) they never count up again, so
+    that measurements stay at their frames; new frames then get ids beyond those of any file, unless they are the
+    document's own at the same_instants.
     """
     encoder, slot = _store(tx, stored, blocks)
     count = encoder.frames
@@ -61,7 +67,7 @@ def splice_frames(
     tx.tracks.close(timeline, stored.key)
     new = [Piece(first, slot, count)] if count else []
     tx.tracks.write_timeline(stored.key, _join_pieces([*before, *new, *after]), tx.commit)
-    _write_ids(tx, stored, first, behind, encoder, renumber)
+    _write_ids(tx, stored, first, behind, encoder, renumber, same_instants)
     _write_spans(tx, stored, first, removed, encoder)
     write_counts(tx, stored, stored.frames - removed + count)
 
@@ -117,9 +123,22 @@ def _join_pieces(pieces: Sequence[Piece]) -> list[Piece]:
 
 
 def _write_ids(
-    tx: Transaction, stored: StoredDocument, first: int, behind: int, encoder: ClipEncoder, renumber: bool
+    tx: Transaction,
+    stored: StoredDocument,
+    first: int,
+    behind: int,
+    encoder: ClipEncoder,
+    renumber: bool,
+    same_instants: bool,
 ) -> None:
     old = tx.tracks.frame_ids(stored.key, 1, stored.frames)
+    if has_capture_numbers(to_head(tx.heads.document(stored), stored.frame_time)):
+        new = encoder.ids.parts()
+        if renumber and not same_instants and isinstance(old, np.ndarray):
+            beyond = max(int(old.max(initial=0)), BEYOND_CAPTURES) + 1
+            new = [beyond + np.arange(encoder.frames, dtype=np.int64)]
+        tx.tracks.rewrite_frame_ids(stored.key, [old[: first - 1], *new, old[behind - 1 :]])
+        return
     if renumber and counts_up(tx, stored):
         count = stored.frames - (behind - first) + encoder.frames
         tx.tracks.rewrite_frame_ids(stored.key, [int(old[0]) + np.arange(count, dtype=np.int64)])

@@ -64,6 +64,7 @@ def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping) -> None:
         return
     check_range(stored, edit.first, edit.last)
     first, last = edit.first, edit.last
+    mirror = isinstance(edit, MirrorFrames)
     if isinstance(edit, MirrorFrames):
         whole = read_whole(tx, stored, first, last)
         block = mirrored(whole.head.skeleton, whole.block, up=whole.up, reading=whole.reading).block
@@ -78,7 +79,8 @@ def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping) -> None:
         else:
             block = _adjust(whole, edit, strength)
         block = rows_of(block, first - start, last - start + 1)
-    splice_frames(tx, stored, first, last - first + 1, [number_bones(tx, stored, whole, block)], renumber=False)
+    blocks = [number_bones(tx, stored, whole, block)]
+    splice_frames(tx, stored, first, last - first + 1, blocks, renumber=mirror, same_instants=not mirror)
 
 
 def _rate(stored: StoredDocument) -> float:

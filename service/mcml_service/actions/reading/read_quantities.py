@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from mcml.files.read_numbers import Numbers
 from mcml.motion.bodies.quantities import AskedQuantity, compute, halo_of
 from mcml.motion.skeleton import Array
-from mcml_service.clips.bodies import Body, read_turned
+from mcml_service.clips.bodies import Body
+from mcml_service.clips.frame_quantities import is_beside_positions, read_quantity
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
@@ -22,13 +23,13 @@ def quantity_columns(
     """(frames first to last, quantities), positions from 1, float64; NaN where unknown.
 
     Only as many frames around these are looked at as give the values of the whole document. NotFoundError for joints
-    that the document has not.
+    and measurements that the document has not.
     """
     values = np.empty((max(0, last - first + 1), len(asked)))
     for place, quantity in enumerate(asked):
         quantity.check_joints(body.names)
-        if quantity.needs_rotations:
-            values[:, place] = read_turned(tx, stored, quantity.arguments[0], body)[first - 1 : last]
+        if is_beside_positions(quantity):
+            values[:, place] = read_quantity(tx, stored, quantity, body)[first - 1 : last]
         else:
             values[:, place] = _stretch(quantity, body, first, last)
     return values

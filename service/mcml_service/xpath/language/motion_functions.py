@@ -53,6 +53,7 @@ _MEANINGS: Mapping[str, str] = {
     "acceleration": "of a joint, by itself or relative to another one",
     "heading": "where the body faces, without leaps, to the left",
     "contact": "whether a joint is on the ground and still",
+    "quantity": "of the file's own model, such as 'LKneeAngles', along x, y or z",
 }
 MOTION_FUNCTIONS: Final[Mapping[str, MotionFunction]] = {
     **{

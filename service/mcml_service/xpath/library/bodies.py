@@ -10,19 +10,19 @@ from typing import TypeVar
 import numpy as np
 
 from mcml.errors import QueryError
-from mcml.motion.bodies.limb_angles import turn_named
 from mcml.motion.bodies.pose_index import MADE as INDEX_MADE
 from mcml.motion.bodies.pose_index import WIDTH, Balls, PoseIndex, balls_of, pose_index
 from mcml.motion.bodies.poses import NEEDS, pose_features
-from mcml.motion.bodies.quantities import compute, joints_of
+from mcml.motion.bodies.quantities import AskedQuantity, compute, joints_of
 from mcml.motion.bodies.stretch import Stretch
-from mcml_service.clips.bodies import MADE, Body, read_turned
+from mcml_service.clips.bodies import MADE, Body
+from mcml_service.clips.frame_quantities import is_beside_positions, read_known_quantity
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.xpath.library.body_facts import BodyFacts
 from mcml_service.xpath.library.forest import Forest
 from mcml_service.xpath.library.likeness import Asked, Poses
 from mcml_service.xpath.library.pose_columns import PoseColumns
-from mcml_service.xpath.nodes.numbering import Floats, Ints, documents_of, frames_of
+from mcml_service.xpath.nodes.numbering import Bools, Floats, Ints, documents_of, frames_of
 
 Column = TypeVar("Column", Floats, PoseColumns)
 Made = TypeVar("Made")
@@ -67,9 +67,15 @@ class Bodies:
         def of_body(body: Body) -> Floats:
             return compute(name, arguments, body.stretch(joints_of(name, arguments, body.names)))
 
-        turned = name == "angle" and len(arguments) == 1 and turn_named(arguments[0]) is not None
-        make = partial(self._turned, arguments[0]) if turned else lambda: np.concatenate(self._each(of_body))
+        asked = AskedQuantity("", name, arguments, "")
+        beside = is_beside_positions(asked)
+        make = partial(self._read, asked) if beside else lambda: np.concatenate(self._each(of_body))
         return self._forest.of_bodies((f"{MADE}", name, *arguments), make)
+
+    def unstated(self, name: str, arguments: tuple[str, ...]) -> Bools:
+        """Which documents have no value of a measurement of the file, in any frame."""
+        known = np.concatenate([[0], np.cumsum(~np.isnan(self.quantity(name, arguments)))])
+        return np.asarray(known[self.offsets[1:]] == known[self.offsets[:-1]], bool)
 
     def of_documents(self, name: str) -> Floats:
         """A quantity that is the document's, of each document, whether it has frames or not."""
@@ -79,14 +85,14 @@ class Bodies:
 
         return self._forest.of_bodies((f"{MADE}", "documents", name), lambda: np.array(self._each(of_body), np.float64))
 
-    def _turned(self, name: str) -> Floats:
+    def _read(self, asked: AskedQuantity) -> Floats:
         # Excluded documents are reported from the facts of bodies.
         self.facts()
         parts = []
         for listed in self._forest.documents:
             self._check()
             (body,) = self._forest.caches.bodies.read(self._forest.tx, [listed])
-            parts.append(read_turned(self._forest.tx, listed, name, body))
+            parts.append(read_known_quantity(self._forest.tx, listed, asked, body))
         return np.concatenate(parts)
 
     def asked(self, document: str, first: float, last: float | None) -> Asked:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -37,6 +38,18 @@ def motion_calls(tree: Expression) -> list[Call]:
     return [part for part in walk(tree) if isinstance(part, Call) and part.function in MOTION_FUNCTIONS]
 
 
+@dataclass(frozen=True, eq=False)
+class GroupFacts:
+    """Facts of the documents of a group. unstated: for calls of measurements, the documents whose files have
+    none of them."""
+
+    body: BodyFacts
+    unstated: Mapping[Call, Bools]
+
+    def __len__(self) -> int:
+        return len(self.body)
+
+
 class BodyScope:
     """The documents that a query about bodies looks at.
 
@@ -57,7 +70,7 @@ class BodyScope:
         self._tx = tx
         self._caches = caches
         self._check = check
-        self._facts: dict[Group, BodyFacts] = {}
+        self._facts: dict[Group, GroupFacts] = {}
 
     def select(self, groups: Iterable[Group]) -> Iterator[Group]:
         """Yield the groups without documents in which a needed measurement is unknown."""
@@ -79,7 +92,9 @@ class BodyScope:
         facts = self._facts.get(group)
         if facts is None:
             forest = Forest(self._tx, group, self._caches, head_part=HeadPart.MOTION)
-            facts = self._facts[group] = Bodies(forest, self._check).facts()
+            bodies = Bodies(forest, self._check)
+            unstated = {call: bodies.unstated(*texts) for call in self.calls if (texts := _measurement(call))}
+            facts = self._facts[group] = GroupFacts(bodies.facts(), unstated)
         lacks = np.zeros(len(group), bool)
         for _, _, which in _reasons(facts, self._needed):
             lacks |= which
@@ -116,7 +131,7 @@ def without_guesses(
     return found
 
 
-def _notes(looked: Mapping[Group, BodyFacts], calls: Sequence[Call], needed: Sequence[Call]) -> Iterator[str]:
+def _notes(looked: Mapping[Group, GroupFacts], calls: Sequence[Call], needed: Sequence[Call]) -> Iterator[str]:
     names = [listed.name for group in looked for listed in group]
     many = f"of {len(names):,} documents"
     shown = [call for call in calls if call not in needed]
@@ -130,14 +145,15 @@ def _notes(looked: Mapping[Group, BodyFacts], calls: Sequence[Call], needed: Seq
             if count := int(mask.sum()):
                 yield f"{count:,} {many} {what}: {why} ({named(names, mask)}){remedy}."
     guesses = rested_on(calls)
-    if count := sum(int(facts.rests_on_guesses(guesses).sum()) for facts in looked.values()):
+    if count := sum(int(facts.body.rests_on_guesses(guesses).sum()) for facts in looked.values()):
         yield f"{count:,} {many} rest on a guessed {_listed(guesses)}; guesses=no leaves them out."
-    if count := sum(int(_in_doubt(facts, calls).sum()) for facts in looked.values()):
+    if count := sum(int(_in_doubt(facts.body, calls).sum()) for facts in looked.values()):
         yield f"{count:,} {many} rest on guessed names of joints; guesses=no leaves them out."
 
 
-def _reasons(facts: BodyFacts, calls: Sequence[Call]) -> Iterator[tuple[str, str, Bools]]:
+def _reasons(known: GroupFacts, calls: Sequence[Call]) -> Iterator[tuple[str, str, Bools]]:
     """Return the reasons for unknown values, the remedies, and the documents."""
+    facts = known.body
     functions = {call.function for call in calls}
     units = {MOTION_FUNCTIONS[function].unit for function in functions}
     if units & OF_LENGTHS:
@@ -148,6 +164,9 @@ def _reasons(facts: BodyFacts, calls: Sequence[Call]) -> Iterator[tuple[str, str
         yield "their floor is not known", "; mcml calibrate sets it", ~facts.floor
     for call in dict.fromkeys(calls):
         yield f"they lack joints of {_written(call)}", "", _lacking(facts, call)
+        if call in known.unstated:
+            remedy = "; GET /documents/{id}/measurements lists what a file has"
+            yield f"their files have no values of {_written(call)}", remedy, known.unstated[call]
 
 
 NAMED = 3
@@ -207,6 +226,14 @@ def _lacking(facts: BodyFacts, call: Call) -> Bools:
     except McmlError:
         return np.zeros(len(facts), bool)
     return np.asarray(np.array(lacks, bool)[facts.kind], bool)
+
+
+def _measurement(call: Call) -> tuple[str, tuple[str, ...]] | None:
+    """(function, arguments) of a call of a measurement of the file with written arguments, otherwise None."""
+    name = call.function.removeprefix(PREFIX)
+    texts = tuple(each.value for each in call.arguments if isinstance(each, Literal) and isinstance(each.value, str))
+    stated = name in QUANTITIES and QUANTITIES[name].of_file and len(texts) == len(call.arguments)
+    return (name, texts) if stated else None
 
 
 def _written(call: Call) -> str:

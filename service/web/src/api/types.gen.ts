@@ -340,6 +340,22 @@ export interface paths {
         patch: operations["change_calibration"];
         trace?: never;
     };
+    "/api/v1/documents/{id}/measurements": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["list_measurements"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/documents/{id}/media": {
         parameters: {
             query?: never;
@@ -3229,6 +3245,20 @@ export interface components {
             /** @default [] */
             projects: components["schemas"]["Belonging"][];
         };
+        MeasurementFacts: {
+            function: string;
+            name: string;
+            axes: string[];
+            unit: string;
+            group: string;
+            rate?: number | null;
+            known: boolean;
+            /** @default  */
+            reason: string;
+        };
+        MeasurementList: {
+            items: components["schemas"]["MeasurementFacts"][];
+        };
         MediaChange: {
             offset: number;
         };
@@ -5582,6 +5612,53 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Calibration"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_measurements: {
+        parameters: {
+            query?: {
+                revision?: number | null;
+            };
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MeasurementList"];
                 };
             };
             503: {

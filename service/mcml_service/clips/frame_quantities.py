@@ -1,0 +1,40 @@
+"""Quantities of the frames of a stored document that positions of joints do not tell."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mcml.errors import NotFoundError
+from mcml.formats.measurements import Measurements
+from mcml.language.elements import to_head
+from mcml.motion.bodies.quantities import AskedQuantity
+from mcml.motion.skeleton import Array
+from mcml_service.clips.bodies import Body, read_turned
+from mcml_service.storage.documents.columns import Listed
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.transaction import Transaction
+
+
+def is_beside_positions(asked: AskedQuantity) -> bool:
+    """Whether `read_quantity` reads it: it takes rotations, or the file states it."""
+    return asked.of_file or asked.needs_rotations
+
+
+def read_quantity(tx: Transaction, stored: StoredDocument | Listed, asked: AskedQuantity, body: Body) -> Array:
+    """(n,) of all frames, NaN where unknown. body: of the document. NotFoundError for a measurement it has not."""
+    if not asked.of_file:
+        return read_turned(tx, stored, asked.arguments[0], body)
+    return read_measurements(tx, stored).values(asked, tx.tracks.frame_ids(stored.key, 1, stored.frames))
+
+
+def read_known_quantity(tx: Transaction, stored: StoredDocument | Listed, asked: AskedQuantity, body: Body) -> Array:
+    """The same, NaN where the file of the document has no such measurement."""
+    try:
+        return read_quantity(tx, stored, asked, body)
+    except NotFoundError:
+        return np.full(stored.frames, np.nan)
+
+
+def read_measurements(tx: Transaction, stored: StoredDocument | Listed) -> Measurements:
+    """The measurements of the file of a document."""
+    return Measurements(to_head(tx.heads.document(stored), stored.frame_time))
