@@ -14,6 +14,12 @@ Value = tuple[int, Sequence[int], Sequence[float] | bytes]
 """(type, dimensions, numbers or characters) of a parameter."""
 
 
+def texts(*words: str) -> Value:
+    """A parameter of texts, filled up with blanks to one length."""
+    longest = max(1, *map(len, words))
+    return -1, (longest, len(words)), "".join(word.ljust(longest) for word in words).encode()
+
+
 def word(value: int, processor: int) -> bytes:
     return struct.pack(">H" if processor == MIPS else "<H", value & 0xFFFF)
 

@@ -21,16 +21,11 @@ from mcml.language.reader import read_document
 from mcml.language.writer import write_document
 from mcml.motion.clip import ClipStream
 from mcml.testing import read
-from tests.c3d_writer import Value, c3d_bytes
+from tests.c3d_writer import Value, c3d_bytes, texts
 
 POINTS = np.random.default_rng(1).normal(0, 100, (20, 2, 3)).astype(np.float32).astype(np.float64)
 FIRST = 286
 RATE = 100.0
-
-
-def texts(*words: str) -> Value:
-    longest = max(1, *map(len, words))
-    return -1, (longest, len(words)), "".join(word.ljust(longest) for word in words).encode()
 
 
 def events(labels: list[str], times: list[float], contexts: list[str] | None = None, **more: Value | None) -> bytes:

@@ -15,7 +15,7 @@ import numpy as np
 
 from mcml.errors import Notice
 from mcml.formats.c3d.parameters import Statements
-from mcml.formats.c3d.quantities import decode_text, texts_of
+from mcml.formats.c3d.quantities import plain_text, texts_of
 from mcml.formats.format import note
 from mcml.formats.text.numbers import is_number
 
@@ -26,7 +26,6 @@ _SIDES: Final = {"l": "Left", "left": "Left", "r": "Right", "right": "Right", "g
 _SHORT: Final = re.compile(r"(?i)([lr])(hs|to|ic|f[so]|on|off)")
 """A side and a word for strike or off in one, as in `LHS` and `RTO` of Qualisys."""
 _GAPS: Final = re.compile(r"[\W_]+")
-_CONTROL: Final = re.compile(r"[\x00-\x1f\x7f]+")
 
 
 @dataclass(frozen=True)
@@ -73,18 +72,16 @@ def names_of(events: Sequence[Event]) -> list[str]:
 
 def read_events(said: Statements, notices: list[Notice]) -> list[Event]:
     """The events of the group EVENT, else those of the header; in the order of the file."""
-    labels = [_plain_text(text) for text in texts_of(said, "EVENT:LABELS")]
+    labels = [plain_text(text) for text in texts_of(said, "EVENT:LABELS")]
     if not labels:
         return _header_events(said)
-    times, number = _numbers(said, "EVENT:TIMES"), 2
-    while more := _numbers(said, f"EVENT:TIMES{number}"):
-        times, number = times + more, number + 1
+    times = said.numbers("EVENT:TIMES")
     used = said.number("EVENT:USED")
     count = min(len(labels), len(times) // 2, len(labels) if used is None else int(max(used, 0)))
     if count < len(labels) and (used is None or count < used):
         note(notices, "warning", f"{len(labels)} events have {len(times) // 2} times: {count} were read")
     columns = {
-        name: [_plain_text(text) for text in texts_of(said, f"EVENT:{name}")]
+        name: [plain_text(text) for text in texts_of(said, f"EVENT:{name}")]
         for name in ("CONTEXTS", "SUBJECTS", "DESCRIPTIONS")
     }
     told = {name: [*texts, *[""] * count] for name, texts in columns.items()}
@@ -114,18 +111,8 @@ def _header_events(said: Statements) -> list[Event]:
     if said.words[149] != _HEADER_KEY or not 0 < count <= _HEADER_MOST:
         return []
     times = said.machine.floats(said.header[304 : 304 + 4 * count])
-    labels = [_plain_text(said.header[396 + 4 * place : 400 + 4 * place].strip(b"\0 ")) for place in range(count)]
+    labels = [plain_text(said.header[396 + 4 * place : 400 + 4 * place].strip(b"\0 ")) for place in range(count)]
     return [Event(float(time), "", label) for time, label in zip(times, labels, strict=True) if np.isfinite(time)]
-
-
-def _numbers(said: Statements, name: str) -> list[float]:
-    found = said.parameters.get(name)
-    return found.numbers() if found is not None else []
-
-
-def _plain_text(text: bytes) -> str:
-    """The text of a parameter without control characters, which would end a line of the section or one of its parts."""
-    return _CONTROL.sub(" ", decode_text(text)).strip()
 
 
 def label_frames(events: Sequence[Event], rate: float, first: int, frames: int) -> dict[int, tuple[str, ...]]:

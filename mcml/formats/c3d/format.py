@@ -9,7 +9,6 @@ turns them into a clip of markers.
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -19,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.errors import Notice
+from mcml.formats.c3d.data import find_data, first_frame
 from mcml.formats.c3d.events import Event, label_frames, read_events, section_of
-from mcml.formats.c3d.layout import find_layout, scales_said
+from mcml.formats.c3d.layout import scales_said
 from mcml.formats.c3d.parameters import Statements, read_statements
 from mcml.formats.c3d.points import Points
 from mcml.formats.c3d.quantities import Quantity, quantities_of, sections_of, texts_of
@@ -80,8 +80,7 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
         )
         clip.notices.extend(notices)
         return clip
-    size = stream.seek(0, io.SEEK_END)
-    layout = find_layout(said, size, lambda first, behind: _is_zero(stream, first, behind), notices)
+    layout = find_data(stream, said, notices)
     limits.check_size(layout.frames, 3 * layout.points)
     labels = _labels(said, layout.points, notices)
     limits.check_points(labels)
@@ -95,7 +94,7 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
     if unmeasured:
         notices.append(Notice("guess", "every residual says that there is no sample; the coordinates count"))
     skeleton = marker_skeleton([labels[place] for place in places.tolist()], residual=measured)
-    fields, first_id = _fields(said, name, notices), _first_id(said, layout.frames)
+    fields, first_id = _fields(said, name, notices), first_frame(said, layout.frames)
     events = read_events(said, notices)
     labelled = _label_frames(events, fields, first_id, layout.frames, notices)
     _say_what_stays(said, layout.analog, notices)
@@ -141,18 +140,6 @@ def _with_samples(
     samples = np.concatenate(pieces) if pieces else np.zeros((0, len(places), 4))
     for index, place in enumerate(places):
         yield replace(quantities[place], first=first_id, rate=rate, samples=samples[:, index])
-
-
-def _first_id(said: Statements, frames: int) -> int:
-    """Return the number of the first frame: the one of TRIAL, which has more bits, if its count of frames is right."""
-    start, end = said.long("TRIAL:ACTUAL_START_FIELD"), said.long("TRIAL:ACTUAL_END_FIELD")
-    agrees = start is not None and end is not None and end - start + 1 == frames
-    return int(start) if agrees and start is not None else int(said.words[3])
-
-
-def _is_zero(stream: BinaryIO, first: int, behind: int) -> bool:
-    stream.seek(first)
-    return not any(any(stream.read(min(1 << 20, behind - place))) for place in range(first, behind, 1 << 20))
 
 
 def _survey(points: Points, places: NDArray[np.intp]) -> tuple[bool, bool]:

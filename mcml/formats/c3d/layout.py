@@ -65,18 +65,27 @@ class _Fact:
         return _Fact(name, list(values.items()))
 
 
-def find_layout(said: Statements, size: int, is_zero: Callable[[int, int], bool], notices: list[Notice]) -> Layout:
+def find_layout(
+    said: Statements,
+    size: int,
+    is_zero: Callable[[int, int], bool],
+    notices: list[Notice],
+    analog_alone: bool = False,
+) -> Layout:
     """Find the layout of a file of `size` bytes, with its actual number of frames.
 
-    is_zero(first, behind): whether these bytes of the file are all zero. Raises FormatError without points, or if
-    frames are announced but missing.
+    is_zero(first, behind): whether these bytes of the file are all zero. analog_alone: accept analog channels without
+    points. Raises FormatError without points, or if frames are announced but missing.
     """
     facts = _facts(said)
     names = [fact.name for fact in facts]
-    if any(not fact.said for fact in facts) or not any(value for value, _ in facts[names.index("points")].said):
+    has_points = any(value for value, _ in facts[names.index("points")].said)
+    if any(not fact.said for fact in facts) or not (has_points or analog_alone):
         raise FormatError("the file has no points", remedy="Files with analog channels alone are not read.")
     layouts = [_layout(dict(zip(names, values, strict=True))) for values in _combinations(facts)]
-    layouts = [layout for layout in layouts if layout.points and layout.start >= BLOCK]
+    layouts = [
+        layout for layout in layouts if (layout.points if has_points else layout.frame_bytes) and layout.start >= BLOCK
+    ]
     if not layouts:
         raise FormatError("the header does not say where the points begin", remedy="Send the C3D file itself.")
     ends = {layout: _limit(said, layout.start, size) for layout in layouts}
@@ -89,11 +98,13 @@ def find_layout(said: Statements, size: int, is_zero: Callable[[int, int], bool]
 def _facts(said: Statements) -> list[_Fact]:
     """Return all statements about the layout. Words 2 to 10 of the header, and the parameters that repeat them."""
     words, number = said.words, said.number
+    # Some older files say that a frame has 0 samples, and have one.
+    samples = float(words[9]) or 1.0
     points = [(float(words[1]), "the header"), (number("POINT:USED"), "POINT:USED")]
     starts = [(float(words[8]) or None, "the header"), (number("POINT:DATA_START") or None, "POINT:DATA_START")]
     if not any(start for start, _ in starts):
         starts = [(said.section[1] // BLOCK + 1, "the length of the parameters")]
-    used, samples = number("ANALOG:USED"), float(words[9])
+    used = number("ANALOG:USED")
     analog: list[tuple[float | None, str]] = [(float(words[2]), "the header")]
     if used is not None:
         analog.append((used * samples, "ANALOG:USED and the header's samples"))

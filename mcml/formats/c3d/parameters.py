@@ -65,12 +65,15 @@ class Parameter:
     data: bytes
     machine: Machine
 
-    def numbers(self) -> list[float]:
-        """All numbers, words without their sign (more than 32,767 frames are counted so); [] for characters."""
+    def numbers(self, *, signed: bool = False) -> list[float]:
+        """All numbers, words without their sign (more than 32,767 frames are counted so); [] for characters.
+
+        signed: words with their sign.
+        """
         if self.kind == 4:
             return [float(value) for value in self.machine.floats(self.data)]
         if self.kind == 2:
-            return [float(value) for value in self.machine.words(self.data)]
+            return [float(value) for value in (self.machine.integers if signed else self.machine.words)(self.data)]
         return [float(value) for value in self.data] if self.kind == 1 else []
 
     def texts(self) -> list[bytes]:
@@ -104,6 +107,15 @@ class Statements:
         found = self.parameters.get(name)
         values = found.numbers() if found is not None else []
         return values[0] if values and math.isfinite(values[0]) else None
+
+    def numbers(self, name: str, *, signed: bool = False) -> list[float]:
+        """All numbers of a parameter and of its continuations, such as ANALOG:SCALE and ANALOG:SCALE2; [] for none."""
+        numbers: list[float] = []
+        part, number = self.parameters.get(name), 2
+        while part is not None and (more := part.numbers(signed=signed)):
+            numbers += more
+            part, number = self.parameters.get(f"{name}{number}"), number + 1
+        return numbers
 
     def long(self, name: str) -> int | None:
         """A whole number in two words, low and high, as TRIAL:ACTUAL_END_FIELD has it."""

@@ -8,12 +8,11 @@ from typing import BinaryIO, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from mcml.formats.c3d.data import frames_at_a_time, read_rows
 from mcml.formats.c3d.layout import Layout
 from mcml.formats.c3d.parameters import Machine
 from mcml.motion.skeleton import Array
 
-_BLOCK_BYTES: Final = 8 << 20
-_BLOCK_FRAMES: Final = 4096
 _WORD: Final = 0x7FFFFFFF
 
 
@@ -29,7 +28,7 @@ class Points:
     @property
     def block(self) -> int:
         """How many frames to read at a time."""
-        return max(1, min(_BLOCK_FRAMES, _BLOCK_BYTES // self.layout.frame_bytes))
+        return frames_at_a_time(self.layout)
 
     def read(self, first: int, count: int) -> tuple[Array, Array]:
         """(coordinates (n, points, 3), residuals (n, points)) of n frames from `first` on, counted from 0.
@@ -37,9 +36,8 @@ class Points:
         A residual of -1 is a sample that is missing. Values are in single precision, as the file's own are.
         """
         layout = self.layout
-        count = min(count, layout.frames - first)
-        self.stream.seek(layout.start + first * layout.frame_bytes)
-        rows = np.frombuffer(self.stream.read(count * layout.frame_bytes), np.uint8).reshape(count, -1)
+        rows = read_rows(self.stream, layout, first, count)
+        count = len(rows)
         size = 4 if layout.real else 2
         data = np.ascontiguousarray(rows[:, : 4 * layout.points * size]).tobytes()
         scale = np.float32(self.scale)

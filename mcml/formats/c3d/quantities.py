@@ -7,6 +7,7 @@ docs/formats/c3d.md.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -33,6 +34,7 @@ MOST_TEXT: Final = 8 << 20
 _LENGTHS: Final = frozenset({"mm", "cm", "m", "in", "inch", "ft", "dm"})
 _PREFIX: Final = "POINT:"
 _MISSING: Final = "-"
+_CONTROL: Final = re.compile(r"[\x00-\x1f\x7f]+")
 
 
 @dataclass(frozen=True)
@@ -114,6 +116,11 @@ def decode_text(text: bytes) -> str:
         return text.decode("utf-8").strip()
     except UnicodeDecodeError:
         return text.decode("cp1252", errors="replace").strip()
+
+
+def plain_text(text: bytes) -> str:
+    """The text of a parameter without control characters, which would end a line of a section or one of its parts."""
+    return _CONTROL.sub(" ", decode_text(text)).strip()
 
 
 def sections_of(quantities: Iterable[Quantity], notices: list[Notice]) -> list[tuple[str, str]]:
