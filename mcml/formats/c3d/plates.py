@@ -1,0 +1,122 @@
+"""Force plates of C3D files, from the group FORCE_PLATFORM. `mcml.laboratory.force_plates` computes their forces."""
+
+from __future__ import annotations
+
+import re
+from typing import BinaryIO, Final
+
+import numpy as np
+
+from mcml.formats.c3d.analog import Channels, read_channels
+from mcml.formats.c3d.parameters import Statements
+from mcml.formats.c3d.quantities import decode_text
+from mcml.laboratory.force_plates import CHANNEL_COUNTS, Plate
+from mcml.motion.skeleton import Array
+from mcml.motion.units import UNITS
+
+_MOST_PLATES: Final = 255
+"""The dimensions of a parameter are bytes."""
+
+_FORCES: Final = {"n": 1.0, "nt": 1.0, "newton": 1.0, "newtons": 1.0, "kn": 1000.0, "lb": 4.4482216152605}
+_FORCES_ALONE: Final = {**_FORCES, "lbf": _FORCES["lb"], "lbs": _FORCES["lb"]}
+_MOMENTS: Final = {
+    **{force + length: newtons * UNITS[length] for force, newtons in _FORCES.items() for length in UNITS},
+    **{length + force: newtons * UNITS[length] for force, newtons in _FORCES.items() for length in ("in", "ft")},
+}
+_QUANTITIES: Final = {1: "fffllm", 2: "fffmmm", 3: "ffffffff", 4: "fffmmm"}
+"""The channels of each type: forces, moments and lengths."""
+
+_NO_LETTERS: Final = re.compile(r"[\W\d_]+")
+
+
+def read_plates(stream: BinaryIO) -> list[Plate]:
+    """Read the force plates of a file; see `plates_of`. Raises as `read_channels`."""
+    return plates_of(read_channels(stream))
+
+
+def plates_of(channels: Channels) -> list[Plate]:
+    """Return the force plates of a file, in its order. A plate that cannot be used has reasons."""
+    said = channels.said
+    kinds = said.numbers("FORCE_PLATFORM:TYPE")
+    used = said.number("FORCE_PLATFORM:USED")
+    count = min(_MOST_PLATES, len(kinds) if used is None else max(0, round(used)))
+    types = [round(kind) if np.isfinite(kind) else 0 for kind in kinds] + [0] * count
+    return [_plate(channels, index, types[index], count) for index in range(count)]
+
+
+def _plate(channels: Channels, index: int, kind: int, count: int) -> Plate:
+    said = channels.said
+    reasons: list[str] = []
+    assumptions: list[str] = []
+    unit, metres = _length(said, assumptions)
+    corners = _part(said, "CORNERS", index, 12).reshape(4, 3) * metres
+    origin = _part(said, "ORIGIN", index, 3) * metres
+    if not kind:
+        reasons.append("the file does not state its type")
+    places: tuple[int, ...] = ()
+    factors: tuple[float, ...] = ()
+    if kind in CHANNEL_COUNTS:
+        places = _places(channels, index, CHANNEL_COUNTS[kind], count, reasons)
+        factors = _factors(channels, kind, places, unit, metres, assumptions)
+    calibration = _part(said, "CAL_MATRIX", index, 36) if kind == 4 else None
+    if calibration is not None:
+        # By columns, as all parameters of several dimensions.
+        calibration = None if np.isnan(calibration).any() else calibration.reshape(6, 6).T
+    return Plate(kind, corners, origin, places, factors, calibration, tuple(reasons), tuple(assumptions))
+
+
+def _part(said: Statements, name: str, index: int, size: int) -> Array:
+    """The numbers of one plate in a parameter, NaN if there are too few."""
+    numbers = said.numbers(f"FORCE_PLATFORM:{name}", signed=True)[index * size : (index + 1) * size]
+    return np.array(numbers if len(numbers) == size else [np.nan] * size)
+
+
+def _length(said: Statements, assumptions: list[str]) -> tuple[str, float]:
+    """Return the unit of lengths and its metres."""
+    texts = said.texts("POINT:UNITS")
+    unit = decode_text(texts[0]).lower() if texts else ""
+    if unit not in UNITS:
+        what = f"has the unknown unit {unit!r}" if unit else "states no unit"
+        assumptions.append(f"lengths are taken as mm: the file {what}")
+        unit = "mm"
+    return unit, UNITS[unit]
+
+
+def _places(channels: Channels, index: int, needed: int, count: int, reasons: list[str]) -> tuple[int, ...]:
+    """Return the places of the channels of a plate, from 0; () and a reason if any is absent."""
+    parameter = channels.said.parameters.get("FORCE_PLATFORM:CHANNEL")
+    numbers = parameter.numbers() if parameter is not None else []
+    rows = parameter.dimensions[0] if parameter is not None and len(parameter.dimensions) > 1 else len(numbers) // count
+    own = [round(number) for number in numbers[index * rows : (index + 1) * rows][:needed] if np.isfinite(number)]
+    if len(own) < needed:
+        reasons.append(f"the file names {len(own)} of its {needed} channels")
+        return ()
+    absent = [number for number in own if not 1 <= number <= len(channels)]
+    if absent:
+        listed = ", ".join(map(str, absent))
+        reasons.append(f"its channels {listed} are not in the file, which has {len(channels)}")
+        return ()
+    return tuple(number - 1 for number in own)
+
+
+def _factors(
+    channels: Channels, kind: int, places: tuple[int, ...], unit: str, metres: float, assumptions: list[str]
+) -> tuple[float, ...]:
+    """Return newtons, newton metres and metres of the units of a plate's channels."""
+    factors: list[float] = []
+    for place, quantity in zip(places, _QUANTITIES[kind], strict=False):
+        known, default, usual = {
+            "f": (_FORCES_ALONE, 1.0, "N"),
+            "m": (_MOMENTS, metres, f"N {unit}"),
+            "l": (UNITS, metres, unit),
+        }[quantity]
+        written = channels.units[place]
+        factor = known.get(_NO_LETTERS.sub("", written).lower())
+        # Channels of type 4 are volts as a rule: the calibration gives newtons.
+        if factor is None and not (kind == 4 and quantity == "f"):
+            what = f"have the unit {written!r}" if written else "have no unit"
+            part = {"f": "forces", "m": "moments", "l": "lengths"}[quantity]
+            assumption = f"its {part} are taken as {usual}: the channels {what}"
+            assumptions += [] if assumption in assumptions else [assumption]
+        factors.append(default if factor is None else factor)
+    return tuple(factors)

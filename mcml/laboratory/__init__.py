@@ -1,0 +1,1 @@
+"""Mathematics of the gait laboratory on arrays; it knows no file formats."""
