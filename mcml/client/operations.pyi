@@ -395,7 +395,7 @@ class Operations:
         revision: int | None = ...,
         progress: FileProgress | None = None,
     ) -> MeasurementList:
-        """List the measurements of a document's file beside the motion: angles and moments of its model."""
+        """List the measurements of a document: quantities of its own model, analog channels, force plates."""
     def change_calibration(
         self,
         *,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from contextlib import ExitStack
 from fractions import Fraction
 from functools import cached_property
@@ -19,6 +20,7 @@ from mcml.files.limits import FileLimits
 from mcml.files.on_disk import Files, check_free, opened_files, paths_of, write_file
 from mcml.files.open_clip import open_clip
 from mcml.files.read_numbers import Space, read_numbers
+from mcml.formats.format import SourceFile
 from mcml.formats.measurements import Measurement, Measurements
 from mcml.frames import Frames
 from mcml.language.elements import to_head
@@ -40,8 +42,9 @@ class Motion:
     notices: guesses and repairs.
     """
 
-    def __init__(self, name: str, clip: ClipStream) -> None:
+    def __init__(self, name: str, clip: ClipStream, original: bytes | None = None) -> None:
         head = clip.head
+        self._original = original
         self._clip = _kept(clip)
         self.name = name
         self.format = head.format
@@ -124,10 +127,30 @@ class Motion:
         """
         return self._quantity("quantity", label, axis)
 
+    def analog(self, channel: str) -> Array:
+        """(frames,) means of the samples of an analog channel in each frame, in the file's unit."""
+        return self._quantity("analog", channel)
+
+    def force(self, plate: str, axis: str) -> Array:
+        """(frames,) newtons of the ground on a force plate, such as "1", along "x", "y" or "z" of the laboratory."""
+        return self._quantity("force", plate, axis)
+
+    def cop(self, plate: str, axis: str) -> Array:
+        """(frames,) metres of the centre of pressure on a force plate; NaN below 20 N."""
+        return self._quantity("cop", plate, axis)
+
+    def free_moment(self, plate: str) -> Array:
+        """(frames,) newton metres about the vertical on a force plate; NaN below 20 N."""
+        return self._quantity("free-moment", plate)
+
     @cached_property
     def measurements(self) -> tuple[Measurement, ...]:
-        """The measurements of the file beside the motion, such as angles and moments of a laboratory's own model."""
-        return tuple(Measurements(self._clip.head).list())
+        """The measurements of the file beside the motion: quantities of its model, analog channels, force plates."""
+        return tuple(self._measurements.describe())
+
+    @cached_property
+    def _measurements(self) -> Measurements:
+        return Measurements(self._clip.head, None if self._original is None else io.BytesIO(self._original))
 
     @cached_property
     def _body(self) -> ClipBody:
@@ -139,7 +162,7 @@ class Motion:
         asked = asked_quantity(f"{name}:{','.join(stated)}" if stated else name)
         if asked.of_file:
             ids = [number for block in self._clip.blocks() for number in block.ids]
-            return Measurements(self._clip.head).values(asked, ids)
+            return self._measurements.values(asked, ids)
         return quantity_values(self._clip, self._body, asked)
 
 
@@ -173,7 +196,9 @@ def read(
             raise several_motions(found)
         opened = open_clip(found.clips[0], options, limits)
         head = to_head(opened.document, seconds or opened.stream.head.frame_time)
-        return Motion(Path(found.clips[0].name).stem, opened.stream.with_head(head))
+        return Motion(
+            Path(found.clips[0].name).stem, opened.stream.with_head(head), _content(found.clips[0].files.get("c3d"))
+        )
 
 
 def convert(
@@ -209,6 +234,14 @@ def convert(
             write_file(path, content, force=force)
             paths.append(path)
         return paths
+
+
+def _content(file: SourceFile | None) -> bytes | None:
+    """The bytes of a file with measurements."""
+    if file is None:
+        return None
+    file.stream.seek(0)
+    return file.stream.read()
 
 
 def _kept(clip: ClipStream) -> ClipStream:

@@ -1,21 +1,25 @@
-"""Measurements of a file beside the motion, such as the angles and moments of a laboratory's own model.
+"""Measurements of a file beside the motion: quantities of a laboratory's own model, analog channels, force plates.
 
 The values are those of the file: edits of the motion do not change them. They belong to frames by the numbers that the
-frames have in the file.
+frames have in the file. Of signals with several samples a frame, the value of a frame is that of their means.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import BinaryIO, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mcml.errors import NotFoundError
+from mcml.formats.c3d.analog import Channels, read_channels
+from mcml.formats.c3d.plates import plates_of
 from mcml.formats.c3d.quantities import Quantity, kept_quantities, rate_of, samples_at
+from mcml.laboratory.force_plates import Plate, PlateForces, plate_forces
 from mcml.motion.bodies.quantities import AXES_OF_FILE, AskedQuantity
 from mcml.motion.clip import ClipHead
 from mcml.motion.skeleton import Array
@@ -25,6 +29,12 @@ BEYOND_CAPTURES: Final = 10_000_000
 
 NAMED: Final = 60
 """Limit of names in an error."""
+
+_SAME_RATE: Final = 1e-4
+"""Relative difference of two statements of one rate, which rounding does not reach."""
+
+_OF_PLATES: Final = {"force": ("N", AXES_OF_FILE), "cop": ("m", AXES_OF_FILE), "free-moment": ("N m", ())}
+"""Unit and axes of the functions of force plates."""
 
 
 def has_capture_numbers(head: ClipHead) -> bool:
@@ -38,7 +48,7 @@ class Measurement:
 
     axes: values of its second argument. unit: as the file writes it, "" where it does not state it. group: such as
     "ANGLES". rate: samples a second, None for one a frame. known: whether frames of the clip may have values; reason:
-    why not.
+    why not. notes: assumptions about facts that it does not state.
     """
 
     function: str
@@ -49,52 +59,125 @@ class Measurement:
     rate: float | None = None
     known: bool = True
     reason: str = ""
+    notes: tuple[str, ...] = ()
 
 
 class Measurements:
-    """The measurements of the file of a clip. head: of the clip."""
+    """The measurements of the file of a clip.
 
-    def __init__(self, head: ClipHead) -> None:
+    head: of the clip. original: the file itself, where it is kept; without it, quantities alone are known.
+    """
+
+    def __init__(self, head: ClipHead, original: BinaryIO | None = None) -> None:
         self._head = head
+        self._original = original
+        self._plates_read: dict[str, PlateForces] = {}
 
-    def list(self) -> list[Measurement]:
+    def describe(self) -> list[Measurement]:
         """Every measurement, in the order of the file."""
-        rate = rate_of(self._head)
-        return [
-            Measurement(
-                "quantity",
-                label,
-                AXES_OF_FILE,
-                quantity.unit,
-                quantity.group,
-                known=known,
-                reason=""
-                if known
-                else f"the file has {quantity.rate} frames a second, the document {rate or 'no rate'}",
-            )
-            for label, quantity in self._quantities.items()
-            for known in [quantity.has_rate(rate)]
-        ]
+        return [*self._list_quantities(), *self._list_channels(), *self._list_plates()]
 
     def values(self, asked: AskedQuantity, ids: NDArray[np.int64] | Sequence[str]) -> Array:
         """(n,) of the frames with these numbers in the file, NaN where it states none, or is of another frame rate.
 
-        Raises NotFoundError for a measurement that the file does not have.
+        Raises NotFoundError for a measurement that the file does not have, RequestError for an unknown axis.
         """
-        label, axis = asked.arguments
+        asked.check_joints(())
+        name, *rest = asked.arguments
+        axis = AXES_OF_FILE.index(rest[0]) if rest else 0
+        if asked.name == "quantity":
+            return self._quantity(name, axis, ids)
+        whole = self._channel(name) if asked.name == "analog" else self._of_plate(asked.name, name, axis)
+        values = np.full(len(ids), np.nan)
+        numbers = np.asarray(ids)
+        if self._channels is not None and self._has_rate_of_channels and numbers.dtype.kind == "i":
+            places = numbers - self._channels.first
+            inside = (places >= 0) & (places < len(whole))
+            values[inside] = whole[places[inside]]
+        return values
+
+    def _quantity(self, label: str, axis: int, ids: NDArray[np.int64] | Sequence[str]) -> Array:
         quantity = self._quantities.get(label)
         if quantity is None:
-            raise NotFoundError(
-                f"The file of this document has no quantity {label!r}.",
-                remedy=f"It has: {', '.join(list(self._quantities)[:NAMED])}."
-                if self._quantities
-                else "Only C3D files of a model, such as Plug-in Gait, have quantities.",
-            )
+            raise _unknown("quantity", label, list(self._quantities), "files of a model, such as Plug-in Gait,")
         if not quantity.has_rate(rate_of(self._head)):
             return np.full(len(ids), np.nan)
         samples = samples_at(quantity, ids)
-        found: Array = np.where(samples[:, 3] < 0, np.nan, samples[:, AXES_OF_FILE.index(axis)])
-        return found
+        values: Array = np.where(samples[:, 3] < 0, np.nan, samples[:, axis])
+        return values
+
+    def _channel(self, label: str) -> Array:
+        """(frames of the file,) means of the samples of a channel."""
+        labels = self._channels.labels if self._channels is not None else ()
+        if self._channels is None or label not in labels:
+            raise _unknown("analog channel", label, labels, "files with analog channels, whose upload is kept,")
+        return self._means([labels.index(label)])[:, 0]
+
+    def _of_plate(self, function: str, name: str, axis: int) -> Array:
+        """(frames of the file,) of a force plate."""
+        forces = self._forces(name)
+        if function == "force":
+            force: Array = forces.force[:, axis]
+            return force
+        return forces.centre_of_pressure[:, axis] if function == "cop" else forces.free_moment
+
+    def _forces(self, name: str) -> PlateForces:
+        names = [str(number + 1) for number in range(len(self._plates))]
+        if name not in names or self._channels is None:
+            raise _unknown("force plate", name, names, "files with force plates, whose upload is kept,")
+        if name not in self._plates_read:
+            plate = self._plates[names.index(name)]
+            samples = np.zeros((self._channels.frames, 0)) if plate.problems else self._means(plate.channels)
+            rate = self._channels.rate / self._channels.samples
+            self._plates_read[name] = plate_forces(plate, samples, rate)
+        return self._plates_read[name]
+
+    def _means(self, places: Sequence[int]) -> Array:
+        """(frames of the file, channels) means of the samples of each frame."""
+        channels = self._channels
+        assert channels is not None
+        means = np.empty((channels.frames, len(places)))
+        for first in range(0, channels.frames, channels.block):
+            values = channels.read(first, channels.block, places)
+            means[first : first + channels.block] = values.reshape(-1, channels.samples, len(places)).mean(axis=1)
+        return means
+
+    def _list_quantities(self) -> list[Measurement]:
+        rate = rate_of(self._head)
+        return [
+            Measurement(
+                "quantity", label, AXES_OF_FILE, quantity.unit, quantity.group, known=known,
+                reason="" if known else _other_rate(quantity.rate, rate),
+            )
+            for label, quantity in self._quantities.items()
+            for known in [quantity.has_rate(rate)]
+        ]  # fmt: skip
+
+    def _list_channels(self) -> list[Measurement]:
+        channels = self._channels
+        if channels is None:
+            return []
+        rate = channels.rate if math.isfinite(channels.rate) else None
+        return [
+            Measurement(
+                "analog", label, (), unit, "ANALOG", rate, self._has_rate_of_channels, self._rate_of_channels_differs
+            )
+            for label, unit in zip(channels.labels, channels.units, strict=True)
+        ]
+
+    def _list_plates(self) -> list[Measurement]:
+        rate = self._channels.rate if self._channels is not None else None
+        items = []
+        for number, plate in enumerate(self._plates, 1):
+            reason = "; ".join(plate.problems) or self._rate_of_channels_differs
+            items += [
+                Measurement(
+                    function, str(number), axes, unit, f"FORCE_PLATFORM type {plate.type}", rate, not reason, reason,
+                    plate.assumptions,
+                )
+                for function, (unit, axes) in _OF_PLATES.items()
+            ]  # fmt: skip
+        return items
 
     @cached_property
     def _quantities(self) -> dict[str, Quantity]:
@@ -104,3 +187,35 @@ class Measurements:
         for quantity in kept_quantities(part.sections) if part is not None else ():
             labelled.setdefault(quantity.label, quantity)
         return labelled
+
+    @cached_property
+    def _channels(self) -> Channels | None:
+        channels = None if self._original is None else read_channels(self._original)
+        return channels if channels is not None and len(channels) else None
+
+    @cached_property
+    def _plates(self) -> list[Plate]:
+        return [] if self._channels is None else plates_of(self._channels)
+
+    @cached_property
+    def _has_rate_of_channels(self) -> bool:
+        return not self._rate_of_channels_differs
+
+    @cached_property
+    def _rate_of_channels_differs(self) -> str:
+        """Why frames of the clip are not those of the channels, "" where they may be."""
+        seconds, channels = self._head.seconds_per_frame(), self._channels
+        if channels is None or seconds is None or not math.isfinite(channels.rate):
+            return ""
+        rate = channels.rate / channels.samples
+        same = abs(rate * seconds - 1) < _SAME_RATE
+        return "" if same else _other_rate(f"{rate:g}", rate_of(self._head))
+
+
+def _other_rate(of_file: str, of_clip: str) -> str:
+    return f"the file has {of_file} frames a second, the document {of_clip}"
+
+
+def _unknown(kind: str, name: str, names: Sequence[str], where: str) -> NotFoundError:
+    remedy = f"It has: {', '.join(names[:NAMED])}." if names else f"Only C3D {where} have any."
+    return NotFoundError(f"The file of this document has no {kind} {name!r}.", remedy=remedy)

@@ -8,7 +8,7 @@ from mcml_schemas.examples import shown
 
 _KNEE = {
     "function": "quantity", "name": "LKneeAngles", "axes": ["x", "y", "z"], "unit": "deg", "group": "ANGLES",
-    "rate": None, "known": True,
+    "rate": None, "known": True, "reason": "", "notes": [],
 }  # fmt: skip
 
 
@@ -23,6 +23,7 @@ class MeasurementFacts(BaseModel):
     rate: float | None = Field(None, description="Samples a second; null for one a frame")
     known: bool = Field(description="Whether frames of the document have values; `reason` is why not")
     reason: str = ""
+    notes: list[str] = Field(default_factory=list, description="Assumptions where the file states too little")
 
 
 class MeasurementList(BaseModel):

@@ -67,6 +67,37 @@ def values_of(frames: list[int | None]) -> Array:
     return np.array([np.nan if frame in (None, GAP) else KNEE[frame] for frame in frames])
 
 
+SAMPLES = 4
+"""Analog samples of a frame."""
+
+
+def walkway(seed: int = 0) -> bytes:
+    """A trial on a plate of 600 x 400 mm around the origin, with z down, and a channel beside it."""
+    chance = np.random.default_rng(seed)
+    analog = np.zeros((FRAMES, SAMPLES, 7), np.float32)
+    analog[..., :3] = chance.normal([0, 0, -700], 5, (FRAMES, SAMPLES, 3))
+    analog[..., 3:6] = chance.normal(0, 9000, (FRAMES, SAMPLES, 3))
+    analog[..., 6] = np.arange(FRAMES)[:, None] + np.arange(SAMPLES)
+    labels = [f"{name:3}" for name in ("Fx", "Fy", "Fz", "Mx", "My", "Mz", "EMG")]
+    corners = np.array([[300, 200, 0], [300, -200, 0], [-300, -200, 0], [-300, 200, 0]], np.float64)
+    parameters: dict[str, Value | None] = {
+        **TYPED,
+        "ANALOG:USED": (2, (), [7]),
+        "ANALOG:RATE": (4, (), [100.0 * SAMPLES]),
+        "ANALOG:LABELS": (-1, (3, 7), "".join(labels).encode()),
+        "ANALOG:UNITS": (-1, (3, 7), b"N  N  N  NmmNmmNmmV  "),
+        "FORCE_PLATFORM:USED": (2, (), [1]),
+        "FORCE_PLATFORM:TYPE": (2, (1,), [2]),
+        "FORCE_PLATFORM:CORNERS": (4, (3, 4, 1), corners.reshape(-1).tolist()),
+        "FORCE_PLATFORM:ORIGIN": (4, (3, 1), [0, 0, 0]),
+        "FORCE_PLATFORM:CHANNEL": (2, (6, 1), [1, 2, 3, 4, 5, 6]),
+    }
+    points = chance.normal(500, 100, (FRAMES, len(LABELS), 3)).astype(np.float32)
+    return c3d_bytes(
+        points, labels=LABELS, parameters=parameters, first=FIRST, analog=analog.reshape(FRAMES, -1), samples=SAMPLES
+    )
+
+
 def edit(database: Database, uuid: str, *edits: object) -> None:
     with database.write() as tx:
         edit_frames(tx, tx.documents.get(uuid), FrameEdits(edits=list(edits)))
@@ -124,7 +155,7 @@ def test_frames_at_another_rate_have_none(database: Database) -> None:
     edit(database, uuid, ResampleFrames(do="resample", rate=50))
     assert np.isnan(knees(database, uuid)).all()
     with database.read() as tx:
-        (knee,) = read_measurements(tx, tx.documents.get(uuid)).list()
+        (knee,) = read_measurements(tx, tx.documents.get(uuid)).describe()
     assert not knee.known
     assert knee.reason == "the file has 100 frames a second, the document 50"
     edit(database, uuid, ResampleFrames(do="resample", rate=100))
@@ -160,6 +191,80 @@ def test_questions_find_frames_by_them(database: Database) -> None:
             queries.answer(QueryRequest(q="//frame[mo:quantity('LKneeAngles', 'up') > 30]"))
     finally:
         queries.close()
+
+
+def means_of(content: bytes) -> Array:
+    """(frames, channels) means of the analog samples of `walkway`, by the places where it writes them."""
+    words = np.frombuffer(content, np.uint8)
+    start = 512 * (int.from_bytes(content[16:18], "little") - 1)
+    row = len(LABELS) * 4 + SAMPLES * 7
+    values = words[start : start + FRAMES * row * 4].view("<f4").astype(np.float64).reshape(FRAMES, row)
+    return values[:, len(LABELS) * 4 :].reshape(FRAMES, SAMPLES, 7).mean(axis=1)
+
+
+def test_channels_and_plates_are_means_of_their_frames(database: Database, tmp_path: Path) -> None:
+    """Against the formulas of a plate of type 2, whose x points along Y of the laboratory, y along X, and z down."""
+    content = walkway()
+    (uuid,) = store(database, {"a.c3d": content})
+    edit(database, uuid, DeleteFrames(do="delete", first=6, last=10))
+    left = [*range(5), *range(10, FRAMES)]
+    x, y, z, about_x, about_y, about_z, emg = means_of(content)[left].T
+    right, ahead = -about_y / z / 1000, about_x / z / 1000
+    expected = {
+        "analog:EMG": emg,
+        "analog:Fz": z,
+        "force:1,x": y,
+        "force:1,y": x,
+        "force:1,z": -z,
+        "cop:1,x": ahead,
+        "cop:1,y": right,
+        "cop:1,z": 0 * z,
+        "free-moment:1": -(about_z / 1000 - right * y + ahead * x),
+    }
+    for quantity, values in expected.items():
+        np.testing.assert_allclose(knees(database, uuid, quantity), values, rtol=1e-9, atol=1e-12, err_msg=quantity)
+    (tmp_path / "a.c3d").write_bytes(content)
+    motion = mcml.read(tmp_path / "a.c3d")
+    np.testing.assert_array_equal(motion.force("1", "z")[left], knees(database, uuid, "force:1,z"))
+    np.testing.assert_array_equal(motion.cop("1", "x")[left], knees(database, uuid, "cop:1,x"))
+    np.testing.assert_array_equal(motion.free_moment("1")[left], knees(database, uuid, "free-moment:1"))
+    np.testing.assert_array_equal(motion.analog("EMG")[left], knees(database, uuid, "analog:EMG"))
+
+
+def test_measurements_say_their_units_and_rates(database: Database) -> None:
+    (uuid,) = store(database, {"a.c3d": walkway()})
+    with database.read() as tx:
+        items = read_measurements(tx, tx.documents.get(uuid)).describe()
+    facts = {(item.function, item.name): (item.unit, item.axes, item.rate, item.known) for item in items}
+    assert facts["quantity", "LKneeAngles"] == ("deg", ("x", "y", "z"), None, True)
+    assert facts["analog", "Mx"] == ("Nmm", (), 400.0, True)
+    assert facts["force", "1"] == ("N", ("x", "y", "z"), 400.0, True)
+    assert facts["free-moment", "1"] == ("N m", (), 400.0, True)
+
+
+def test_questions_find_frames_by_forces(database: Database) -> None:
+    content = walkway()
+    uuid, _ = store(database, {"a.c3d": content, "walk.bvh": bvh(5)})
+    queries = Queries(database, Settings())
+    try:
+        outcome = queries.answer(QueryRequest(q="//frame[mo:force(1, 'z') > 701]"))
+        expected = np.flatnonzero(-means_of(content)[:, 2] > 701) + 1
+        assert len(expected)
+        addresses = [item.address for item in outcome.items if isinstance(item, NodeItem)]
+        assert addresses == [f"/mcml/motion/frame[{place}]" for place in expected.tolist()]
+        assert {item.document for item in outcome.items if isinstance(item, NodeItem)} == {uuid}
+    finally:
+        queries.close()
+
+
+def test_plates_without_the_kept_file_are_refused(database: Database) -> None:
+    (uuid,) = store(database, {"a.c3d": walkway()})
+    with database.read() as tx:
+        content = b"".join(export_document(tx, tx.documents.get(uuid), ExportOptions("mcml")).content)
+    (again,) = store(database, {"again.mcml": content})
+    with pytest.raises(NotFoundError, match="no force plate '1'") as refused:
+        knees(database, again, "force:1,z")
+    assert "whose upload is kept" in str(refused.value.remedy)
 
 
 def test_what_a_file_has_not_is_refused_with_what_it_has(database: Database) -> None:

@@ -217,6 +217,10 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {
     "heading": Quantity((), "deg", _hips, _heading, whole=True),
     "contact": Quantity(("joint",), "", _named, _contact, whole=True),
     "quantity": Quantity(("label", "axis"), "", _axis_of_file, _unmeasured, of_file=True),
+    "analog": Quantity(("channel",), "", _none, _unmeasured, of_file=True),
+    "force": Quantity(("plate", "axis"), "N", _axis_of_file, _unmeasured, of_file=True),
+    "cop": Quantity(("plate", "axis"), "m", _axis_of_file, _unmeasured, of_file=True),
+    "free-moment": Quantity(("plate",), "N m", _none, _unmeasured, of_file=True),
 }
 """By name. `rate` is of any numbers (`local_fit.rate`); poses and motions are compared in `poses`."""
 

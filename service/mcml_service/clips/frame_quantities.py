@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mcml.errors import NotFoundError
-from mcml.formats.measurements import Measurements
+from mcml.errors import FormatError, LimitError, NotFoundError
+from mcml.formats.measurements import Measurements, has_capture_numbers
 from mcml.language.elements import to_head
 from mcml.motion.bodies.quantities import AskedQuantity
 from mcml.motion.skeleton import Array
@@ -28,13 +28,14 @@ def read_quantity(tx: Transaction, stored: StoredDocument | Listed, asked: Asked
 
 
 def read_known_quantity(tx: Transaction, stored: StoredDocument | Listed, asked: AskedQuantity, body: Body) -> Array:
-    """The same, NaN where the file of the document has no such measurement."""
+    """The same, NaN where the file of the document has no such measurement, or cannot be read any more."""
     try:
         return read_quantity(tx, stored, asked, body)
-    except NotFoundError:
+    except (NotFoundError, FormatError, LimitError):
         return np.full(stored.frames, np.nan)
 
 
 def read_measurements(tx: Transaction, stored: StoredDocument | Listed) -> Measurements:
-    """The measurements of the file of a document."""
-    return Measurements(to_head(tx.heads.document(stored), stored.frame_time))
+    """The measurements of the file of a document, as long as the transaction lasts."""
+    head = to_head(tx.heads.document(stored), stored.frame_time)
+    return Measurements(head, tx.uploads.open(stored.key, "c3d") if has_capture_numbers(head) else None)

@@ -82,7 +82,7 @@ _ROWS = [
               "Get the calibration of a body: unit, up axis, floor and leg length, each with its source.", "viewing",
               "calibration ID"),
     Operation("list_measurements", "GET /documents/{id}/measurements", READS, READ,
-              "List the measurements of a document's file beside the motion: angles and moments of its model.",
+              "List the measurements of a document: quantities of its own model, analog channels, force plates.",
               "viewing", "measurements ID"),
     Operation("change_calibration", "PATCH /documents/{id}/calibration", WRITES, EDIT,
               "Set the unit, up axis, floor, leg length or reference pose of a document, as a revision.", "viewing",

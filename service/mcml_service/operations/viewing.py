@@ -50,7 +50,7 @@ def list_measurements(call: Call, id: DocumentId, revision: AtRevision = None) -
         then, stored = at_revision(tx, id, revision)
         call.set_tag(tag(stored, "measurements"), lasting=revision is not None)
         return MeasurementList(
-            items=[MeasurementFacts(**asdict(each)) for each in read_measurements(then, stored).list()]
+            items=[MeasurementFacts(**asdict(each)) for each in read_measurements(then, stored).describe()]
         )
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import threading
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Any, BinaryIO, cast
 
 import zstandard
 from sqlalchemy import and_, bindparam, delete, func, select, update
@@ -138,11 +140,23 @@ class Uploads:
 
     def read(self, document_key: int, part: str) -> Iterator[bytes] | None:
         """The bytes of a kept file in blocks, or None where it is not kept. DamageError where they are damaged."""
+        key = self._find_part(document_key, part)
+        return None if key is None else self.blocks(key)
+
+    def open(self, document_key: int, part: str) -> BinaryIO | None:
+        """A kept file, to be read anywhere as long as the transaction lasts; None where it is not kept."""
+        key = self._find_part(document_key, part)
+        if key is None:
+            return None
+        size = self._tx.fetch_column(select(upload.c.size).where(upload.c.id == key))[0]
+        return cast("BinaryIO", io.BufferedReader(_KeptFile(self, key, size), BLOCK_BYTES))
+
+    def _find_part(self, document_key: int, part: str) -> int | None:
         query = select(document_upload.c.upload).where(
             document_upload.c.document == document_key, document_upload.c.part == part
         )
         rows = self._tx.fetch_all(verify(query, document_upload))
-        return self.blocks(rows[0][0]) if rows else None
+        return rows[0][0] if rows else None
 
     def blocks(self, key: int, number: int = 0) -> Iterator[bytes]:
         """The bytes of an upload, block by block, from a block on."""
@@ -168,3 +182,33 @@ class Uploads:
         for key in keys:
             self._tx.run(delete(upload_block).where(upload_block.c.upload == key))
             self._tx.run(delete(upload).where(upload.c.id == key))
+
+
+class _KeptFile(io.RawIOBase):
+    """The bytes of an upload, one block in memory."""
+
+    def __init__(self, uploads: Uploads, key: int, size: int) -> None:
+        self._uploads, self._key, self._size = uploads, key, size
+        self._place = 0
+        self._block: tuple[int, bytes] = (-1, b"")
+
+    def readable(self) -> bool:
+        return True
+
+    def seekable(self) -> bool:
+        return True
+
+    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
+        self._place = offset + {io.SEEK_SET: 0, io.SEEK_CUR: self._place, io.SEEK_END: self._size}[whence]
+        return self._place
+
+    def readinto(self, buffer: Any) -> int:
+        number, start = divmod(self._place, BLOCK_BYTES)
+        if self._place >= self._size:
+            return 0
+        if self._block[0] != number:
+            self._block = number, next(self._uploads.blocks(self._key, number), b"")
+        data = self._block[1][start : start + len(buffer)]
+        buffer[: len(data)] = data
+        self._place += len(data)
+        return len(data)

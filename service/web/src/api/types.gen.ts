@@ -3255,6 +3255,7 @@ export interface components {
             known: boolean;
             /** @default  */
             reason: string;
+            notes?: string[];
         };
         MeasurementList: {
             items: components["schemas"]["MeasurementFacts"][];
