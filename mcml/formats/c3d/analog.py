@@ -67,8 +67,9 @@ class Channels:
 
         count: all frames by default. channels: places of some channels, in the order of the result; all by default.
         """
-        places = self._places(channels)
-        values: Array = (self.read_raw(first, count, channels) - self.offsets[places]) * self.scales[places]
+        places, values = self._places(channels), self.read_raw(first, count, channels)
+        values -= self.offsets[places]
+        values *= self.scales[places]
         return values
 
     def read_raw(self, first: int = 0, count: int | None = None, channels: Sequence[int] | None = None) -> Array:

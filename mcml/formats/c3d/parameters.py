@@ -46,7 +46,9 @@ class Machine:
     def floats(self, data: bytes) -> Array:
         """Return single precision numbers as doubles; NaN for values that DEC reserves."""
         if self.processor != DEC:
-            return np.frombuffer(data, dtype=">f4" if self.processor == MIPS else "<f4").astype(np.float64)
+            # Damaged files have NaN of the kind that warns when it is converted.
+            with np.errstate(invalid="ignore"):
+                return np.frombuffer(data, dtype=">f4" if self.processor == MIPS else "<f4").astype(np.float64)
         # VAX F: the word of sign, exponent and high bits first; 0.1mmm × 2^(e - 128), and e = 0 is zero.
         pairs = np.frombuffer(data, dtype="<u2").reshape(-1, 2).astype(np.int64)
         sign, exponent = pairs[:, 0] >> 15, pairs[:, 0] >> 7 & 0xFF
