@@ -107,6 +107,18 @@ def test_up_may_be_y() -> None:
     assert found.free_moment[0] == pytest.approx(4.0)
 
 
+def test_corners_may_be_skew_and_in_the_other_order() -> None:
+    measured = CORNERS + np.random.default_rng(1).normal(0, 0.004, (4, 3))
+    axes = plate_of(2, corners=measured).axes
+    assert np.allclose(axes.T @ axes, np.eye(3), atol=1e-12)
+    assert np.linalg.det(axes) == pytest.approx(1)
+    # Where z of the plate is up, up is still the positive side.
+    upside_down = plate_of(2, corners=CORNERS[[1, 0, 3, 2]])
+    assert upside_down.axes[:, 2].tolist() == upside_down.vertical.tolist() == [0, 0, 1]
+    assert not plate_forces(upside_down, np.array([[0, 0, 700.0, 0, 0, 0]])).is_turned
+    assert plate_forces(upside_down, np.array([[0, 0, -700.0, 0, 0, 0]])).is_turned
+
+
 @pytest.mark.parametrize("kind", [2, 4])
 def test_origins_have_either_sign(kind: int) -> None:
     samples = measure(kind, np.array([80.0, -40, 700]), np.array([0.2, 0.1, 0.02]), 3.0)[None]
