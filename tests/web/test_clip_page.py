@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from tests.actions.test_measurements import walkway
 from tests.builders import ASF, amc
 from tests.web.conftest import Served, Visit, one_door, walk
 from tests.web.test_journeys import ready
@@ -101,6 +102,25 @@ def test_the_one_reason_for_a_missing_quantity_stands_with_what_mends_it(visit: 
     expect(page.locator(".passport")).to_contain_text("60 Hz")
     page.goto(f"{studio.url}/clips/{uuid}?tab=body&quantity=speed:Root")
     expect(page.locator(".graph-plot")).to_be_visible()
+
+
+@one_door
+def test_forces_and_model_outputs_of_a_file_are_curves(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("trial.c3d", walkway())
+    page = visit.open(f"/clips/{uuid}?tab=body")
+    ready(page)
+    kind = page.get_by_label("Measurement", exact=True)
+    kind.select_option("Ground reaction force")
+    page.get_by_label("Axis").select_option("Z")
+    expect(page.locator(".code-line code")).to_contain_text("//frame[mo:force('1', 'z') > ")
+    expect(page.locator(".graph-plot")).to_be_visible()
+    kind.select_option("Model output")
+    expect(page.get_by_label("Measurement name")).to_have_value("LKneeAngles")
+    expect(page.locator(".code-line code")).to_contain_text("//frame[mo:quantity('LKneeAngles', 'z') > ")
+    kind.select_option("Analog channel")
+    page.get_by_label("Measurement name").select_option("EMG")
+    expect(page.get_by_label("Axis")).to_have_count(0)
+    expect(page.locator(".code-line code")).to_contain_text("//frame[mo:analog('EMG') > ")
 
 
 @one_door

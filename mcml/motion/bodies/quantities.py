@@ -303,6 +303,9 @@ def asked_quantity(text: str) -> AskedQuantity:
     """
     name, _, rest = text.partition(":")
     arguments = tuple(part.strip() for part in rest.split(",")) if rest else ()
+    if name.strip() in QUANTITIES and QUANTITIES[name.strip()].of_file and rest:
+        # Names of files may have commas.
+        arguments = tuple(rest.rsplit(",", len(QUANTITIES[name.strip()].parameters) - 1))
     quantity = quantity_of(name.strip(), arguments)
     quantity.joints(arguments)
     return AskedQuantity(text, name.strip(), arguments, quantity.unit)

@@ -1,5 +1,15 @@
 import { describe, expect, it, test } from "vitest";
-import { argumentOf, causeOf, expression, known, rounded, startOf, textOf } from "./quantities";
+import {
+  argumentOf,
+  causeOf,
+  expression,
+  known,
+  measuredArgument,
+  nameAndAxis,
+  rounded,
+  startOf,
+  textOf,
+} from "./quantities";
 
 const bones = ["Root", "left_hand", "it's"];
 
@@ -25,6 +35,18 @@ test("a threshold becomes a question", () => {
   );
   expect(expression({ kind: "heading", argument: "" }, -90, false)).toBe("//frame[mo:heading() < -90]");
   expect(expression({ kind: "contact", argument: "it's" }, 0, true)).toBe('//frame[mo:contact("it\'s")]');
+});
+
+test("a measurement of the file has a name, and most an axis", () => {
+  const knee = { function: "quantity", name: "Anna:LKneeAngles", axes: ["x", "y", "z"], unit: "deg", reason: "" };
+  expect(measuredArgument(knee, "")).toBe("Anna:LKneeAngles,x");
+  expect(measuredArgument(knee, "z")).toBe("Anna:LKneeAngles,z");
+  expect(measuredArgument({ ...knee, function: "analog", name: "EMG, left", axes: [] }, "z")).toBe("EMG, left");
+  const asked = startOf("quantity:Anna:LKneeAngles,x", "Root", bones);
+  expect(asked).toEqual({ kind: "quantity", argument: "Anna:LKneeAngles,x" });
+  expect(expression(asked, 60, true)).toBe("//frame[mo:quantity('Anna:LKneeAngles', 'x') > 60]");
+  expect(nameAndAxis({ kind: "analog", argument: "EMG, left" })).toEqual(["EMG, left", ""]);
+  expect(expression({ kind: "free-moment", argument: "1" }, 3, false)).toBe("//frame[mo:free-moment('1') < 3]");
 });
 
 test("what is not known has no ends", () => {

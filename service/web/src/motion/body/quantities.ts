@@ -1,8 +1,19 @@
 /** Quantities of a body as they are asked of the service, and the questions that they become. Pure functions. */
 
 export const KINDS = ["height", "speed", "acceleration", "angle", "contact", "heading"] as const;
-export type Kind = (typeof KINDS)[number];
-/** argument: a joint or an angle; "" for what needs none. */
+/** Measurements of the file itself. */
+export const FILE_KINDS = ["quantity", "force", "cop", "free-moment", "analog"] as const;
+export type FileKind = (typeof FILE_KINDS)[number];
+export type Kind = (typeof KINDS)[number] | FileKind;
+/** A measurement of the file, as the service lists it. */
+export interface Measured {
+  function: string;
+  name: string;
+  axes: string[];
+  unit: string;
+  reason: string;
+}
+/** argument: a joint, an angle, or name and axis of a measurement of the file; "" for what needs none. */
 export interface Asked {
   kind: Kind;
   argument: string;
@@ -16,7 +27,14 @@ export const UNITS: Record<Kind, string> = {
   angle: "°",
   contact: "",
   heading: "°",
+  quantity: "",
+  force: "N",
+  cop: "m",
+  "free-moment": "N m",
+  analog: "",
 };
+const WITH_AXIS: ReadonlySet<Kind> = new Set<Kind>(["quantity", "force", "cop"]);
+export const isOfFile = (kind: Kind): kind is FileKind => (FILE_KINDS as readonly string[]).includes(kind);
 /** What is being typed where the service offers all names of angles. */
 export const ANGLE = "//frame[mo:angle('";
 const FIRST_ANGLE = "left-knee-flexion";
@@ -28,7 +46,10 @@ export const textOf = ({ kind, argument }: Asked): string => (argument ? `${kind
 
 /** The quantity of the address, else the height of the selected joint. */
 export function startOf(text: string, selected: string | undefined, bones: readonly string[]): Asked {
-  const [kind = "", argument = ""] = text.split(":", 2);
+  const colon = text.indexOf(":");
+  const kind = colon < 0 ? text : text.slice(0, colon);
+  const argument = colon < 0 ? "" : text.slice(colon + 1);
+  if (isOfFile(kind as Kind) && argument) return { kind: kind as Kind, argument };
   if ((KINDS as readonly string[]).includes(kind)) {
     const found = { kind: kind as Kind, argument };
     return { ...found, argument: argumentOf(found.kind, found, bones) };
@@ -45,13 +66,34 @@ export function argumentOf(kind: Kind, before: Asked, bones: readonly string[]):
 
 const jointOf = (bones: readonly string[]): string => PREFERRED.find((name) => bones.includes(name)) ?? bones[0] ?? "";
 
+/** Name and axis of a measurement of the file; the axis is "" where it has none. */
+export function nameAndAxis({ kind, argument }: Asked): [string, string] {
+  const comma = argument.lastIndexOf(",");
+  return WITH_AXIS.has(kind) && comma >= 0 ? [argument.slice(0, comma), argument.slice(comma + 1)] : [argument, ""];
+}
+
+/** The argument for a measurement of the file: along the axis of before, where it has it. */
+export function measuredArgument({ name, axes }: Measured, axis: string): string {
+  const along = axes.includes(axis) ? axis : axes[0];
+  return along === undefined ? name : `${name},${along}`;
+}
+
 /** The frames in which it is above (or below) a threshold. */
-export function expression({ kind, argument }: Asked, limit: number, above: boolean): string {
-  const call = `mo:${kind}(${argument ? quoted(argument) : ""})`;
+export function expression(asked: Asked, limit: number, above: boolean): string {
+  const { kind, argument } = asked;
+  const parts = isOfFile(kind) ? nameAndAxis(asked).filter(Boolean) : argument ? [argument] : [];
+  const call = `mo:${kind}(${parts.map(quoted).join(", ")})`;
   return kind === "contact" ? `//frame[${call}]` : `//frame[${call} ${above ? ">" : "<"} ${limit}]`;
 }
 
 const quoted = (text: string): string => (text.includes("'") ? `"${text}"` : `'${text}'`);
+
+/** Frames that `expression` finds. */
+export const countHits = (values: Float64Array, kind: Kind, limit: number, above: boolean): number =>
+  values.reduce(
+    (sum, value) => sum + Number(kind === "contact" ? value === 1 : above ? value > limit : value < limit),
+    0,
+  );
 
 /** The least and the greatest value; null where none is known. */
 export function known(values: Float64Array): { low: number; high: number } | null {
@@ -75,6 +117,11 @@ const RESTS: Record<Kind, readonly Ground[]> = {
   angle: [],
   contact: ["unit", "up", "floor", "rate"],
   heading: ["up"],
+  quantity: [],
+  force: [],
+  cop: [],
+  "free-moment": [],
+  analog: [],
 };
 
 /** Why nothing is known of a quantity: the first thing that it rests on and that nobody knows; null: joints lack. */

@@ -1,117 +1,48 @@
 /** What can be asked of a body in motion, as a curve over the clip; a threshold on it writes the question. */
 import { useMemo, useState } from "preact/hooks";
-import { get } from "../../../api/client";
 import { quantityOf } from "../../../motion/loading/blocks";
 import {
-  ANGLE,
-  argumentOf,
+  countHits,
   expression,
-  JOINT_KINDS,
-  KINDS,
+  isOfFile,
   known,
   rounded,
   startOf,
   textOf,
-  UNITS,
   type Asked,
-  type Kind,
 } from "../../../motion/body/quantities";
 import type { Clip } from "../../../state/clip/clip";
 import { go, param, setParams } from "../../../state/session/route";
 import { Trouble } from "../../../ui/Trouble";
 import { useAsync } from "../../../ui/useAsync";
-import { number, w, type Word } from "../../../words";
+import { number, w } from "../../../words";
 import { Alike } from "./Alike";
 import { Curve } from "./BodyCurve";
 import { Calibrated } from "./Calibration";
-import { Unknown } from "./UnknownMeasure";
-
-const WORDS: Record<Kind, Word> = {
-  height: "label.quantityHeight",
-  speed: "label.quantitySpeed",
-  acceleration: "label.quantityAcceleration",
-  angle: "label.quantityAngle",
-  contact: "label.quantityContact",
-  heading: "label.quantityHeading",
-};
+import { MeasurementChoice, useMeasured } from "./MeasurementChoice";
+import { NoMeasurement, Unknown } from "./UnknownMeasure";
 
 export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
-  const asked = startOf(
-    param("quantity"),
-    clip.selection.value.bones[0],
-    clip.skeleton.view.bones.map((bone) => bone.name),
-  );
+  const bones = clip.skeleton.view.bones.map((bone) => bone.name);
+  const asked = startOf(param("quantity"), clip.selection.value.bones[0], bones);
   const text = textOf(asked);
   const choose = (next: Asked) => setParams({ quantity: textOf(next) });
-  const angles = useAsync((signal) => get("/xpath/complete", { query: { q: ANGLE }, signal }), []);
   const curve = useAsync((signal) => quantityOf(clip.id, clip.detail.revision, text, signal), [clip, text]);
+  const { measured, unit, reason } = useMeasured(clip, asked);
   const [limit, setLimit] = useState<{ of: string; at: number; above: boolean } | null>(null);
   const values = curve.value;
   const span = useMemo(() => (values ? known(values) : null), [values]);
   const mine = limit?.of === text ? limit : span && { of: text, at: rounded((span.low + span.high) / 2), above: true };
   const frame = clip.player.playing.value ? clip.player.frame.peek() : clip.player.frame.value;
   const question = mine && expression(asked, mine.at, mine.above);
-  const hits =
-    values && mine
-      ? values.reduce(
-          (sum, value) =>
-            sum + Number(asked.kind === "contact" ? value === 1 : mine.above ? value > mine.at : value < mine.at),
-          0,
-        )
-      : 0;
+  const hits = values && mine ? countHits(values, asked.kind, mine.at, mine.above) : 0;
   const loop = clip.player.loop.value;
   const [alike, setAlike] = useState<{ first: number; last?: number } | null>(null);
   const search = (q: string) => go(`/xpath?q=${encodeURIComponent(q)}`);
-  const bones = clip.skeleton.view.bones.map((bone) => bone.name);
   return (
     <div class="graph">
       <div class="row wrap graph-tools">
-        <select
-          class="field"
-          aria-label={w("label.quantity")}
-          value={asked.kind}
-          onChange={(event) =>
-            choose({
-              kind: event.currentTarget.value as Kind,
-              argument: argumentOf(event.currentTarget.value as Kind, asked, bones),
-            })
-          }
-        >
-          {KINDS.map((kind) => (
-            <option key={kind} value={kind}>
-              {w(WORDS[kind])}
-            </option>
-          ))}
-        </select>
-        {JOINT_KINDS.has(asked.kind) && (
-          <select
-            class="field"
-            aria-label={w("label.joints")}
-            value={asked.argument}
-            onChange={(event) => choose({ ...asked, argument: event.currentTarget.value })}
-          >
-            {bones.map((name) => (
-              <option key={name}>{name}</option>
-            ))}
-          </select>
-        )}
-        {asked.kind === "angle" && (
-          <select
-            class="field"
-            aria-label={w("label.quantityAngle")}
-            value={asked.argument}
-            onChange={(event) => choose({ ...asked, argument: event.currentTarget.value })}
-          >
-            {[
-              ...new Set([
-                asked.argument,
-                ...(angles.value?.items ?? []).filter((one) => one.kind === "angle").map((one) => one.text),
-              ]),
-            ].map((name) => (
-              <option key={name}>{name}</option>
-            ))}
-          </select>
-        )}
+        <MeasurementChoice asked={asked} bones={bones} measured={measured} choose={choose} />
         <span class="tail" />
         <button
           type="button"
@@ -135,13 +66,19 @@ export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
       </div>
       <Trouble error={curve.error} retry={curve.again} />
       {curve.busy && !values && <div class="busy" />}
-      {values && !span && <Unknown clip={clip} kind={asked.kind} reload={reload} />}
+      {values &&
+        !span &&
+        (isOfFile(asked.kind) ? (
+          <NoMeasurement reason={reason} />
+        ) : (
+          <Unknown clip={clip} kind={asked.kind} reload={reload} />
+        ))}
       {values && span && mine && (
         <Curve
           clip={clip}
           values={values}
           label={text}
-          unit={UNITS[asked.kind]}
+          unit={unit}
           limit={asked.kind === "contact" ? null : mine.at}
           above={mine.above}
           onLimit={(at) => setLimit({ ...mine, at })}
@@ -173,7 +110,7 @@ export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
                     if (event.currentTarget.value !== "" && Number.isFinite(at)) setLimit({ ...mine, at });
                   }}
                 />
-                <span class="dim">{UNITS[asked.kind]}</span>
+                <span class="dim">{unit}</span>
               </label>
             )}
             <span class="dim" role="status">

@@ -19,6 +19,16 @@ const CAUSES: Record<Ground | "joints", Word> = {
   joints: "error.jointsLack",
 };
 
+/** Why a measurement of the file has no value. */
+export const NoMeasurement = ({ reason }: { reason: string }) => (
+  <div class="empty" role="status">
+    <p>
+      <strong>{w("error.noMeasurement")}</strong>
+    </p>
+    {reason && <p class="dim">{reason}</p>}
+  </div>
+);
+
 /** Why a quantity has no value, and the button that mends it. */
 export function Unknown({ clip, kind, reload }: { clip: Clip; kind: Kind; reload: () => void }) {
   const found = useAsync(

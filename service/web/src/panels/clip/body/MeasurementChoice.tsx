@@ -1,0 +1,152 @@
+/** Chooses a measurement of the body, or of the file, such as a force plate and an axis. */
+import { get } from "../../../api/client";
+import {
+  ANGLE,
+  argumentOf,
+  FILE_KINDS,
+  isOfFile,
+  JOINT_KINDS,
+  KINDS,
+  measuredArgument,
+  nameAndAxis,
+  UNITS,
+  type Asked,
+  type Kind,
+  type Measured,
+} from "../../../motion/body/quantities";
+import type { Clip } from "../../../state/clip/clip";
+import { useAsync } from "../../../ui/useAsync";
+import { w, type Word } from "../../../words";
+
+const WORDS: Record<Kind, Word> = {
+  height: "label.quantityHeight",
+  speed: "label.quantitySpeed",
+  acceleration: "label.quantityAcceleration",
+  angle: "label.quantityAngle",
+  contact: "label.quantityContact",
+  heading: "label.quantityHeading",
+  quantity: "label.quantityModel",
+  force: "label.quantityForce",
+  cop: "label.quantityPressure",
+  "free-moment": "label.quantityMoment",
+  analog: "label.quantityAnalog",
+};
+
+/** The measurements of the file; unit of the one that is asked for, and the reason if it has no values. */
+export function useMeasured(clip: Clip, asked: Asked): { measured: Measured[]; unit: string; reason: string } {
+  const listed = useAsync(
+    (signal) =>
+      get("/documents/{id}/measurements", { path: { id: clip.id }, query: { revision: clip.detail.revision }, signal }),
+    [clip],
+  );
+  const measured = listed.value?.items ?? [];
+  const chosen = measured.find((each) => each.function === asked.kind && each.name === nameAndAxis(asked)[0]);
+  return { measured, unit: chosen?.unit ?? UNITS[asked.kind], reason: chosen?.reason ?? "" };
+}
+
+export function MeasurementChoice({
+  asked,
+  bones,
+  measured,
+  choose,
+}: {
+  asked: Asked;
+  bones: readonly string[];
+  measured: readonly Measured[];
+  choose: (next: Asked) => void;
+}) {
+  const angles = useAsync((signal) => get("/xpath/complete", { query: { q: ANGLE }, signal }), []);
+  const named = (angles.value?.items ?? []).filter((each) => each.kind === "angle").map((each) => each.text);
+  const kinds = [
+    ...KINDS,
+    ...FILE_KINDS.filter((kind) => asked.kind === kind || measured.some((each) => each.function === kind)),
+  ];
+  const chooseKind = (kind: Kind) => {
+    const first = measured.find((each) => each.function === kind);
+    const argument = first ? measuredArgument(first, nameAndAxis(asked)[1]) : argumentOf(kind, asked, bones);
+    choose({ kind, argument });
+  };
+  return (
+    <>
+      <select
+        class="field"
+        aria-label={w("label.quantity")}
+        value={asked.kind}
+        onChange={(event) => chooseKind(event.currentTarget.value as Kind)}
+      >
+        {kinds.map((kind) => (
+          <option key={kind} value={kind}>
+            {w(WORDS[kind])}
+          </option>
+        ))}
+      </select>
+      {(JOINT_KINDS.has(asked.kind) || asked.kind === "angle") && (
+        <select
+          class="field"
+          aria-label={w(asked.kind === "angle" ? "label.quantityAngle" : "label.joints")}
+          value={asked.argument}
+          onChange={(event) => choose({ ...asked, argument: event.currentTarget.value })}
+        >
+          {(asked.kind === "angle" ? [...new Set([asked.argument, ...named])] : bones).map((name) => (
+            <option key={name}>{name}</option>
+          ))}
+        </select>
+      )}
+      {isOfFile(asked.kind) && (
+        <FileMeasurement
+          asked={asked}
+          measured={measured}
+          choose={(argument) => choose({ kind: asked.kind, argument })}
+        />
+      )}
+    </>
+  );
+}
+
+function FileMeasurement({
+  asked,
+  measured,
+  choose,
+}: {
+  asked: Asked;
+  measured: readonly Measured[];
+  choose: (argument: string) => void;
+}) {
+  const [name, axis] = nameAndAxis(asked);
+  const own = measured.filter((each) => each.function === asked.kind);
+  const chosen = own.find((each) => each.name === name);
+  const pick = (to: string) => {
+    const next = own.find((each) => each.name === to);
+    if (next) choose(measuredArgument(next, axis));
+  };
+  return (
+    <>
+      <select
+        class="field"
+        aria-label={w("label.measurementName")}
+        value={name}
+        onChange={(event) => pick(event.currentTarget.value)}
+      >
+        {[...new Set([name, ...own.map((each) => each.name)])].map((each) => (
+          <option key={each} value={each}>
+            {asked.kind === "quantity" || asked.kind === "analog" ? each : w("label.plate", { number: each })}
+          </option>
+        ))}
+      </select>
+      {chosen && chosen.axes.length > 0 && (
+        <select
+          class="field"
+          aria-label={w("label.axis")}
+          value={axis}
+          onChange={(event) => choose(measuredArgument(chosen, event.currentTarget.value))}
+        >
+          {chosen.axes.map((each) => (
+            <option key={each} value={each}>
+              {each.toUpperCase()}
+            </option>
+          ))}
+        </select>
+      )}
+    </>
+  );
+}
