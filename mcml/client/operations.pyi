@@ -34,6 +34,7 @@ from mcml_schemas.documents import (
 from mcml_schemas.elements import ChildPage, ElementChange, ElementEdited, ElementEdits, TextFound
 from mcml_schemas.exports import ExportRequest
 from mcml_schemas.frames import FrameEdits, FramesEdited
+from mcml_schemas.gait import GaitMeasures
 from mcml_schemas.jobs import (
     AnalysisInfo,
     AnalysisList,
@@ -405,6 +406,17 @@ class Operations:
         progress: FileProgress | None = None,
     ) -> Calibration:
         """Set the unit, up axis, floor, leg length or reference pose of a document, as a revision."""
+    def get_gait(
+        self,
+        *,
+        id: str,
+        revision: int | None = ...,
+        events: Literal["auto", "labels", "positions"] | None = ...,
+        subject: str | None = ...,
+        quantity: list[str] | None = ...,
+        progress: FileProgress | None = None,
+    ) -> GaitMeasures:
+        """Measure gait: events, strides, spatio-temporal parameters and cycles, with their sources."""
     def put_media(
         self,
         *,

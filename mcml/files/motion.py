@@ -14,6 +14,7 @@ import numpy as np
 
 from mcml.files.check_names import check_frame_time
 from mcml.files.convert_files import Converted, convert_files, result_paths, stated_format
+from mcml.files.gait_labels import find_gait_labels, read_labels
 from mcml.files.gather_files import gathered, several_motions
 from mcml.files.import_options import ImportOptions
 from mcml.files.limits import FileLimits
@@ -23,6 +24,8 @@ from mcml.files.read_numbers import Space, read_numbers
 from mcml.formats.format import SourceFile
 from mcml.formats.measurements import Measurement, Measurements
 from mcml.frames import Frames
+from mcml.laboratory.gait_points import find_gait_points
+from mcml.laboratory.measure_gait import EventSource, Gait, measure_gait
 from mcml.language.elements import to_head
 from mcml.motion.bodies.calibration import Calibration
 from mcml.motion.bodies.clip_body import ClipBody, body_of, quantity_values
@@ -151,6 +154,22 @@ class Motion:
     @cached_property
     def _measurements(self) -> Measurements:
         return Measurements(self._clip.head, None if self._original is None else io.BytesIO(self._original))
+
+    def measure_gait(self, events: EventSource = "auto", subject: str | None = None) -> Gait:
+        """Measure the gait of a walker or runner: events, strides and spatio-temporal parameters.
+
+        events: "auto" takes them from labels of the clip, such as `left-foot-strike`, where it has any of a side and
+        kind, else from positions; "labels" and "positions" take one alone. subject: the prefix of a person's markers,
+        where there are several people. Raises DocumentError without a frame rate, or if heels, toes or pelvis are
+        unknown.
+
+        >>> read("walk.c3d").measure_gait().summary("left", "stride_length")
+        Summary(mean=1.24, sd=0.01, n=10)
+        """
+        head = self._clip.head
+        points = find_gait_points(head.skeleton, subject)
+        labels = find_gait_labels(read_labels(self._clip.blocks()), head, subject)
+        return measure_gait(points, self._body.stretch(points.names), labels, events)
 
     @cached_property
     def _body(self) -> ClipBody:

@@ -87,6 +87,9 @@ _ROWS = [
     Operation("change_calibration", "PATCH /documents/{id}/calibration", WRITES, EDIT,
               "Set the unit, up axis, floor, leg length or reference pose of a document, as a revision.", "viewing",
               "calibrate ID"),
+    Operation("get_gait", "GET /documents/{id}/gait", READS, READ,
+              "Measure gait: events, strides, spatio-temporal parameters and cycles, with their sources.", "viewing",
+              "gait ID", queued=True),
 
     # reference media
     Operation("put_media", "PUT /documents/{id}/media", WRITES, EDIT,

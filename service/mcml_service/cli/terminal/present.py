@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from mcml_schemas.documents import ChangedDocuments, DocumentDetail
     from mcml_schemas.elements import ElementEdited
     from mcml_schemas.frames import FramesEdited
+    from mcml_schemas.gait import GaitMeasures
     from mcml_schemas.names import AliasTable
     from mcml_schemas.querying.saved import Vocabulary
     from mcml_schemas.retarget import Mapping
@@ -230,6 +231,37 @@ def _calibration(found: Calibration) -> None:
     console.print(f"positions in steps of {found.step:g}" + ("" if found.kept else ", not kept yet: mcml db derive"))
 
 
+def _gait(found: GaitMeasures) -> None:
+    kinds = {True: "running", False: "walking", None: "gait unknown"}
+    where = f"on a belt of {found.belt.speed:.3f} m/s" if found.belt.is_belt else "on the ground"
+    sources = ", ".join(sorted({event.source for event in found.events})) or "none"
+    console.print(f"{kinds[found.running]} {where}, {found.frame_rate:g} Hz, {len(found.events)} events from {sources}")
+    rows = table("parameter", "unit", "left#", "sd#", "n#", "right#", "sd#", "n#", "symmetry %#")
+    for item in found.parameters:
+        sides = [
+            text
+            for side in (item.left, item.right)
+            for text in (_decimal(side.mean, 3), _decimal(side.sd, 3), str(side.n))
+        ]
+        rows.add_row(item.name.replace("_", " "), item.unit, *sides, _decimal(item.symmetry, 1))
+    console.print(rows)
+    events = table("time (s)#", "frame#", "side", "event", "source", "within (s)#")
+    for event in found.events:
+        within = _decimal(event.within, 3)
+        events.add_row(f"{event.time:.3f}", str(event.frame), event.side, event.kind, event.source, within)
+    console.print(events)
+    for cycle in found.cycles:
+        known = [value for value in cycle.mean if value is not None]
+        span = f"{min(known):.4g} to {max(known):.4g} {cycle.unit}" if known else "unknown"
+        console.print(f"{cycle.quantity}  {cycle.side}  {cycle.n} cycles, mean {span}")
+    for warning in found.warnings:
+        console.print(f"warning: {warning}")
+
+
+def _decimal(value: float | None, digits: int) -> str:
+    return "" if value is None else f"{value:.{digits}f}"
+
+
 SHOW: dict[str, Callable[[Any], None]] = {
     "DocumentDetail": _document,
     "ChangedDocuments": _print_changed,
@@ -240,6 +272,7 @@ SHOW: dict[str, Callable[[Any], None]] = {
     "AliasTable": _aliases,
     "Vocabulary": _vocabulary,
     "Calibration": _calibration,
+    "GaitMeasures": _gait,
     "Job": show_job,
     "Result": show_result,
 }

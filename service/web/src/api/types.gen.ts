@@ -356,6 +356,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/documents/{id}/gait": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_gait"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/documents/{id}/media": {
         parameters: {
             query?: never;
@@ -2920,6 +2936,77 @@ export interface components {
         FramesEdited: {
             revision: number;
             frames: number;
+        };
+        GaitBelt: {
+            is_belt: boolean;
+            speed: number | null;
+            sd?: number | null;
+            n: number;
+        };
+        GaitCycle: {
+            quantity: string;
+            unit: string;
+            /** @enum {string} */
+            side: "left" | "right";
+            n: number;
+            gaps: number;
+            mean: (number | null)[];
+            sd: (number | null)[];
+        };
+        GaitEventItem: {
+            /** @enum {string} */
+            side: "left" | "right";
+            /** @enum {string} */
+            kind: "strike" | "off";
+            time: number;
+            frame: number;
+            /** @enum {string} */
+            source: "label" | "plate" | "positions";
+            within?: number | null;
+        };
+        GaitMeasures: {
+            frame_rate: number;
+            clinical: boolean;
+            running: boolean | null;
+            duty_factor: number | null;
+            belt: components["schemas"]["GaitBelt"];
+            points: {
+                [key: string]: string[];
+            };
+            events: components["schemas"]["GaitEventItem"][];
+            strides: components["schemas"]["GaitStride"][];
+            incomplete: {
+                [key: string]: number;
+            };
+            parameters: components["schemas"]["GaitParameter"][];
+            cycles: components["schemas"]["GaitCycle"][];
+            warnings: string[];
+        };
+        GaitParameter: {
+            name: string;
+            unit: string;
+            how: string;
+            left: components["schemas"]["GaitSummary"];
+            right: components["schemas"]["GaitSummary"];
+            symmetry: number | null;
+        };
+        GaitStride: {
+            /** @enum {string} */
+            side: "left" | "right";
+            begin: number;
+            end: number;
+            off: number;
+            other_off: number;
+            other_strike: number;
+            values: {
+                [key: string]: number | null;
+            };
+            rejected: string;
+        };
+        GaitSummary: {
+            mean?: number | null;
+            sd?: number | null;
+            n: number;
         };
         GraphEdge: {
             first: number;
@@ -5660,6 +5747,56 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["MeasurementList"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_gait: {
+        parameters: {
+            query?: {
+                revision?: number | null;
+                events?: "auto" | "labels" | "positions";
+                subject?: string | null;
+                quantity?: string[] | null;
+            };
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GaitMeasures"];
                 };
             };
             503: {

@@ -1,0 +1,153 @@
+"""Gait of a document: events, strides, spatio-temporal parameters and cycles."""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from mcml_schemas.examples import shown
+
+Side: TypeAlias = Literal["left", "right"]
+
+_EVENT = {"side": "left", "kind": "strike", "time": 0.752, "frame": 76, "source": "label", "within": None}
+_STRIDE = {
+    "side": "left",
+    "begin": 0.752,
+    "end": 1.79,
+    "off": 1.406,
+    "other_off": 0.859,
+    "other_strike": 1.299,
+    "values": {"stride_time": 1.038, "stride_length": 1.185},
+    "rejected": "",
+}
+_SUMMARY = {"mean": 1.185, "sd": None, "n": 1}
+_PARAMETER = {
+    "name": "stride_length",
+    "unit": "m",
+    "how": "level distance of the toes at both strikes",
+    "left": _SUMMARY,
+    "right": {"mean": 1.222, "sd": None, "n": 1},
+    "symmetry": -3.08,
+}
+_CYCLE = {
+    "quantity": "angle:left-knee-flexion",
+    "unit": "deg",
+    "side": "left",
+    "n": 2,
+    "gaps": 0,
+    "mean": [7.2, 8.1],
+    "sd": [0.4, 0.5],
+}
+_GAIT = {
+    "frame_rate": 100.0,
+    "clinical": True,
+    "running": False,
+    "duty_factor": 0.612,
+    "belt": {"is_belt": False, "speed": -0.004, "sd": 0.002, "n": 3},
+    "points": {"left_heel": ["LHEE"], "right_heel": ["RHEE"], "left_toe": ["LTOE"], "right_toe": ["RTOE"]},
+    "events": [_EVENT],
+    "strides": [_STRIDE],
+    "incomplete": {"left": 0, "right": 0},
+    "parameters": [_PARAMETER],
+    "cycles": [_CYCLE],
+    "warnings": [],
+}
+
+
+class GaitEventItem(BaseModel):
+    """A foot that strikes the ground or leaves it."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_EVENT))
+
+    side: Side
+    kind: Literal["strike", "off"]
+    time: float = Field(description="Seconds from the first frame; events may be between frames")
+    frame: int = Field(description="The nearest frame, a position from 1")
+    source: Literal["label", "plate", "positions"] = Field(
+        description="A label of the document, a force plate, or the positions of feet and pelvis"
+    )
+    within: float | None = Field(
+        None,
+        description="Seconds within which 95 % of such events are right; null for labels, which are taken as given",
+    )
+
+
+class GaitStride(BaseModel):
+    """A stride from a strike of a foot to its next one; times are seconds from the first frame."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_STRIDE))
+
+    side: Side
+    begin: float
+    end: float
+    off: float
+    other_off: float = Field(description="When the other foot leaves the ground")
+    other_strike: float = Field(description="When the other foot strikes the ground")
+    values: dict[str, float | None] = Field(description="Each parameter by its name; null where it was not measured")
+    rejected: str = Field(description="The rule that leaves it out of means and cycles; empty for none")
+
+
+class GaitSummary(BaseModel):
+    """A parameter of a side over its strides; null where it was not measured."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_SUMMARY))
+
+    mean: float | None = None
+    sd: float | None = Field(None, description="Standard deviation (n - 1); null for fewer than two strides")
+    n: int = Field(description="Number of strides")
+
+
+class GaitParameter(BaseModel):
+    """A spatio-temporal parameter of both sides."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_PARAMETER))
+
+    name: str
+    unit: str
+    how: str = Field(description="How it was computed")
+    left: GaitSummary
+    right: GaitSummary
+    symmetry: float | None = Field(description="Percent: 100 (left - right) / mean of both (Robinson 1987)")
+
+
+class GaitCycle(BaseModel):
+    """A quantity over the cycle of a side, from strike to strike: 101 values, 0 to 100 %."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_CYCLE))
+
+    quantity: str
+    unit: str
+    side: Side
+    n: int = Field(description="Number of strides in the mean")
+    gaps: int = Field(description="Number of strides that are left out, because a sample is missing")
+    mean: list[float | None]
+    sd: list[float | None]
+
+
+class GaitBelt(BaseModel):
+    """How fast planted feet move backwards: the speed of a belt, nearly 0 on the ground."""
+
+    is_belt: bool = Field(description="Whether lengths and speeds are those on a belt")
+    speed: float | None = Field(description="Metres a second; null where the unit or the feet are unknown")
+    sd: float | None = Field(None, description="Standard deviation (n - 1) from stance to stance")
+    n: int = Field(description="Number of stances")
+
+
+class GaitMeasures(BaseModel):
+    """The gait of a document, and how sure it is."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_GAIT))
+
+    frame_rate: float = Field(description="Frames a second")
+    clinical: bool = Field(description="False below 50 frames a second, which is too few for clinical use")
+    running: bool | None = Field(description="Whether feet are down for under 0.45 of a stride; null without a stride")
+    duty_factor: float | None = Field(description="Median share of a stride in which its foot is on the ground")
+    belt: GaitBelt
+    points: dict[str, list[str]] = Field(description="Markers or joints that heels, toes and hips are the means of")
+    events: list[GaitEventItem]
+    strides: list[GaitStride]
+    incomplete: dict[Side, int] = Field(description="Number of strides that are left out, because an event is missing")
+    parameters: list[GaitParameter]
+    cycles: list[GaitCycle] = Field(description="Of the requested quantities, by side")
+    warnings: list[str] = Field(description="Reasons why values are less sure, or missing")

@@ -1,0 +1,143 @@
+"""The gait of a document as it is shown."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+import numpy as np
+
+from mcml.files.gait_labels import find_gait_labels
+from mcml.laboratory.gait_events import SIDES, Side
+from mcml.laboratory.gait_parameters import PARAMETERS, Summary
+from mcml.laboratory.gait_points import find_gait_points
+from mcml.laboratory.measure_gait import EventSource, Gait, measure_gait
+from mcml.language.elements import to_head
+from mcml.motion.bodies.quantities import AskedQuantity
+from mcml.motion.skeleton import Array
+from mcml_schemas import gait as wire
+from mcml_service.actions.checking.check_timed import seconds_of
+from mcml_service.actions.reading.read_quantities import quantity_columns
+from mcml_service.clips.bodies import Body
+from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.transaction import Transaction
+
+_SIDE: Final = re.compile(r"(?i:left|right)|^[LR](?=[A-Z])")
+"""Side of a name such as left_knee, LHEE or LKneeAngles."""
+_LETTERS: Final[Mapping[str, Side]] = {"l": "left", "r": "right"}
+
+
+def read_gait(
+    tx: Transaction,
+    stored: StoredDocument,
+    body: Body,
+    source: EventSource,
+    subject: str | None,
+    asked: Sequence[AskedQuantity],
+) -> wire.GaitMeasures:
+    """Measure the gait of a document, with cycles of quantities.
+
+    body: of the document. source, subject: as for `measure_gait` and `find_gait_points`. Raises DocumentError without a
+    frame time, or if heels, toes or hips are unknown, NotFoundError for joints and measurements that the
+    document has not.
+    """
+    seconds_of(stored)
+    head = to_head(tx.heads.document(stored), stored.frame_time)
+    points = find_gait_points(head.skeleton, subject)
+    spans = tx.spans.of(stored.key)
+    labels = find_gait_labels([(span.first - 1, span.name) for span in spans], head, subject)
+    gait = measure_gait(points, body.stretch(points.names), labels, source)
+    values = quantity_columns(tx, stored, body, asked, 1, stored.frames)
+    cycles = [
+        _cycle(gait, quantity, values[:, place], side)
+        for place, quantity in enumerate(asked)
+        for side in _sides_of(quantity)
+    ]
+    return _describe(gait, cycles)
+
+
+def _sides_of(asked: AskedQuantity) -> Sequence[Side]:
+    """The side of the joints, markers or curves that a quantity names; both where these are of both sides, or none."""
+    found = {
+        _LETTERS[side[0][0].lower()]
+        for argument in asked.arguments
+        if (side := _SIDE.search(argument.rpartition(":")[2])) is not None
+    }
+    return [side for side in SIDES if side in found] or SIDES
+
+
+def _cycle(gait: Gait, asked: AskedQuantity, values: Array, side: Side) -> wire.GaitCycle:
+    cycles, mean = gait.cycles(values, side)
+    return wire.GaitCycle(
+        quantity=asked.text,
+        unit=asked.unit,
+        side=side,
+        n=mean.n,
+        gaps=cycles.gaps,
+        mean=[_value_or_none(value) for value in mean.mean.tolist()],
+        sd=[_value_or_none(value) for value in mean.sd.tolist()],
+    )
+
+
+def _describe(gait: Gait, cycles: list[wire.GaitCycle]) -> wire.GaitMeasures:
+    return wire.GaitMeasures(
+        frame_rate=gait.rate,
+        clinical=gait.is_clinical,
+        running=gait.is_running,
+        duty_factor=_value_or_none(gait.duty_factor),
+        belt=wire.GaitBelt(
+            is_belt=gait.belt.is_belt,
+            speed=_value_or_none(gait.belt.speed),
+            sd=_value_or_none(gait.belt.sd),
+            n=gait.belt.n,
+        ),
+        points={point: list(names) for point, names in gait.points.items()},
+        events=[
+            wire.GaitEventItem(
+                side=event.side,
+                kind=event.kind,
+                time=event.seconds,
+                frame=round(event.seconds * gait.rate) + 1,
+                source=event.source,
+                within=_value_or_none(gait.uncertainty(event)),
+            )
+            for event in gait.events
+        ],
+        strides=[
+            wire.GaitStride(
+                side=stride.side,
+                begin=stride.begin,
+                end=stride.end,
+                off=stride.off,
+                other_off=stride.other_off,
+                other_strike=stride.other_strike,
+                values={parameter.name: _value_or_none(getattr(stride, parameter.name)) for parameter in PARAMETERS},
+                rejected=stride.rejected,
+            )
+            for stride in gait.strides
+        ],
+        incomplete=dict(gait.incomplete),
+        parameters=[
+            wire.GaitParameter(
+                name=parameter.name,
+                unit=parameter.unit,
+                how=gait.explain(parameter),
+                left=_summary(gait.summary("left", parameter.name)),
+                right=_summary(gait.summary("right", parameter.name)),
+                symmetry=_value_or_none(gait.symmetry(parameter.name)),
+            )
+            for parameter in PARAMETERS
+        ],
+        cycles=cycles,
+        warnings=list(gait.warnings),
+    )
+
+
+def _summary(summary: Summary) -> wire.GaitSummary:
+    return wire.GaitSummary(mean=_value_or_none(summary.mean), sd=_value_or_none(summary.sd), n=summary.n)
+
+
+def _value_or_none(value: float) -> float | None:
+    """A number for JSON: None if it was not measured."""
+    return float(value) if np.isfinite(value) else None
