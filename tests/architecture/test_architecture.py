@@ -119,7 +119,7 @@ def test_no_attics() -> None:
 
 PACKAGES = {"mcml": "", "service/mcml_service": "service", "schemas/mcml_schemas": "schemas", "migrations": ""}
 """Folders of modules, and where their names begin."""
-FRAMEWORK_CALLS = {"writable", "handle_request", "dependencies", "initialize", "send_400_response"}
+FRAMEWORK_CALLS = {"readinto", "writable", "handle_request", "dependencies", "initialize", "send_400_response"}
 """Methods that another library calls."""
 SHAPES = {"property", "staticmethod", "classmethod", "cache", "lru_cache", "cached_property", "contextmanager"}
 """Decorators that hand what they decorate to nobody."""
