@@ -93,8 +93,8 @@ class GaitSummary(BaseModel):
 
     model_config = ConfigDict(json_schema_extra=shown(_SUMMARY))
 
-    mean: float | None = None
-    sd: float | None = Field(None, description="Standard deviation (n - 1); null for fewer than two strides")
+    mean: float | None
+    sd: float | None = Field(description="Standard deviation (n - 1); null for fewer than two strides")
     n: int = Field(description="Number of strides")
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from mcml.errors import FormatError, LimitError, NotFoundError
@@ -33,6 +35,15 @@ def read_known_quantity(tx: Transaction, stored: StoredDocument | Listed, asked:
         return read_quantity(tx, stored, asked, body)
     except (NotFoundError, FormatError, LimitError):
         return np.full(stored.frames, np.nan)
+
+
+def read_units(tx: Transaction, stored: StoredDocument | Listed, asked: Sequence[AskedQuantity]) -> list[str]:
+    """The unit of each quantity: where the file decides it, as the file writes it."""
+    stated: dict[tuple[str, str], str] = {}
+    if any(each.of_file and not each.unit for each in asked):
+        listed = read_measurements(tx, stored).describe()
+        stated = {(each.function, each.name): each.unit for each in listed}
+    return [each.unit or (stated.get((each.name, each.arguments[0]), "") if each.of_file else "") for each in asked]
 
 
 def read_measurements(tx: Transaction, stored: StoredDocument | Listed) -> Measurements:

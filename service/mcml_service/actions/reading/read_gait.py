@@ -20,6 +20,7 @@ from mcml_schemas import gait as wire
 from mcml_service.actions.checking.check_timed import seconds_of
 from mcml_service.actions.reading.read_quantities import quantity_columns
 from mcml_service.clips.bodies import Body
+from mcml_service.clips.frame_quantities import read_units
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
@@ -50,8 +51,8 @@ def read_gait(
     gait = measure_gait(points, body.stretch(points.names), labels, source)
     values = quantity_columns(tx, stored, body, asked, 1, stored.frames)
     cycles = [
-        _cycle(gait, quantity, values[:, place], side)
-        for place, quantity in enumerate(asked)
+        _cycle(gait, quantity, unit, values[:, place], side)
+        for place, (quantity, unit) in enumerate(zip(asked, read_units(tx, stored, asked), strict=True))
         for side in _sides_of(quantity)
     ]
     return _describe(gait, cycles)
@@ -67,11 +68,11 @@ def _sides_of(asked: AskedQuantity) -> Sequence[Side]:
     return [side for side in SIDES if side in found] or SIDES
 
 
-def _cycle(gait: Gait, asked: AskedQuantity, values: Array, side: Side) -> wire.GaitCycle:
+def _cycle(gait: Gait, asked: AskedQuantity, unit: str, values: Array, side: Side) -> wire.GaitCycle:
     cycles, mean = gait.cycles(values, side)
     return wire.GaitCycle(
         quantity=asked.text,
-        unit=asked.unit,
+        unit=unit,
         side=side,
         n=mean.n,
         gaps=cycles.gaps,

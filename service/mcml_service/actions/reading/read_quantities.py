@@ -44,8 +44,11 @@ def _stretch(asked: AskedQuantity, body: Body, first: int, last: int) -> Array:
     return values
 
 
-def with_quantities(numbers: Numbers, asked: Sequence[AskedQuantity], values: Array, *, alone: bool) -> Numbers:
-    """Channels of frames with quantities (frames, quantities) after them. alone: without the channels."""
+def with_quantities(
+    numbers: Numbers, asked: Sequence[AskedQuantity], own: Sequence[str], values: Array, *, alone: bool
+) -> Numbers:
+    """Channels of frames with quantities (frames, quantities) after them. own: units of these. alone: without the
+    channels."""
 
     def blocks() -> Iterator[tuple[Array, NDArray[np.int64] | list[str]]]:
         done = 0
@@ -55,6 +58,6 @@ def with_quantities(numbers: Numbers, asked: Sequence[AskedQuantity], values: Ar
             yield part if alone else np.concatenate([channels, part], axis=1), ids
 
     columns = [] if alone else numbers.columns
-    units = [*[""] * len(columns), *(quantity.unit for quantity in asked)]
+    units = [*[""] * len(columns), *own]
     columns = [*columns, *(quantity.text for quantity in asked)]
     return replace(numbers, columns=columns, shape=(len(columns),), blocks=blocks, units=units)

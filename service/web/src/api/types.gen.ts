@@ -3004,8 +3004,8 @@ export interface components {
             rejected: string;
         };
         GaitSummary: {
-            mean?: number | null;
-            sd?: number | null;
+            mean: number | null;
+            sd: number | null;
             n: number;
         };
         GraphEdge: {

@@ -15,6 +15,8 @@ export interface Curve {
   /** Points alone, or points too. */
   points?: "only" | "too";
   width?: number;
+  /** Filled between these, such as a standard deviation around the values. */
+  band?: { low: ArrayLike<number | null>; high: ArrayLike<number | null> };
 }
 export interface Mark {
   at: number;
@@ -29,6 +31,8 @@ export interface Zone {
   alpha?: number;
   text?: string;
 }
+
+const HIDDEN = { stroke: "transparent", width: 0, points: { show: false } };
 
 export function Plot({
   x,
@@ -73,6 +77,7 @@ export function Plot({
       labelSize: 18,
       labelFont: `11px ${getComputedStyle(element).fontFamily}`,
     };
+    const banded = curves.filter((one) => one.band);
     const made = new uPlot(
       {
         width: Math.max(120, element.clientWidth),
@@ -94,13 +99,22 @@ export function Plot({
             spanGaps: false,
             points: one.points ? { show: true, size: 5, fill: colour(one.ink ?? "accent") } : { show: false },
           })),
+          ...banded.flatMap(() => [HIDDEN, HIDDEN]),
         ],
+        bands: banded.map((one, at) => ({
+          series: [curves.length + 2 + 2 * at, curves.length + 1 + 2 * at] as [number, number],
+          fill: `color-mix(in srgb, ${colour(one.ink ?? "accent")} 22%, transparent)`,
+        })),
         hooks: {
           drawClear: [(self) => drawUnder(self, drawn.current.zones)],
           draw: [(self) => drawOver(self, drawn.current.marks)],
         },
       },
-      [x, ...curves.map((one) => one.values)] as never,
+      [
+        x,
+        ...curves.map((one) => one.values),
+        ...banded.flatMap((one) => (one.band ? [one.band.low, one.band.high] : [])),
+      ] as never,
       element,
     );
     plot.current = made;

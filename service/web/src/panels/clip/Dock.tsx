@@ -15,10 +15,13 @@ import { lazy } from "../../ui/lazy";
 
 const Text = lazy(async () => (await import("./document/Text")).TextView);
 
+const Gait = lazy(async () => (await import("./gait/Gait")).Gait);
+
 const VIEWS: { id: string; word: Word }[] = [
   { id: "tree", word: "label.tree" },
   { id: "graph", word: "label.graph" },
   { id: "body", word: "label.bodyTab" },
+  { id: "gait", word: "label.gait" },
   { id: "structure", word: "label.structure" },
   { id: "text", word: "label.text" },
   { id: "history", word: "label.history" },
@@ -40,6 +43,7 @@ export function Dock({ clip, reload }: { clip: Clip; reload: () => void }) {
         {open === "tree" && <Tree clip={clip} />}
         {open === "graph" && <Graph clip={clip} reload={reload} />}
         {open === "body" && <Body clip={clip} reload={reload} />}
+        {open === "gait" && <Gait clip={clip} />}
         {open === "structure" && <Structure clip={clip} />}
         {open === "text" && <Text clip={clip} reload={reload} />}
         {open === "history" && <History clip={clip} reload={reload} />}

@@ -32,14 +32,17 @@ const WORDS: Record<Kind, Word> = {
   analog: "label.quantityAnalog",
 };
 
-/** The measurements of the file; unit of the one that is asked for, and the reason if it has no values. */
-export function useMeasured(clip: Clip, asked: Asked): { measured: Measured[]; unit: string; reason: string } {
-  const listed = useAsync(
+/** The measurements of the file of a clip. */
+export const useMeasurements = (clip: Clip) =>
+  useAsync(
     (signal) =>
       get("/documents/{id}/measurements", { path: { id: clip.id }, query: { revision: clip.detail.revision }, signal }),
     [clip],
   );
-  const measured = listed.value?.items ?? [];
+
+/** The measurements of the file; unit of the one that is asked for, and the reason if it has no values. */
+export function useMeasured(clip: Clip, asked: Asked): { measured: Measured[]; unit: string; reason: string } {
+  const measured = useMeasurements(clip).value?.items ?? [];
   const chosen = measured.find((each) => each.function === asked.kind && each.name === nameAndAxis(asked)[0]);
   return { measured, unit: chosen?.unit ?? UNITS[asked.kind], reason: chosen?.reason ?? "" };
 }

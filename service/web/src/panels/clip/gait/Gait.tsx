@@ -1,0 +1,123 @@
+/** The gait of a clip: parameters by side, cycles of the joints, and the events that they rest on. */
+import { useMemo, useState } from "preact/hooks";
+import { get, type Schemas } from "../../../api/client";
+import { csvOf, pairsOf } from "../../../motion/body/gait";
+import type { Clip } from "../../../state/clip/clip";
+import { mayEdit } from "../../../state/session/me";
+import { saveBlob } from "../../../ui/exporting/saveBlob";
+import { Trouble } from "../../../ui/Trouble";
+import { useAsync } from "../../../ui/useAsync";
+import { number, w } from "../../../words";
+import { newSpan } from "../actions";
+import { useMeasurements } from "../body/MeasurementChoice";
+import { Cycles } from "./Cycles";
+import { Parameters } from "./Parameters";
+
+export type Measures = Schemas["GaitMeasures"];
+
+export function Gait({ clip }: { clip: Clip }) {
+  const [axis, setAxis] = useState("x");
+  const listed = useMeasurements(clip);
+  const items = listed.value?.items;
+  const pairs = useMemo(() => items && pairsOf(items, axis, clip.skeleton.view.markers), [items, axis, clip]);
+  const loaded = useAsync(
+    async (signal) => {
+      if (!pairs) return null;
+      const quantity = pairs.flatMap((pair) => [pair.left, pair.right]);
+      const query = { revision: clip.detail.revision, quantity };
+      return await get("/documents/{id}/gait", { path: { id: clip.id }, query, signal });
+    },
+    [clip, pairs],
+  );
+  const gait = loaded.value;
+  return (
+    <div class="gait">
+      <Trouble error={listed.error ?? loaded.error} retry={loaded.again} />
+      {loaded.busy && !gait && <div class="busy" />}
+      {gait && (
+        <>
+          <Summary clip={clip} gait={gait} />
+          <Parameters gait={gait} />
+          {pairs && pairs.length > 0 && (
+            <Cycles
+              gait={gait}
+              pairs={pairs}
+              axis={axis}
+              onAxis={setAxis}
+              ofFile={Boolean(pairs[0]?.left.startsWith("quantity:"))}
+            />
+          )}
+          <Events clip={clip} gait={gait} />
+        </>
+      )}
+    </div>
+  );
+}
+
+function Summary({ clip, gait }: { clip: Clip; gait: Measures }) {
+  const kind = gait.running === null ? "" : w(gait.running ? "label.running" : "label.walking");
+  const belt =
+    gait.belt.is_belt && gait.belt.speed !== null ? w("label.onBelt", { speed: number(gait.belt.speed, 3) }) : "";
+  const save = () =>
+    saveBlob(new Blob([csvOf(gait.parameters, gait.cycles)], { type: "text/csv" }), `${clip.detail.name}-gait.csv`);
+  return (
+    <>
+      <div class="row wrap">
+        <strong>{[kind, belt].filter(Boolean).join(", ")}</strong>
+        <span class="dim">{w("label.strides", { n: gait.strides.length })}</span>
+        <span class="tail" />
+        <button type="button" class="button dense" onClick={save}>
+          {w("button.saveCsv")}
+        </button>
+      </div>
+      {gait.warnings.length > 0 && (
+        <details>
+          <summary>{w("label.warnings", { n: gait.warnings.length })}</summary>
+          <ul class="gait-warnings">
+            {gait.warnings.map((text) => (
+              <li key={text}>{text}</li>
+            ))}
+          </ul>
+        </details>
+      )}
+    </>
+  );
+}
+
+/** Events with their sources; a press shows the frame. */
+function Events({ clip, gait }: { clip: Clip; gait: Measures }) {
+  const isFound = (event: Measures["events"][number]) => event.source !== "label";
+  const found = gait.events.filter(isFound);
+  const add = () =>
+    clip.setLabels([
+      ...clip.labels.peek(),
+      ...found.map(({ side, kind, frame }) => newSpan(`${side}-foot-${kind}`, frame, frame)),
+    ]);
+  return (
+    <section>
+      <h3 class="row">
+        {w("label.gaitEvents", { n: gait.events.length })}
+        <span class="tail" />
+        {found.length > 0 && clip.pinned === null && mayEdit() && (
+          <button type="button" class="button dense" title={w("help.addEventsHelp")} onClick={add}>
+            {w("button.addEvents")}
+          </button>
+        )}
+      </h3>
+      <div class="gait-events">
+        {gait.events.map((event) => (
+          <button
+            type="button"
+            key={`${event.side}${event.kind}${event.time}`}
+            class="chip"
+            data-side={event.side}
+            title={`${w(event.side === "left" ? "label.sideLeft" : "label.sideRight")}, ${w(event.source === "label" ? "label.fromLabel" : "label.fromPositions")}`}
+            onClick={() => clip.player.seek(event.frame - 1)}
+          >
+            {w(event.kind === "strike" ? "label.footStrike" : "label.footOff")} {number(event.time, 3)} s
+          </button>
+        ))}
+      </div>
+    </section>
+  );
+}
