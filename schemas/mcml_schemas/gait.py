@@ -21,13 +21,13 @@ _STRIDE = {
     "values": {"stride_time": 1.038, "stride_length": 1.185},
     "rejected": "",
 }
-_SUMMARY = {"mean": 1.185, "sd": None, "n": 1}
+_SUMMARY = {"mean": 1.185, "sd": 0.021, "n": 4}
 _PARAMETER = {
     "name": "stride_length",
     "unit": "m",
     "how": "level distance of the toes at both strikes",
     "left": _SUMMARY,
-    "right": {"mean": 1.222, "sd": None, "n": 1},
+    "right": {"mean": 1.222, "sd": 0.018, "n": 4},
     "symmetry": -3.08,
 }
 _CYCLE = {
