@@ -20,7 +20,7 @@ from mcml.formats import WRITERS
 from mcml.formats.format import SourceFile
 from mcml.language.elements import from_head, refresh_counts, to_head
 from mcml.language.writer import write_document
-from mcml.motion.clip import ClipStream
+from mcml.motion.clip import ClipStream, Original
 
 
 @dataclass
@@ -76,7 +76,10 @@ def convert_files(
         opened = open_clip(found.clips[0], options, limits)
         stream = opened.stream
         head = to_head(opened.document, frame_time or stream.head.frame_time)
-        clip = ClipStream(head, stream.blocks, stream.frames, stream.notices)
+        # A C3D that becomes a C3D keeps its analog channels and force plates, which documents do not have.
+        source = found.clips[0].files.get("c3d")
+        original = None if source is None else Original(source.stream)
+        clip = ClipStream(head, stream.blocks, stream.frames, stream.notices, original)
         first, last = parse_range(frames)
         shape = None if preset is None else choose_shape(preset, clip.head.skeleton, target)
         clip = reshape(clip, Reshaping(first, last, fps or (shape.fps if shape else None), scale))

@@ -84,7 +84,7 @@ def _cut(clip: ClipStream, first: int, last: int | None) -> ClipStream:
                 return
 
     frames = None if clip.frames is None else min(last or clip.frames, clip.frames) - first + 1
-    return ClipStream(clip.head, blocks, frames, clip.notices)
+    return replace(clip, blocks=blocks, frames=frames)
 
 
 def _resample(clip: ClipStream, fps: float) -> ClipStream:
@@ -97,4 +97,5 @@ def _resample(clip: ClipStream, fps: float) -> ClipStream:
     edited = resampled(head.skeleton, joined(clip.blocks()), seconds, 1 / fps, reading_of(head))
     fields = {name: text for name, text in head.fields.items() if name != "dataframe_rate"}
     head = replace(head, frame_time=lexeme(1 / fps), fields=fields)
-    return ClipStream(head, lambda: iter([edited.block]), len(edited.block), clip.notices)
+    original = None if clip.original is None else replace(clip.original, is_resampled=True)
+    return ClipStream(head, lambda: iter([edited.block]), len(edited.block), clip.notices, original)

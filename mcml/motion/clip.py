@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Any, TypeAlias
+from typing import Any, BinaryIO, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -153,21 +153,52 @@ class FrameBlock:
         return int(self.values.shape[0])
 
 
+@dataclass(frozen=True)
+class Original:
+    """The file that the frames of a clip came from, for data that only the file has, such as its analog channels.
+
+    stream: the whole file, open as long as the clip is read. factor: of lengths, from those of the file to those of the
+    clip. is_resized: whether the size of the clip changed, not only its unit. is_resampled: whether its frames are
+    those of another rate. axes: for x, y and z of the clip, the axis of the file (from 0) and the sign.
+    """
+
+    stream: BinaryIO
+    factor: float = 1.0
+    is_resized: bool = False
+    is_resampled: bool = False
+    axes: tuple[tuple[int, float], ...] = ((0, 1.0), (1, 1.0), (2, 1.0))
+
+    @property
+    def is_turned(self) -> bool:
+        return self.axes != Original.axes
+
+    def scale(self, factor: float, *, resizes: bool) -> Original:
+        """Return the same file for a clip whose lengths were multiplied."""
+        return replace(self, factor=self.factor * factor, is_resized=self.is_resized or (resizes and factor != 1.0))
+
+    def turn(self, target: Mapping[int, int], sign: Mapping[int, float]) -> Original:
+        """Return the same file for a clip that was turned. target, sign: of each axis before."""
+        turned = {target[axis]: (self.axes[axis][0], self.axes[axis][1] * sign[axis]) for axis in range(3)}
+        return replace(self, axes=(turned[0], turned[1], turned[2]))
+
+
 @dataclass
 class ClipStream:
     """A clip whose frames are read in blocks, each time `blocks()` is called, from the first frame on.
 
     frames: the number of frames if it is known before reading, else None.
     notices: guesses and repairs of the reader; complete once the blocks were read to the end.
+    original: the file of its frames, for writers of the same format that take more from it.
     """
 
     head: ClipHead
     blocks: Callable[[], Iterator[FrameBlock]]
     frames: int | None = None
     notices: list[Notice] = field(default_factory=list)
+    original: Original | None = None
 
     def with_head(self, head: ClipHead) -> ClipStream:
-        return ClipStream(head, self.blocks, self.frames, self.notices)
+        return replace(self, head=head)
 
 
 @lru_cache(maxsize=64)

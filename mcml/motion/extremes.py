@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,7 +21,7 @@ def within_doubles(clip: ClipStream) -> ClipStream:
             position += len(block)
             yield block
 
-    return ClipStream(clip.head, blocks, clip.frames, clip.notices)
+    return replace(clip, blocks=blocks)
 
 
 def check_numbers(block: FrameBlock, names: Sequence[str] | Mapping[int, str], position: int) -> None:

@@ -7,7 +7,7 @@ trusted: an entry that would leave the section ends the read, and earlier entrie
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import BinaryIO, Final
 
 import numpy as np
@@ -60,12 +60,16 @@ class Machine:
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """kind: -1 characters, 1 bytes, 2 words, 4 floats. dimensions: the first varies fastest; () is one value."""
+    """kind: -1 characters, 1 bytes, 2 words, 4 floats. dimensions: the first varies fastest; () is one value.
+
+    spelling: group and name as the file writes them, such as "Processing:LLegLength".
+    """
 
     kind: int
     dimensions: tuple[int, ...]
     data: bytes
     machine: Machine
+    spelling: str = ""
 
     def numbers(self, *, signed: bool = False) -> list[float]:
         """All numbers, words without their sign (more than 32,767 frames are counted so); [] for characters.
@@ -77,6 +81,14 @@ class Parameter:
         if self.kind == 2:
             return [float(value) for value in (self.machine.integers if signed else self.machine.words)(self.data)]
         return [float(value) for value in self.data] if self.kind == 1 else []
+
+    def to_intel(self) -> bytes:
+        """Return its data as an Intel machine writes them."""
+        if self.kind == 2:
+            return self.machine.words(self.data).astype("<u2").tobytes()
+        if self.kind == 4 and self.machine.processor != INTEL:
+            return self.machine.floats(self.data).astype("<f4").tobytes()
+        return self.data
 
     def texts(self) -> list[bytes]:
         """All texts, without the blanks and zeros that fill them up; [] for numbers."""
@@ -179,7 +191,7 @@ def _walk(section: bytes, machine: Machine, notices: list[Notice]) -> dict[str, 
         if after + 2 > len(section):
             note(notices, "warning", f"the parameters are damaged after the {len(found)}th: those before it count")
             break
-        name = section[place + 2 : after].decode("latin-1").strip().upper()
+        name = section[place + 2 : after].decode("latin-1").strip()
         distance = int(machine.words(section[after : after + 2])[0])
         if group < 0:
             groups.setdefault(-group, name)
@@ -194,7 +206,8 @@ def _walk(section: bytes, machine: Machine, notices: list[Notice]) -> dict[str, 
         place = after + distance
     result: dict[str, Parameter] = {}
     for group, name, parameter in found:
-        result.setdefault(f"{groups.get(group, '')}:{name}", parameter)
+        spelling = f"{groups.get(group, '')}:{name}"
+        result.setdefault(spelling.upper(), replace(parameter, spelling=spelling))
     return result
 
 

@@ -13,18 +13,24 @@ from numpy.typing import NDArray
 
 from mcml.errors import ConversionError, Notice
 from mcml.formats.c3d.events import Event, events_of_labels, kept_events
+from mcml.formats.c3d.originals import Ids, OriginalData, clear_baseline, read_original
 from mcml.formats.c3d.parameters import BLOCK, INTEL
 from mcml.formats.c3d.points import to_floats
 from mcml.formats.c3d.quantities import Quantity, kept_quantities, rate_of, samples_at, units_of
+from mcml.formats.c3d.records import (
+    LONGEST_TEXT,
+    MOST_TEXTS,
+    float_record,
+    group_record,
+    record,
+    text_record,
+    word_record,
+)
 from mcml.formats.format import need_seconds, note
-from mcml.motion.clip import ClipHead, ClipStream, FrameBlock
+from mcml.motion.clip import ClipStream, FrameBlock
 from mcml.motion.skeleton import CHANNEL_INDEX, Array, Skeleton
 
 _RESIDUAL: Final = CHANNEL_INDEX["residual"]
-_LONGEST_LABEL: Final = 127
-_MOST_TEXTS: Final = 255
-"""The sizes of a parameter are bytes: LABELS2 and further ones hold the rest."""
-
 _MOST_BLOCKS: Final = 255
 _CAPPED: Final = 0xFFFF
 
@@ -42,7 +48,7 @@ def write_c3d(clip: ClipStream) -> Iterator[bytes]:
     quantities = _quantities(clip)
     worst, frames, first = 0.0, 0, 1
     labelled: dict[int, tuple[str, ...]] = {}
-    data: list[bytes] = []
+    data: list[tuple[bytes, Ids]] = []
     for block in clip.blocks():
         if not frames and not isinstance(block.ids, list):
             first = int(block.ids[0]) if 0 < block.ids[0] < _CAPPED else 1
@@ -58,7 +64,7 @@ def write_c3d(clip: ClipStream) -> Iterator[bytes]:
             kept = np.stack([samples_at(quantity, block.ids) for quantity in quantities], axis=1)
             coordinates = np.concatenate([coordinates, kept[..., :3]], axis=1)
             residuals = np.concatenate([residuals, kept[..., 3]], axis=1)
-        data.append(to_floats(coordinates, residuals, scale))
+        data.append((to_floats(coordinates, residuals, scale), block.ids))
         if block.motion_names is not None:
             labelled |= {first + frames + row: names for row, names in enumerate(block.motion_names) if names}
         frames += len(block)
@@ -67,14 +73,37 @@ def write_c3d(clip: ClipStream) -> Iterator[bytes]:
     if worst:
         note(clip.notices, "warning", f"C3D holds numbers in single precision: the largest difference is {worst:.3g}")
     events = _events(clip, labelled, rate)
-    parameters = _parameters(head, labels, quantities, events, frames, first, rate, scale)
+    original = _original(clip, rate, [ids for _, ids in data])
+    parameters, original = _parameters(clip, labels, quantities, events, original, frames, first, rate, scale)
     header = struct.pack(
-        "<BBHHHHHfHHf", 2, 0x50, len(labels) + len(quantities), 0, first, min(first + frames - 1, _CAPPED), 0, -scale,
-        2 + len(parameters) // BLOCK, 0, rate,
+        "<BBHHHHHfHHf", 2, 0x50, len(labels) + len(quantities), original.values, first,
+        min(first + frames - 1, _CAPPED), 0, -scale, 2 + len(parameters) // BLOCK, original.samples, rate,
     )  # fmt: skip
     yield _filled(header) + parameters
-    yield from data
-    yield bytes(-sum(map(len, data)) % BLOCK)
+    size = 0
+    for points, ids in data:
+        for content in original.add_samples(points, ids):
+            size += len(content)
+            yield content
+    yield bytes(-size % BLOCK)
+
+
+def _original(clip: ClipStream, rate: float, ids: list[Ids]) -> OriginalData:
+    """The data of the file that the clip came from. ids: of its frames, in blocks."""
+    head, notices = clip.head, clip.notices
+    data = read_original(clip.original, rate, head.fields.get("calibration_unit", ""), notices)
+    if data.channels is None:
+        return data
+    unknown = sum(map(data.count_unknown, ids))
+    if unknown:
+        what = f"{unknown} frames are not of the C3D file: their analog samples are missing (NaN)"
+        note(notices, "warning", what)
+    place = data.channels.first
+    for some in ids:
+        if unknown or not np.array_equal(some, np.arange(place, place + len(some))):
+            return clear_baseline(data, notices)
+        place += len(some)
+    return data if place == data.channels.first + data.channels.frames else clear_baseline(data, notices)
 
 
 def _quantities(clip: ClipStream) -> list[Quantity]:
@@ -112,58 +141,58 @@ def _events(clip: ClipStream, labelled: Mapping[int, tuple[str, ...]], rate: flo
 
 
 def _parameters(
-    head: ClipHead,
+    clip: ClipStream,
     markers: list[str],
     quantities: list[Quantity],
     events: list[Event],
+    original: OriginalData,
     frames: int,
     first: int,
     rate: float,
     scale: float,
-) -> bytes:
-    """The parameter section, in whole blocks."""
+) -> tuple[bytes, OriginalData]:
+    """The parameter section, in whole blocks, and the data of the original for which it has room."""
+    head = clip.head
     labels = [*markers, *(quantity.label for quantity in quantities)]
     up = head.fields.get("global_axis_of_gravity", "")
     unit = head.fields.get("calibration_unit", "")
-    last = first + frames - 1
-    many = last > _CAPPED
+    many = first + frames - 1 > _CAPPED
     records = [
-        _group(1, "POINT"),
-        _record(1, "USED", 2, (), struct.pack("<H", len(labels))),
-        _record(1, "FRAMES", 2, (), struct.pack("<H", min(frames, _CAPPED))),
-        _record(1, "SCALE", 4, (), struct.pack("<f", -scale)),
-        _record(1, "RATE", 4, (), struct.pack("<f", rate)),
-        _texts(1, "UNITS", [unit.encode("utf-8", errors="replace")[:_LONGEST_LABEL]], single=True),
+        group_record(1, "POINT"),
+        word_record(1, "USED", len(labels)),
+        word_record(1, "FRAMES", min(frames, _CAPPED)),
+        float_record(1, "SCALE", -scale),
+        float_record(1, "RATE", rate),
+        text_record(1, "UNITS", [unit.encode("utf-8", errors="replace")[:LONGEST_TEXT]], single=True),
     ]
     if many:
-        records.append(_record(1, "LONG_FRAMES", 4, (), struct.pack("<f", frames)))
+        records.append(float_record(1, "LONG_FRAMES", frames))
     if up in ("Y", "Z"):
         records += [
-            _texts(1, "X_SCREEN", [b"+X"], single=True),
-            _texts(1, "Y_SCREEN", [b"+" + up.encode()], single=True),
+            text_record(1, "X_SCREEN", [b"+X"], single=True),
+            text_record(1, "Y_SCREEN", [b"+" + up.encode()], single=True),
         ]
-    for start in range(0, len(labels), _MOST_TEXTS):
-        some = [label.encode() for label in labels[start : start + _MOST_TEXTS]]
-        number = str(start // _MOST_TEXTS + 1) if start else ""
-        records += [_texts(1, f"LABELS{number}", some), _texts(1, f"DESCRIPTIONS{number}", [b" "] * len(some))]
+    for start in range(0, len(labels), MOST_TEXTS):
+        some = [label.encode() for label in labels[start : start + MOST_TEXTS]]
+        number = str(start // MOST_TEXTS + 1) if start else ""
+        records += [
+            text_record(1, f"LABELS{number}", some),
+            text_record(1, f"DESCRIPTIONS{number}", [b" "] * len(some)),
+        ]
     records += _typed(quantities)
-    records += [_group(2, "ANALOG"), _record(2, "USED", 2, (), struct.pack("<H", 0))]
-    records += [_group(3, "FORCE_PLATFORM"), _record(3, "USED", 2, (), struct.pack("<H", 0))]
     records += _event_records(events)
-    if many:
-        records.append(_group(4, "TRIAL"))
-        for name, number_of in (("ACTUAL_START_FIELD", first), ("ACTUAL_END_FIELD", last)):
-            records.append(_record(4, name, 2, (2,), struct.pack("<I", number_of)))
-    # The last record has a known size, so the number of blocks is known before it is written.
-    size = 4 + sum(map(len, records)) + len(_data_start(0)) + 2
-    blocks = math.ceil(size / BLOCK)
-    if blocks > _MOST_BLOCKS:
-        raise ConversionError(
-            f"the labels of {len(labels)} points need more room than the {_MOST_BLOCKS * BLOCK} bytes that C3D has",
-            remedy="Export the motion as TRC or MCML.",
-        )
-    begin = struct.pack("<BBBB", 1, 0x50, blocks, INTEL)
-    return _filled(begin + b"".join([*records, _data_start(2 + blocks)]))
+    for data in original.lighter(clip.notices):
+        more = data.records(first, frames, rate, is_long=many)
+        # The last record has a known size, so the number of blocks is known before it is written.
+        size = 4 + sum(map(len, [*records, *more])) + len(_data_start(0)) + 2
+        blocks = math.ceil(size / BLOCK)
+        if blocks <= _MOST_BLOCKS:
+            begin = struct.pack("<BBBB", 1, 0x50, blocks, INTEL)
+            return _filled(begin + b"".join([*records, *more, _data_start(2 + blocks)])), data
+    raise ConversionError(
+        f"the labels of {len(labels)} points need more room than the {_MOST_BLOCKS * BLOCK} bytes that C3D has",
+        remedy="Export the motion as TRC or MCML.",
+    )
 
 
 def _typed(quantities: list[Quantity]) -> list[bytes]:
@@ -173,13 +202,13 @@ def _typed(quantities: list[Quantity]) -> list[bytes]:
         return []
     stems = {group: group.removesuffix("S") for group in units}
     pairs = [word.encode() for group, stem in stems.items() for word in (group, stem)]
-    records = [_texts(1, "TYPE_GROUPS", pairs)]
+    records = [text_record(1, "TYPE_GROUPS", pairs)]
     for group, unit in units.items():
-        records.append(_texts(1, f"{stems[group]}_UNITS", [unit.encode()], single=True))
+        records.append(text_record(1, f"{stems[group]}_UNITS", [unit.encode()], single=True))
         named = [quantity.label.encode() for quantity in quantities if quantity.group == group]
-        for start in range(0, len(named), _MOST_TEXTS):
-            number = str(start // _MOST_TEXTS + 1) if start else ""
-            records.append(_texts(1, f"{group}{number}", named[start : start + _MOST_TEXTS]))
+        for start in range(0, len(named), MOST_TEXTS):
+            number = str(start // MOST_TEXTS + 1) if start else ""
+            records.append(text_record(1, f"{group}{number}", named[start : start + MOST_TEXTS]))
     return records
 
 
@@ -187,10 +216,10 @@ def _event_records(events: list[Event]) -> list[bytes]:
     """Return the parameters of the group EVENT."""
     if not events:
         return []
-    records = [_group(5, "EVENT"), _record(5, "USED", 2, (), struct.pack("<H", len(events)))]
-    for start in range(0, len(events), _MOST_TEXTS):
-        some = events[start : start + _MOST_TEXTS]
-        number = str(start // _MOST_TEXTS + 1) if start else ""
+    records = [group_record(5, "EVENT"), word_record(5, "USED", len(events))]
+    for start in range(0, len(events), MOST_TEXTS):
+        some = events[start : start + MOST_TEXTS]
+        number = str(start // MOST_TEXTS + 1) if start else ""
         columns = {
             "CONTEXTS": [event.context for event in some],
             "LABELS": [event.label for event in some],
@@ -198,31 +227,15 @@ def _event_records(events: list[Event]) -> list[bytes]:
             "DESCRIPTIONS": [event.description for event in some],
         }
         for name, texts in columns.items():
-            cut = [(text or " ").encode("utf-8", errors="replace")[:_LONGEST_LABEL] for text in texts]
-            records.append(_texts(5, f"{name}{number}", cut))
+            cut = [(text or " ").encode("utf-8", errors="replace")[:LONGEST_TEXT] for text in texts]
+            records.append(text_record(5, f"{name}{number}", cut))
         times = np.array([(0.0, event.seconds) for event in some], "<f4").tobytes()
-        records.append(_record(5, f"TIMES{number}", 4, (2, len(some)), times))
+        records.append(record(5, f"TIMES{number}", 4, (2, len(some)), times))
     return records
 
 
 def _data_start(block: int) -> bytes:
-    return _record(1, "DATA_START", 2, (), struct.pack("<H", block))
-
-
-def _group(number: int, name: str) -> bytes:
-    return struct.pack("<bb", len(name), -number) + name.encode() + struct.pack("<HB", 3, 0)
-
-
-def _record(group: int, name: str, kind: int, dimensions: tuple[int, ...], data: bytes) -> bytes:
-    content = struct.pack("<bB", kind, len(dimensions)) + bytes(dimensions) + data + b"\0"
-    return struct.pack("<bb", len(name), group) + name.encode() + struct.pack("<H", 2 + len(content)) + content
-
-
-def _texts(group: int, name: str, texts: list[bytes], *, single: bool = False) -> bytes:
-    """Texts filled up with blanks to one length. single: one text without a second dimension."""
-    longest = max(1, *map(len, texts)) if len(texts) > 1 else max(1, len(texts[0]))
-    data = b"".join(text.ljust(longest) for text in texts)
-    return _record(group, name, -1, (longest,) if single else (longest, len(texts)), data)
+    return word_record(1, "DATA_START", block)
 
 
 def _filled(data: bytes) -> bytes:
@@ -230,9 +243,9 @@ def _filled(data: bytes) -> bytes:
 
 
 def _label(text: str, notices: list[Notice]) -> str:
-    plain = text.encode("utf-8", errors="replace")[:_LONGEST_LABEL].decode("utf-8", errors="ignore")
+    plain = text.encode("utf-8", errors="replace")[:LONGEST_TEXT].decode("utf-8", errors="ignore")
     if plain != text:
-        note(notices, "warning", f"labels in C3D have at most {_LONGEST_LABEL} bytes: {text[:40]!r} was cut")
+        note(notices, "warning", f"labels in C3D have at most {LONGEST_TEXT} bytes: {text[:40]!r} was cut")
     return plain
 
 

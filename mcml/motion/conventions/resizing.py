@@ -45,7 +45,8 @@ def scale(clip: ClipStream, factor: float, unit: str | None = None) -> ClipStrea
             ]
             yield replace(block, values=block.values * np.where(lengths, factor, 1.0))
 
-    return within_doubles(ClipStream(head, blocks, clip.frames, clip.notices))
+    original = None if clip.original is None else clip.original.scale(factor, resizes=unit is None)
+    return within_doubles(replace(clip, head=head, blocks=blocks, original=original))
 
 
 def _scaled(joint: Joint, factor: float) -> Joint:
@@ -88,7 +89,8 @@ def turn_up(clip: ClipStream, start: str, end: str) -> ClipStream:
             yield turn.block(head.skeleton, block)
 
     head = replace(head, skeleton=skeleton, fields=fields, number_style="shortest")
-    return ClipStream(head, blocks, clip.frames, clip.notices)
+    original = None if clip.original is None else clip.original.turn(turn.target, turn.sign)
+    return replace(clip, head=head, blocks=blocks, original=original)
 
 
 class _Turn:
