@@ -121,7 +121,9 @@ def test_documents_at_another_rate_and_without_a_file(database: Database) -> Non
     assert not len(channels_of(export(database, body)[0]))
     with database.write() as tx:
         tx.uploads.forget(tx.documents.get(uuid).key)
-    assert not len(channels_of(export(database, uuid)[0]))
+    content, told = export(database, uuid)
+    assert not len(channels_of(content))
+    assert "the uploaded file is not kept: any analog channels and force plates are left out" in told
 
 
 def test_real_trials_after_a_trim(database: Database, shared: Path) -> None:

@@ -161,6 +161,15 @@ def test_unsigned_offsets_are_written_for_programs_without_them() -> None:
     assert channels_of(content).read().tolist() == [[0.0, -25_000.0, 2.0], [32_767.0, -64_990.0, 4.0]]
 
 
+@pytest.mark.parametrize(("offsets", "kind"), [([2.0, -3.0], 2), ([2.5, 1.0], 4), ([40_000.0, 1.0], 4)])
+def test_offsets_that_are_floats_become_words_if_they_are_whole(offsets: list[float], kind: int) -> None:
+    said: dict[str, Value | None] = {"ANALOG:OFFSET": (4, (2,), offsets), "ANALOG:SCALE": (4, (2,), [1.0, 2.0])}
+    data = c3d_bytes(np.ones((2, 1, 3)), scale=0.1, analog=np.array([[5.0, 6.0], [7.0, -8.0]]), parameters=said)
+    content, _ = convert(data)
+    assert channels_of(content).read().tobytes() == channels_of(data).read().tobytes()
+    assert read_statements(io.BytesIO(content), []).parameters["ANALOG:OFFSET"].kind == kind
+
+
 def test_frames_that_are_not_of_the_file_have_nan() -> None:
     data = trial()
     whole = channels_of(data).read().reshape(12, 2, 7)

@@ -40,6 +40,7 @@ _SAME_RATE: Final = 1e-4
 
 _MOST_SIGNED: Final = 32_767
 _DESCRIPTIONS: Final = re.compile(r"DESCRIPTIONS\d*")
+_OFFSETS: Final = re.compile(r"OFFSET\d*")
 _LENGTHS: Final = re.compile(r"(CORNERS|ORIGIN)\d*")
 
 Groups = dict[str, dict[str, Parameter]]
@@ -193,7 +194,7 @@ def read_original(original: Original | None, rate: float, unit: str, notices: li
         note(notices, "warning", f"{_count(channels, len(plates))} of the C3D file are left out: {reason}")
     if reason or not len(channels):
         return OriginalData(None, _without(groups, ANALOG, PLATES))
-    data = _with_signed_offsets(OriginalData(channels, groups))
+    data = _with_usual_offsets(OriginalData(channels, groups))
     if plates:
         moved = _move_plates(channels, data.groups[PLATES], original)
         reason = _other_plates(channels, moved, original, unit)
@@ -274,28 +275,28 @@ def _other_frames(channels: Channels, original: Original, rate: float) -> str:
     return ""
 
 
-def _with_signed_offsets(data: OriginalData) -> OriginalData:
-    """The data without offsets over 32,767, which few programs read, where integers allow it.
+def _with_usual_offsets(data: OriginalData) -> OriginalData:
+    """The data with offsets as words with a sign, which all programs read, where this changes no value.
 
-    Words without a sign up to 65,535 minus their offset are exact in single precision.
+    Integers without a sign minus their offset are exact in single precision: no offset over 32,767 is needed.
     """
     channels = data.channels
-    if channels is None or not channels.unsigned or (channels.layout.real and (channels.offsets > _MOST_SIGNED).any()):
+    if channels is None or (channels.unsigned and channels.layout.real and (channels.offsets > _MOST_SIGNED).any()):
         return data
-    shifts = np.where(channels.offsets > _MOST_SIGNED, np.floor(channels.offsets), 0.0)
-    own = _select(data.groups, lambda group, name: group != ANALOG or not re.fullmatch(r"OFFSET\d*|FORMAT", name))
-    said = {name: part for name, part in data.groups[ANALOG].items() if re.fullmatch(r"OFFSET\d*", name)}
-    place = 0
-    for name, part in said.items():
-        count = len(part.numbers())
-        offsets = (channels.offsets - shifts)[place : place + count]
-        whole = offsets == np.rint(offsets)
-        kind, form = (2, "<i2") if whole.all() else (4, "<f4")
-        padded = np.concatenate([offsets, np.zeros(count - len(offsets))])
-        own[ANALOG][name] = Parameter(kind, part.dimensions, padded.astype(form).tobytes(), _MACHINE, part.spelling)
-        place += count
-    own[ANALOG]["FORMAT"] = Parameter(-1, (6,), b"SIGNED", _MACHINE, "ANALOG:FORMAT")
-    return replace(data, groups=own, shifts=shifts if shifts.any() else None)
+    shifts = np.where(channels.unsigned & (channels.offsets > _MOST_SIGNED), np.floor(channels.offsets), 0.0)
+    analog, left = dict(data.groups[ANALOG]) if ANALOG in data.groups else {}, channels.offsets - shifts
+    for name, part in analog.items():
+        if not _OFFSETS.fullmatch(name) or not (count := len(part.numbers())):
+            continue
+        offsets = np.concatenate([left[:count], np.zeros(max(0, count - len(left)))])
+        is_whole = (offsets == np.rint(offsets)).all() and (np.abs(offsets) <= _MOST_SIGNED).all()
+        if channels.unsigned or (is_whole and part.kind == 4):
+            kind, form = (2, "<i2") if is_whole else (4, "<f4")
+            analog[name] = Parameter(kind, part.dimensions, offsets.astype(form).tobytes(), _MACHINE, part.spelling)
+        left = left[count:]
+    if channels.unsigned:
+        analog["FORMAT"] = Parameter(-1, (6,), b"SIGNED", _MACHINE, "ANALOG:FORMAT")
+    return replace(data, groups=data.groups | {ANALOG: analog}, shifts=shifts if shifts.any() else None)
 
 
 def _move_plates(channels: Channels, plates: Mapping[str, Parameter], original: Original) -> dict[str, Parameter]:

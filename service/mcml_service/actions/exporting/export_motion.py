@@ -19,11 +19,11 @@ from mcml.files.presets import Preset, choose_shape, fit_shape
 from mcml.files.reshape_clip import Reshaping, need_stated_facts, reshape
 from mcml.files.targets import convert_clip, find_target, part_without_frames
 from mcml.formats import FORMATS, READERS, WRITERS
-from mcml.formats.format import SourceFile
+from mcml.formats.format import SourceFile, note
 from mcml.formats.measurements import has_capture_numbers
 from mcml.language.elements import from_head, refresh_counts
 from mcml.language.writer import write_document
-from mcml.motion.clip import ClipHead, ClipStream, Original
+from mcml.motion.clip import ClipStream, Original
 from mcml.motion.conventions.convert import scale, turn_up
 from mcml.motion.skeleton import CHANNELS
 from mcml.motion.units import metres_per_unit
@@ -111,8 +111,8 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
         if kept is not None and (name in FORMATS or kept.file_name.lower().endswith(_endings(name))):
             return kept
     source = _add_frame_time(read_clip(tx, stored, first=options.first, last=options.last), options.frame_time)
-    if name == "c3d":
-        source = replace(source, clip=replace(source.clip, original=_open_original(tx, stored, source.clip.head)))
+    if name == "c3d" and has_capture_numbers(source.clip.head):
+        source = replace(source, clip=_add_original(tx, stored, source.clip))
     if options.reshaping != Reshaping():
         clip = reshape(source.clip, options.reshaping)
         source = replace(source, clip=clip, document=refresh_counts(from_head(clip.head), clip.frames or 0))
@@ -200,10 +200,15 @@ def _add_frame_time(source: StoredClip, frame_time: str | float | None) -> Store
     return replace(source, clip=source.clip.with_head(replace(head, frame_time=frame_time)))
 
 
-def _open_original(tx: Transaction, stored: StoredDocument, head: ClipHead) -> Original | None:
-    """The C3D file of a document, whose analog channels and force plates the document does not have."""
-    stream = tx.uploads.open(stored.key, "c3d") if has_capture_numbers(head) else None
-    return None if stream is None else Original(stream)
+def _add_original(tx: Transaction, stored: StoredDocument, clip: ClipStream) -> ClipStream:
+    """The clip with the C3D file of its document, whose analog channels and force plates the document does not have."""
+    stream = tx.uploads.open(stored.key, "c3d")
+    if stream is None:
+        note(
+            clip.notices, "warning", "the uploaded file is not kept: any analog channels and force plates are left out"
+        )
+        return clip
+    return replace(clip, original=Original(stream))
 
 
 def _convert(source: StoredClip, name: str, options: ExportOptions) -> ClipStream:
