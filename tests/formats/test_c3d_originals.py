@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import tracemalloc
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mcml.errors import McmlError
 from mcml.files.convert_files import convert_files
 from mcml.files.limits import FileLimits
 from mcml.formats import FORMATS
@@ -92,6 +94,7 @@ def trial(frames: int = 12, samples: int = 2, first: int = 91, **said: Value | N
         "FORCE_PLATFORM:CORNERS": (4, (3, 4, 1), np.ravel(CORNERS).tolist()),
         "FORCE_PLATFORM:ORIGIN": (4, (3, 1), [1.0, 2.0, -40.0]),
         "FORCE_PLATFORM:CHANNEL": (2, (6, 1), [1, 2, 3, 4, 5, 6]),
+        "POINT:Y_SCREEN": texts("+Z"),
         "SUBJECTS:NAMES": texts("Ann"),
         "PROCESSING:LLegLength": (4, (1,), [912.5]),
         "ANALYSIS:VALUES": (4, (2,), [1.25, -3.0]),
@@ -101,14 +104,9 @@ def trial(frames: int = 12, samples: int = 2, first: int = 91, **said: Value | N
         "SEG:MAX_RESID": (4, (), [3.0]),
     } | {name.replace("__", ":"): value for name, value in said.items()}
     points = chance.normal(0, 500, (frames, 2, 3)).astype(np.float32)
-    return c3d_bytes(
-        points,
-        labels=["LASI", "RASI"],
-        analog=analog.astype(np.float32).reshape(frames, -1),
-        samples=samples,
-        first=first,
-        parameters=parameters | ({"POINT:Y_SCREEN": texts("+Z")} if "POINT__Y_SCREEN" not in said else {}),
-    )
+    raw = analog.astype(np.float32).reshape(frames, -1)
+    labels = ["LASI", "RASI"]
+    return c3d_bytes(points, labels=labels, analog=raw, samples=samples, first=first, parameters=parameters)
 
 
 @pytest.mark.parametrize("processor", [INTEL, DEC, MIPS])
@@ -129,14 +127,9 @@ def test_samples_follow_their_frames(processor: int, is_real: bool, is_unsigned:
         "ANALOG:GEN_SCALE": (4, (), [0.3]),
         "ANALOG:FORMAT": (-1, (8,), b"UNSIGNED") if is_unsigned else None,
     }
+    points, scale = np.ones((frames, 3, 3)), -0.1 if is_real else 0.1
     content = c3d_bytes(
-        np.ones((frames, 3, 3)),
-        scale=-0.1 if is_real else 0.1,
-        processor=processor,
-        analog=raw,
-        samples=samples,
-        first=11,
-        parameters=said,
+        points, scale=scale, processor=processor, analog=raw, samples=samples, first=11, parameters=said
     )
     rows = data.draw(st.lists(st.integers(0, frames - 1), min_size=1, max_size=12))
     before, after = channels_of(content), channels_of(write(content, rows)[0])
@@ -292,7 +285,6 @@ def test_moments_of_unknown_units_do_not_change_their_meaning() -> None:
 def test_parameters_that_do_not_fit(blocks: int, descriptions: int, others: int, channels: int) -> None:
     """Descriptions go first, then other groups, then analog channels; markers are never lost."""
     room: Value = (-1, (127, 255), b"x" * 127 * 255)
-    # The labels of markers take more room than in the file: they are filled up to the longest of each list.
     data = trial(ANALOG__DESCRIPTIONS=room, OTHER__NOTES=room, FORCE_PLATFORM__NOTES=(-1, (127, 70), b"y" * 8890))
     clip = read(C3D, {"c3d": data})
     (block,) = clip.blocks()
@@ -318,6 +310,40 @@ def test_an_original_that_cannot_be_read_is_told() -> None:
     clip.original = Original(io.BytesIO(b"C3D"))
     assert not len(channels_of(b"".join(C3D.write(clip, "c3d"))))
     assert any("analog channels and groups of the C3D file are left out" in notice.what for notice in clip.notices)
+
+
+def test_nameless_parameters_do_not_end_the_others() -> None:
+    """They are records of blanks, which have no name in another file."""
+    data = trial(**{"SUBJECTS__ ": (2, (), [1]), "MODEL__NAME": texts("walker")})
+    said = read_statements(io.BytesIO(convert(data)[0]), [])
+    assert said.texts("MODEL:NAME") == [b"walker"]
+
+
+@pytest.mark.parametrize(("rate", "samples", "values"), [(2e38, 2, 2), (100.0, 1, 70_000), (100.0, 70, 70_000)])
+def test_counts_that_words_and_floats_cannot_hold(rate: float, samples: int, values: int) -> None:
+    count = values // samples
+    said: dict[str, Value | None] = {"ANALOG:USED": (4, (), [count]), "ANALOG:RATE": (4, (), [rate])}
+    header = {3: 0, 10: samples}
+    data = c3d_bytes(
+        np.ones((3, 1, 3)), analog=np.ones((3, values)), samples=samples, rate=rate, header=header, parameters=said
+    )
+    content, told = convert(data)
+    assert len(read(C3D, {"c3d": content}).head.skeleton) == 1
+    assert len(channels_of(content)) == (0 if values > 65_535 else count)
+    assert any("left out" in words for words in told) == (values > 65_535)
+
+
+@given(data=st.data())
+@settings(max_examples=150, deadline=None)
+def test_damaged_parameters_are_refused_or_written(data: st.DataObject) -> None:
+    content = bytearray(trial())
+    for _ in range(data.draw(st.integers(1, 4))):
+        place = data.draw(st.integers(2, 2300))
+        content[place] = data.draw(st.integers(0, 255))
+    with suppress(McmlError):
+        written, _ = convert(bytes(content))
+        assert read(C3D, {"c3d": written}).frames
+        channels_of(written).read()
 
 
 def test_memory_does_not_grow_with_analog_samples() -> None:

@@ -38,6 +38,10 @@ _FIRST_OTHER, _LAST_GROUP = 6, 127
 _SAME_RATE: Final = 1e-4
 """Relative difference of two statements of one rate, which rounding does not reach."""
 
+_MOST_RATE: Final = 3e38
+_MOST_VALUES: Final = 0xFFFF
+"""Analog values of a frame are counted in a word of the header."""
+
 _MOST_SIGNED: Final = 32_767
 _DESCRIPTIONS: Final = re.compile(r"DESCRIPTIONS\d*")
 _OFFSETS: Final = re.compile(r"OFFSET\d*")
@@ -100,7 +104,7 @@ class OriginalData:
         records = [group_record(2, ANALOG), word_record(2, "USED", count)]
         if channels is not None:
             stated = channels.rate if math.isfinite(channels.rate) else rate * channels.samples
-            records.append(float_record(2, "RATE", stated))
+            records.append(float_record(2, "RATE", min(stated, _MOST_RATE)))
         records += self._copies(2, ANALOG)
         records.append(group_record(3, PLATES))
         if "USED" not in self.groups.get(PLATES, {}):
@@ -189,7 +193,7 @@ def read_original(original: Original | None, rate: float, unit: str, notices: li
     if original.factor != 1.0 or original.is_turned:
         groups.pop("SEG", None)
     plates = plates_of(channels)
-    reason = _other_frames(channels, original, rate) if len(channels) else ""
+    reason = _reason_against_samples(channels, original, rate) if len(channels) else ""
     if reason:
         note(notices, "warning", f"{_count(channels, len(plates))} of the C3D file are left out: {reason}")
     if reason or not len(channels):
@@ -197,7 +201,7 @@ def read_original(original: Original | None, rate: float, unit: str, notices: li
     data = _with_usual_offsets(OriginalData(channels, groups))
     if plates:
         moved = _move_plates(channels, data.groups[PLATES], original)
-        reason = _other_plates(channels, moved, original, unit)
+        reason = _reason_against_plates(channels, moved, original, unit)
         if reason:
             told = (
                 "1 force plate of the C3D file is"
@@ -239,7 +243,8 @@ def _groups(channels: Channels, notices: list[Notice]) -> Groups:
     too_long = []
     for key, parameter in channels.said.parameters.items():
         group, _, name = key.partition(":")
-        if group in _OF_OTHER_DATA or (group in _OWN and group not in (ANALOG, PLATES, TRIAL)):
+        # A record without a name would end the parameters.
+        if not name or group in _OF_OTHER_DATA or (group in _OWN and group not in (ANALOG, PLATES, TRIAL)):
             continue
         if (group == ANALOG and name in ("USED", "RATE")) or (group == TRIAL and name.startswith("ACTUAL_")):
             groups.setdefault(group, {})
@@ -263,8 +268,10 @@ def _without(groups: Groups, *names: str) -> Groups:
     return {name: group for name, group in groups.items() if name not in names}
 
 
-def _other_frames(channels: Channels, original: Original, rate: float) -> str:
-    """Why the frames of a clip are not those of the file, "" where they may be."""
+def _reason_against_samples(channels: Channels, original: Original, rate: float) -> str:
+    """Why frames of a clip cannot have the samples of the file, "" where they can."""
+    if len(channels) * channels.samples > _MOST_VALUES:
+        return f"a frame has more than {_MOST_VALUES} analog values"
     if original.is_resampled:
         return "the frames were resampled"
     own = channels.said.number("POINT:RATE") or channels.said.rate
@@ -317,7 +324,7 @@ def _move_plates(channels: Channels, plates: Mapping[str, Parameter], original: 
     return moved
 
 
-def _other_plates(channels: Channels, moved: Mapping[str, Parameter], original: Original, unit: str) -> str:
+def _reason_against_plates(channels: Channels, moved: Mapping[str, Parameter], original: Original, unit: str) -> str:
     """Why force plates cannot be stated in the unit and the size of the clip, "" where they can."""
     if original.is_resized:
         return "the size of the clip was changed, forces cannot follow"
