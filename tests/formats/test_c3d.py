@@ -58,7 +58,7 @@ def test_keeps_what_the_file_says() -> None:
     assert block.values[0, 3] == 1.5
     missing = [shape for shape in block.shapes if any(not bits for _, bits in shape)]
     assert missing
-    assert any("1 analog channels are not in the document" in notice.what for notice in clip.notices)
+    assert any("1 analog channels stay in the file" in notice.what for notice in clip.notices)
 
 
 @pytest.mark.parametrize("seed", range(4))

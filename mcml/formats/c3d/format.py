@@ -160,13 +160,11 @@ def _survey(points: Points, places: NDArray[np.intp]) -> tuple[bool, bool]:
 def _say_what_stays(said: Statements, analog_values: int, notices: list[Notice]) -> None:
     channels = int(said.number("ANALOG:USED") or 0) or analog_values // max(1, int(said.words[9]))
     rotations = count_rotations(said)
-    lost = [
-        f"{channels} analog channels" if analog_values else "",
-        f"{rotations} rotations" if rotations else "",
-    ]
-    if any(lost):
-        kept = " and ".join(text for text in lost if text)
-        note(notices, "warning", f"{kept} are not in the document; the kept file has them")
+    if analog_values:
+        what = f"{channels} analog channels stay in the file; measurements and exports to C3D read them there"
+        note(notices, "note", what)
+    if rotations:
+        note(notices, "warning", f"{rotations} rotations are not in the document; the kept file has them")
 
 
 def _label_frames(
