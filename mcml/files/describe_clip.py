@@ -58,7 +58,10 @@ def up_facts(head: ClipHead, extent: Array) -> dict[str, Any]:
     axis = head.fields.get("global_axis_of_gravity")
     if axis:
         return {"value": axis.upper(), "stated": True, "why": "the header says so"}
-    axis = "XYZ"[int(np.argmax(extent))] if extent.any() else "Y"
+    if not extent.any():
+        why = "the file names no up axis; the calibration guesses it from the frames"
+        return {"value": None, "stated": False, "why": why}
+    axis = "XYZ"[int(np.argmax(extent))]
     return {"value": None, "stated": False, "why": f"the file names no up axis; the rest pose is longest along {axis}"}
 
 

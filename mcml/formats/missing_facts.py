@@ -5,7 +5,7 @@ from __future__ import annotations
 from mcml.errors import Notice
 from mcml.formats.format import note
 from mcml.motion.clip import ClipHead
-from mcml.motion.guesses import is_person, likely_up, size_of_person
+from mcml.motion.guesses import is_person, size_of_person, up_of_head
 from mcml.motion.skeleton import Array
 
 
@@ -30,7 +30,7 @@ def guess_up(head: ClipHead, places: Array, notices: list[Notice], title: str) -
 
     places: (J, 3) joints in one frame. title: of the format or program that takes Y as up, for the notice.
     """
-    likely = likely_up(head.skeleton, places) if is_person(head.skeleton) else None
+    likely = up_of_head(head, places) if is_person(head.skeleton) else None
     if likely is None or not likely.sure:
         note(notices, "note", f"the document states no up axis: nothing was turned, and {title} takes Y as up")
         return None

@@ -7,11 +7,13 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mcml.motion.carriers import chain
 from mcml.motion.clip import ClipHead
+from mcml.motion.floor_plates import kept_plates, normal_axis
 from mcml.motion.landmarks.centres import bodies_of
-from mcml.motion.skeleton import Array, Skeleton, once_a_skeleton
+from mcml.motion.skeleton import Array, Convention, Skeleton, once_a_skeleton
 from mcml.motion.units import metres_of, metres_per_unit
 
 HEIGHTS = (("m", 0.8, 3.0), ("ft", 3.5, 8.0), ("inch", 40.0, 95.0), ("cm", 95.0, 260.0), ("mm", 800.0, 2600.0))
@@ -80,8 +82,17 @@ _HEIGHTS = (
 )
 """Relative heights of parts in a standing body, and words in their names."""
 _NO_HEAD = re.compile(r"(?:met|mt|fib|rad|hum|uln|fem)\w* ?\d*\w* ?head|head ?(?:of|met|mt|fib|rad|hum|uln|fem)")
+_UPPER = 3.0
+_UPPER_LANDMARKS = frozenset({"jugular_notch", "xiphoid", "c7"})
+"""Landmarks of the trunk without a word of `_HEIGHTS`, and their height."""
 _LOW, _HIGH = 1.0, 2.0
 """Joints whose names decide the up axis: knees or feet, and hips or joints above."""
+_ALONG = 0.9
+"""Of the distance from the lower markers to the upper ones, along the axis that it is along. A lying body has less."""
+_LOWEST = 10.0
+"""Percent of the points of a frame that are its lowest."""
+_MOVED = 0.01
+"""Relative to the largest extent: less travel means that nothing moves."""
 _WALKED = 0.5
 """Relative to the largest extent of all points in a frame: a longer travel along an axis means walking."""
 _LEVEL = 4.0
@@ -102,18 +113,20 @@ class LikelyUp:
     sure: bool = True
 
 
-def likely_up(skeleton: Skeleton, positions: Array) -> LikelyUp:
+def likely_up(skeleton: Skeleton, positions: Array, plates: Array | None = None) -> LikelyUp:
     """Guess the axis that points up.
 
-    positions: (n, J, 3) of some frames, or (J, 3) of one, NaN where a point was not visible. Names decide if there are
-    high parts and low ones (heads above feet). Otherwise axes along which points travel far are excluded, because a
-    walkway is longer than a person. Of the others it is the one along which the points of a frame extend furthest, or
-    travel least; the reason states if only an extent decided. "Y" without any extent.
+    positions: (n, J, 3) of some frames, or (J, 3) of one, NaN where a point was not visible. plates: (P, 4, 3) corners
+    of force plates in the same unit. Names and plates decide first (`told_up`). Otherwise axes along which points
+    travel far are excluded, because a walkway is longer than a person. Of the others it is the one along which the
+    points of a frame extend furthest, or travel least. Without a walkway it is the axis along which the lowest markers
+    travel least; of a body with joints, and of markers that stay, the one along which points extend furthest. The
+    reason states this. "Y" without any extent.
     """
     frames = positions if positions.ndim == 3 else positions[None]
-    towards = _from_low_to_high(skeleton, frames)
-    if towards is not None:
-        return LikelyUp(_axis_along(towards), "heads and hips are above feet along it")
+    told = told_up(skeleton, frames, plates)
+    if told is not None:
+        return told
     extents = _extents(frames)
     if not extents.any():
         return LikelyUp("Y", "nothing tells it", sure=False)
@@ -126,7 +139,47 @@ def likely_up(skeleton: Skeleton, positions: Array) -> LikelyUp:
         return LikelyUp("XYZ"[across[travel[across].argmin()]], "points travel least along it")
     if walked.any():
         return LikelyUp("XYZ"[axis], "points travel along another axis, and are longest along this one")
+    lowest = _travel_of_lowest(frames)
+    if _are_markers(skeleton) and lowest.max() > _MOVED * extents.max():
+        why = "neither names nor a walkway tell it; the lowest points travel least along it"
+        return LikelyUp("XYZ"[int(lowest.argmin())], why, sure=False)
     return LikelyUp("XYZ"[axis], "neither names nor travel tell it; points are longest along it", sure=False)
+
+
+def told_up(skeleton: Skeleton, frames: Array, plates: Array | None = None) -> LikelyUp | None:
+    """Return the axis that the names of points tell, else the one that force plates tell; None if neither does.
+
+    frames: (n, J, 3), NaN where a point was not visible. plates: as for `likely_up`. Names of markers decide if at
+    least 90 % of the distance from feet to hips, shoulders and heads is along one axis: a lying body, or a swimmer, has
+    less. Plates decide where they contradict names: of a body that lies along an axis, or is upside down.
+    """
+    level = None if plates is None else normal_axis(plates, frames)
+    markers = _are_markers(skeleton)
+    towards = _from_lower_markers(skeleton, frames) if markers else _from_low_to_high(skeleton, frames)
+    if towards is not None:
+        share = float(np.abs(towards).max() / np.linalg.norm(towards))
+        axis = _axis_along(towards)
+        if not markers:
+            return LikelyUp(axis, "heads and hips are above feet along it")
+        if share >= _ALONG:
+            if level is not None and level[-1] != axis[-1]:
+                lying = f"heads and hips are above feet along {axis}: the body may lie"
+                return LikelyUp(level, f"the force plates are level in it, although {lying}")
+            if level is not None and level != axis:
+                return LikelyUp(level, "heads and hips are below feet along it, and all are above the force plates")
+            return LikelyUp(axis, f"heads and hips are above feet along it, by {share:.0%} of their distance")
+    if level is None:
+        return None
+    return LikelyUp(level, "the force plates are level in it, and most points are above them")
+
+
+def _are_markers(skeleton: Skeleton) -> bool:
+    return bool(skeleton.joints) and all(joint.convention is Convention.MARKER for joint in skeleton.joints)
+
+
+def up_of_head(head: ClipHead, positions: Array) -> LikelyUp:
+    """Guess the axis that points up from the body and the force plates of a clip; see `likely_up`."""
+    return likely_up(head.skeleton, positions, kept_plates(head))
 
 
 def stated_up(head: ClipHead) -> str | None:
@@ -142,7 +195,7 @@ def changed_up(head: ClipHead, positions: Array) -> tuple[str, str] | None:
     """
     if stated_up(head) is not None or not positions.size:
         return None
-    before, now = longest_up(head.skeleton, positions), likely_up(head.skeleton, positions).axis
+    before, now = longest_up(head.skeleton, positions), up_of_head(head, positions).axis
     return None if before == now else (before, now)
 
 
@@ -197,6 +250,41 @@ def _from_low_to_high(skeleton: Skeleton, frames: Array) -> Array | None:
     return None
 
 
+@once_a_skeleton
+def _marker_heights(skeleton: Skeleton) -> Array:
+    """(J,) the relative height of each marker in a body by its landmark, else by its name; NaN if neither decides."""
+    heights = [np.nan if height is None else height for height in _heights(skeleton)]
+    for index, landmark in landmarks_of(skeleton).items():
+        height = _UPPER if landmark in _UPPER_LANDMARKS else _height_of(landmark)
+        ambiguous = height is None or landmark.endswith(("_tracking", "_hand"))
+        heights[index] = np.nan if ambiguous or height is None else height
+    return np.array(heights)
+
+
+def landmarks_of(skeleton: Skeleton) -> dict[int, str]:
+    """The landmarks of markers, by their index, of all bodies."""
+    return {index: landmark for body in bodies_of(skeleton) for index, landmark in body.landmarks.items()}
+
+
+def _from_lower_markers(skeleton: Skeleton, frames: Array) -> Array | None:
+    """Return (3,) from feet to hips, shoulders and heads: the median over frames (n, J, 3) of the difference of the
+    medians of both. None without a frame that has both.
+    """
+    heights = _marker_heights(skeleton)
+    upper, lower = frames[:, heights >= _HIGH], frames[:, heights == 0.0]
+    there = _seen(upper).any(axis=1) & _seen(lower).any(axis=1)
+    if not there.any():
+        return None
+    steps = np.nanmedian(upper[there], axis=1) - np.nanmedian(lower[there], axis=1)
+    towards: Array = np.median(steps, axis=0)
+    return towards if np.isfinite(towards).all() and np.abs(towards).max() > 0 else None
+
+
+def _seen(points: Array) -> NDArray[np.bool_]:
+    """(n, P) whether points (n, P, 3) are seen."""
+    return np.asarray(np.isfinite(points).all(axis=2))
+
+
 def _middle(points: Array) -> Array:
     """(n, 3) the middle of those of points (n, P, 3) that are seen, NaN where none is."""
     return _mean_pose(points.transpose(1, 0, 2))
@@ -219,6 +307,17 @@ def _travel(frames: Array) -> Array:
     if there.sum() < 2:
         return np.zeros(3)
     low, high = np.percentile(away[there], [5.0, 95.0], axis=0)
+    travel: Array = high - low
+    return travel
+
+
+def _travel_of_lowest(frames: Array) -> Array:
+    """(3,) how far the lowest points of a frame travel along each axis; zero of a single frame."""
+    seen = _seen(frames)
+    whole = np.where(seen[:, :, None], frames, np.nan)[seen.any(axis=1)]
+    if len(whole) < 2:
+        return np.zeros(3)
+    low, high = np.percentile(np.nanpercentile(whole, _LOWEST, axis=1), [5.0, 95.0], axis=0)
     travel: Array = high - low
     return travel
 

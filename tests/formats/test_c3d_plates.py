@@ -13,9 +13,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mcml.errors import McmlError
+from mcml.formats import FORMATS
 from mcml.formats.c3d.analog import read_channels
 from mcml.formats.c3d.plates import plates_of, read_plates
+from mcml.formats.format import ReadOptions
 from mcml.laboratory.force_plates import Plate, plate_forces
+from mcml.motion.floor_plates import kept_plates
+from mcml.testing import read
 from tests.c3d_writer import Value, c3d_bytes, texts
 
 CORNERS = [[500.0, 300, 0], [500, -300, 0], [-500, -300, 0], [-500, 300, 0]]
@@ -246,3 +250,29 @@ def test_real_files_as_ezc3d_computes_them(shared: Path) -> None:
                 assert np.allclose(found.free_moment[loaded] * 1000, sign * free, rtol=0, atol=1e-6), path.name
                 compared += bool(loaded.any())
     assert compared > 20
+
+
+@pytest.mark.parametrize(
+    ("screen", "stated", "kind", "told"),
+    [
+        ("+Z", "Z", "guess", "Z counts as up: the file shows it upward on the screen (Y_SCREEN); the force plates"),
+        ("+Y", None, "warning", "no up axis is stated: the file shows Y upward on the screen (Y_SCREEN), but Z is"),
+        ("-Z", None, None, ""),
+    ],
+)
+def test_the_axis_on_the_screen_may_contradict_plates(
+    screen: str, stated: str | None, kind: str | None, told: str
+) -> None:
+    clip = read(FORMATS["c3d"], {"c3d": file_of([2], ORDER, POINT__Y_SCREEN=texts(screen))}, ReadOptions())
+    assert clip.head.fields.get("global_axis_of_gravity") == stated
+    notices = [(notice.kind, notice.what) for notice in clip.notices if "screen" in notice.what]
+    assert [notice[0] for notice in notices] == ([] if kind is None else [kind])
+    assert all(what.startswith(told) for _, what in notices)
+    assert np.array_equal(kept_plates(clip.head), [CORNERS])
+
+
+def test_plates_without_corners_are_not_kept() -> None:
+    flat: Value = (4, (3, 4, 1), [0.0] * 12)
+    for corners in (flat, None, (4, (3, 2, 1), [1.0] * 6)):
+        data = file_of([2], ORDER, FORCE_PLATFORM__CORNERS=corners)
+        assert not len(kept_plates(read(FORMATS["c3d"], {"c3d": data}, ReadOptions()).head))

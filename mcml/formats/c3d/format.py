@@ -22,14 +22,20 @@ from mcml.formats.c3d.data import find_data, first_frame
 from mcml.formats.c3d.events import Event, label_frames, read_events, section_of
 from mcml.formats.c3d.layout import scales_said
 from mcml.formats.c3d.parameters import Statements, read_statements
+from mcml.formats.c3d.plates import corners_of
 from mcml.formats.c3d.points import Points
 from mcml.formats.c3d.quantities import Quantity, quantities_of, sections_of, texts_of
 from mcml.formats.c3d.rotations import count_rotations, read_rotations
 from mcml.formats.c3d.writer import write_c3d
 from mcml.formats.format import FileKind, ReadOptions, SourceFile, need_convention, note
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, Shape, SourcePart, full_shape
+from mcml.motion.floor_plates import section_of_plates
+from mcml.motion.guesses import LikelyUp, told_up
 from mcml.motion.markers import marker_skeleton
 from mcml.motion.skeleton import Array, Convention, Skeleton
+
+_SAMPLE = 200_000
+"""Positions, about, from which the up axis is told."""
 
 
 class C3d:
@@ -90,17 +96,20 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
         note(notices, "warning", "the file has no markers: all of its points are quantities")
     scale = scales_said(said)[0][0]
     points = Points(stream, layout, said.machine, abs(scale))
-    measured, unmeasured = _survey(points, places)
+    measured, unmeasured, sample = _survey(points, places)
     if unmeasured:
         notices.append(Notice("guess", "every residual says that there is no sample; the coordinates count"))
     skeleton = marker_skeleton([labels[place] for place in places.tolist()], residual=measured)
-    fields, first_id = _fields(said, name, notices), first_frame(said, layout.frames)
+    plates = corners_of(said)
+    told = told_up(skeleton, sample, plates)
+    fields, first_id = _fields(said, name, notices, told), first_frame(said, layout.frames)
     events = read_events(said, notices)
     labelled = _label_frames(events, fields, first_id, layout.frames, notices)
     _say_what_stays(said, layout.analog, notices)
     read = _with_samples(points, quantities, first_id, fields.get("dataframe_rate", "?"), unmeasured)
     sections = (("POINT:SCALE", repr(scale)), ("processor", said.machine.name), *sections_of(read, notices))
     sections += (section_of(events),) if events else ()
+    sections += (section_of_plates(plates),) if len(plates) else ()
     head = ClipHead("c3d", skeleton, fields, sources=(SourcePart(part="c3d", name=name, sections=sections),))
 
     def blocks() -> Iterator[FrameBlock]:
@@ -142,19 +151,28 @@ def _with_samples(
         yield replace(quantities[place], first=first_id, rate=rate, samples=samples[:, index])
 
 
-def _survey(points: Points, places: NDArray[np.intp]) -> tuple[bool, bool]:
-    """Return (whether the markers have residuals, whether all mark missing samples although there are coordinates).
+def _survey(points: Points, places: NDArray[np.intp]) -> tuple[bool, bool, Array]:
+    """Return (whether the markers have residuals, whether all mark missing samples although there are coordinates,
+    positions (n, markers, 3) of some frames, NaN where unknown).
 
     places: of the markers among the points.
     """
     measured = coordinates_there = False
     all_missing = points.layout.frames > 0
+    step = max(1, points.layout.frames * max(1, len(places)) // _SAMPLE)
+    positions, missing = [np.empty((0, len(places), 3))], [np.empty((0, len(places)), dtype=bool)]
     for first in range(0, points.layout.frames, points.block):
         coordinates, residuals = points.read(first, points.block)
         measured = measured or bool((residuals[:, places] > 0).any())
         all_missing = all_missing and bool((residuals < 0).all())
         coordinates_there = coordinates_there or bool(np.any(np.nan_to_num(coordinates)))
-    return measured, all_missing and coordinates_there
+        rows = slice(-first % step, None, step)
+        positions.append(coordinates[rows][:, places])
+        missing.append(residuals[rows][:, places] < 0)
+    sample, unmeasured = np.concatenate(positions), all_missing and coordinates_there
+    if not unmeasured:
+        sample[np.concatenate(missing)] = np.nan
+    return measured, unmeasured, sample
 
 
 def _say_what_stays(said: Statements, analog_values: int, notices: list[Notice]) -> None:
@@ -201,7 +219,8 @@ def _text(text: bytes, notices: list[Notice]) -> str:
         return text.decode("cp1252", errors="replace")
 
 
-def _fields(said: Statements, name: str, notices: list[Notice]) -> dict[str, str]:
+def _fields(said: Statements, name: str, notices: list[Notice], told: LikelyUp | None = None) -> dict[str, str]:
+    """told: the axis up by names of markers or by force plates, which the axis on the screen may contradict."""
     fields = {"filetype": "C3D", "filename": name}
     rate = said.number("POINT:RATE") or said.rate
     if math.isfinite(rate) and rate > 0:
@@ -213,9 +232,14 @@ def _fields(said: Statements, name: str, notices: list[Notice]) -> dict[str, str
         fields["calibration_unit"] = units[0]
     screens = [text.decode("latin-1").upper() for text in said.texts("POINT:Y_SCREEN")]
     if screens and screens[0] in ("+X", "+Y", "+Z"):
-        axis = screens[0]
-        note(notices, "guess", f"{axis[1]} counts as up: the file shows it upward on the screen (Y_SCREEN)")
-        fields["global_axis_of_gravity"] = axis[1]
+        axis = screens[0][1]
+        if told is None or told.axis[-1] == axis:
+            also = "" if told is None else f"; {told.why}"
+            note(notices, "guess", f"{axis} counts as up: the file shows it upward on the screen (Y_SCREEN){also}")
+            fields["global_axis_of_gravity"] = axis
+        else:
+            why = f"the file shows {axis} upward on the screen (Y_SCREEN), but {told.axis} is likely: {told.why}"
+            note(notices, "warning", f"no up axis is stated: {why}")
     return fields
 
 

@@ -11,11 +11,9 @@ from mcml.formats.c3d.analog import Channels, read_channels
 from mcml.formats.c3d.parameters import Statements
 from mcml.formats.c3d.quantities import decode_text
 from mcml.laboratory.force_plates import CHANNEL_COUNTS, Plate
+from mcml.motion.floor_plates import MOST_PLATES, usable_plates
 from mcml.motion.skeleton import Array
 from mcml.motion.units import UNITS
-
-_MOST_PLATES: Final = 255
-"""The dimensions of a parameter are bytes."""
 
 _FORCES: Final = {"n": 1.0, "nt": 1.0, "newton": 1.0, "newtons": 1.0, "kn": 1000.0, "lb": 4.4482216152605}
 _FORCES_ALONE: Final = {**_FORCES, "lbf": _FORCES["lb"], "lbs": _FORCES["lb"]}
@@ -38,10 +36,21 @@ def plates_of(channels: Channels) -> list[Plate]:
     """Return the force plates of a file, in its order. A plate that cannot be used has reasons."""
     said = channels.said
     kinds = said.numbers("FORCE_PLATFORM:TYPE")
-    used = said.number("FORCE_PLATFORM:USED")
-    count = min(_MOST_PLATES, len(kinds) if used is None else max(0, round(used)))
+    count = _count_plates(said)
     types = [round(kind) if np.isfinite(kind) else 0 for kind in kinds] + [0] * count
     return [_plate(channels, index, types[index], count) for index in range(count)]
+
+
+def _count_plates(said: Statements) -> int:
+    used = said.number("FORCE_PLATFORM:USED")
+    count = len(said.numbers("FORCE_PLATFORM:TYPE")) if used is None or not np.isfinite(used) else max(0, round(used))
+    return min(MOST_PLATES, count)
+
+
+def corners_of(said: Statements) -> Array:
+    """Return (P, 4, 3) the corners of the plates that have any, in the unit of the file and the order of `Plate`."""
+    corners = [_part(said, "CORNERS", index, 12) for index in range(_count_plates(said))]
+    return usable_plates(np.array(corners, dtype=np.float64).reshape(-1, 4, 3))
 
 
 def _plate(channels: Channels, index: int, kind: int, count: int) -> Plate:

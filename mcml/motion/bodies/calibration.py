@@ -16,18 +16,20 @@ import orjson
 from mcml.errors import RequestError
 from mcml.motion.anatomy.axes import uprightness
 from mcml.motion.bodies.beginnings import LOOKED_AT, frames_before_motion
+from mcml.motion.bodies.floors import find_floor
 from mcml.motion.bodies.origins import Origin
 from mcml.motion.bodies.reference import could_stand
 from mcml.motion.clip import ClipHead, Reference, ReferencePose
+from mcml.motion.floor_plates import kept_plates
 from mcml.motion.frames import Rows
-from mcml.motion.guesses import changed_up, likely_up, stated_up
+from mcml.motion.guesses import changed_up, stated_up, told_up, up_of_head
 from mcml.motion.kinematics import rest_positions
 from mcml.motion.landmarks.centres import body_names, centres_of, with_centres
 from mcml.motion.pictures.figures import axis_of
 from mcml.motion.skeleton import Array, Skeleton, once_a_skeleton
 from mcml.motion.units import UNITS, Reading, metres_of, reading_of
 from mcml.motion.vectors import length
-from mcml.numerics.ranks import median, percentile
+from mcml.numerics.ranks import median
 
 LEGS: Final = 0.6, 1.1
 """Metres from hip to knee to ankle of the people whose motion is captured."""
@@ -53,8 +55,6 @@ _UNSET: Final = object()
 PoseAt: TypeAlias = Callable[[int], ReferencePose]
 Shared: TypeAlias = Callable[[str | None], Reference | None]
 
-_FLOOR = 5.0
-"""Percent of the heights of the toes that are below the floor."""
 _SAMPLE = 5_000
 """Frames at most, and those at the start."""
 
@@ -169,7 +169,7 @@ def calibrate(
     settle("metres", _metres(head, values["leg"]))
     settle("up", _up(head, poses))
     up = axis_of(values["up"])
-    settle("floor", _floor(names, with_centres(centres, poses), up))
+    settle("floor", find_floor(head, names, with_centres(centres, poses), up, values["metres"]))
     origins["reference"] = Origin("set")
     if reference is None or isinstance(reference, int):
         if kept is None and reference is not None and pose_at is not None:
@@ -265,23 +265,14 @@ def _metres(head: ClipHead, leg: float | None) -> tuple[float | None, Origin]:
 def _up(head: ClipHead, positions: Array) -> tuple[str, Origin]:
     stated = stated_up(head)
     if stated is not None:
-        return stated, Origin("stated")
-    found = likely_up(head.skeleton, positions)
+        told = told_up(head.skeleton, positions, kept_plates(head))
+        if told is None or told.axis == stated:
+            return stated, Origin("stated", "" if told is None else told.why)
+        return stated, Origin("stated", f"but {told.axis} is likely: {told.why}")
+    found = up_of_head(head, positions)
     changed = changed_up(head, positions)
     before = "" if changed is None else f"; by extents alone it was {changed[0]}"
     return found.axis, Origin("guessed", f"{found.axis}: {found.why}{before}")
-
-
-def _floor(names: Sequence[str], positions: Array, up: Array) -> tuple[float | None, Origin]:
-    at = {name: index for index, name in enumerate(names)}
-    for part in ("toes", "foot"):
-        joints = [at[name] for side in ("left", "right") if (name := f"{side}_{part}") in at]
-        heights = (positions[:, joints] @ up).ravel()
-        heights = heights[np.isfinite(heights)]
-        if len(heights):
-            word = "toes" if part == "toes" else "feet (no toes are known)"
-            return percentile(heights, _FLOOR), Origin("guessed", f"the {word} are above it nearly always")
-    return None, Origin("unknown", "no foot is known")
 
 
 @once_a_skeleton

@@ -10,9 +10,10 @@ import numpy as np
 from mcml.errors import ConversionError
 from mcml.motion.clip import ClipStream, FrameBlock, Shape
 from mcml.motion.extremes import within_doubles
+from mcml.motion.floor_plates import kept_plates, replace_plates
 from mcml.motion.lexemes import lexeme, triple
 from mcml.motion.rotations import from_euler, from_fixed_euler, multiply, to_euler
-from mcml.motion.skeleton import CHANNELS, TRANSLATIONS, Convention, EndSite, Joint, Skeleton, Triple, numbers
+from mcml.motion.skeleton import CHANNELS, TRANSLATIONS, Array, Convention, EndSite, Joint, Skeleton, Triple, numbers
 from mcml.motion.units import Reading, reading_of
 
 _LENGTHS = (*TRANSLATIONS, "residual")
@@ -35,6 +36,9 @@ def scale(clip: ClipStream, factor: float, unit: str | None = None) -> ClipStrea
             fields["units_length"] = lexeme(float(fields["units_length"]) * factor)
     joints = tuple(_scaled(joint, factor) for joint in head.skeleton.joints)
     head = replace(head, skeleton=replace(head.skeleton, joints=joints), fields=fields, number_style="shortest")
+    # A body of another size no longer fits the laboratory.
+    plates = kept_plates(clip.head)
+    head = replace_plates(head, plates[:0] if unit is None else plates * factor)
     conventions = [joint.convention for joint in joints]
 
     def blocks() -> Iterator[FrameBlock]:
@@ -89,6 +93,7 @@ def turn_up(clip: ClipStream, start: str, end: str) -> ClipStream:
             yield turn.block(head.skeleton, block)
 
     head = replace(head, skeleton=skeleton, fields=fields, number_style="shortest")
+    head = replace_plates(head, turn.points(kept_plates(head)))
     original = None if clip.original is None else clip.original.turn(turn.target, turn.sign)
     return replace(clip, head=head, blocks=blocks, original=original)
 
@@ -105,6 +110,13 @@ class _Turn:
         self.rotation = from_euler(angles, "XYZ")
         self.target = {first: last, last: first, third: third}
         self.sign = {first: 1.0, last: -1.0, third: 1.0}
+
+    def points(self, places: Array) -> Array:
+        """(…, 3) turned."""
+        turned = np.empty_like(places)
+        for source, target in self.target.items():
+            turned[..., target] = self.sign[source] * places[..., source]
+        return turned
 
     def vector(self, lexemes: Triple | None) -> Triple | None:
         if lexemes is None:

@@ -15,7 +15,7 @@ from mcml.motion.bodies.positions import rounded
 from mcml.motion.bodies.quantities import compute
 from mcml.motion.bodies.stretch import Stretch
 from mcml.motion.clip import ClipHead
-from mcml.motion.guesses import changed_up, likely_up
+from mcml.motion.guesses import changed_up, likely_up, up_of_head
 from mcml.motion.markers import marker_skeleton
 from mcml.motion.skeleton import Convention, Joint, Skeleton
 from tests.formats.test_real_files import opened
@@ -180,7 +180,7 @@ UPS = {
 @pytest.mark.parametrize("name", UPS)
 def test_up_of_real_trials(shared: Path, name: str) -> None:
     clip = named(opened(shared / name))
-    assert likely_up(clip.head.skeleton, positions_of(clip)).axis == UPS[name]
+    assert up_of_head(clip.head, positions_of(clip)).axis == UPS[name]
 
 
 def test_it_is_told_where_a_guess_has_changed(shared: Path) -> None:

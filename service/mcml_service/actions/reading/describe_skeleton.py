@@ -8,7 +8,7 @@ from mcml.language import vocabulary
 from mcml.language.element import addresses
 from mcml.language.elements import to_head
 from mcml.motion.bodies.positions import clip_positions, filled
-from mcml.motion.guesses import likely_unit, likely_up
+from mcml.motion.guesses import likely_unit, up_of_head
 from mcml.motion.hub import rest_of
 from mcml.motion.kinematics import rest_positions
 from mcml.motion.pictures.figures import is_markers
@@ -54,7 +54,7 @@ def describe_skeleton(tx: Transaction, stored: StoredDocument) -> SkeletonView:
         likely_unit=likely,
         metres=metres,
         up=up,
-        likely_up=up.strip().upper() if up else likely_up(head.skeleton, poses).axis,
+        likely_up=up.strip().upper() if up else up_of_head(head, poses).axis,
         origin=origin.tolist(),
         radians=reading.motion_angle,
         bones=[

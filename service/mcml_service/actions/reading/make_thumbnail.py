@@ -10,7 +10,7 @@ import numpy as np
 from mcml.language.elements import to_head
 from mcml.motion.carriers import carriers
 from mcml.motion.clip import ClipHead, FrameBlock, full_shape
-from mcml.motion.guesses import likely_unit, likely_up
+from mcml.motion.guesses import likely_unit, up_of_head
 from mcml.motion.hub import HubReader, rest_of, walked
 from mcml.motion.kinematics import rest_positions, unseen
 from mcml.motion.layout import Held
@@ -202,5 +202,5 @@ class _Drawing:
 def _facts(head: ClipHead, joints: Array) -> dict[str, Any]:
     unit, metres = likely_unit(head, joints[0])
     stated = head.fields.get("global_axis_of_gravity", "").strip().upper()
-    up = stated if stated.lstrip("+-") in ("X", "Y", "Z") and stated else likely_up(head.skeleton, joints).axis
+    up = stated if stated.lstrip("+-") in ("X", "Y", "Z") and stated else up_of_head(head, joints).axis
     return {"unit": unit, "metres": metres, "up": up.lstrip("+"), "markers": is_markers(head.skeleton)}

@@ -10,7 +10,7 @@ import numpy as np
 
 from mcml.errors import NotFoundError, SizeError
 from mcml.motion.clip import ClipHead, FrameBlock
-from mcml.motion.guesses import likely_up
+from mcml.motion.guesses import up_of_head
 from mcml.motion.hub import rest_of
 from mcml.motion.kinematics import Walker
 from mcml.motion.units import reading_of
@@ -73,7 +73,7 @@ def preview_motion(
         parents=[*(joint.parent for joint in skeleton.joints), *tips],
         origin=origin.tolist(),
         seconds_per_frame=seconds,
-        up=head.fields.get("global_axis_of_gravity", "").strip().upper() or likely_up(skeleton, pose).axis,
+        up=head.fields.get("global_axis_of_gravity", "").strip().upper() or up_of_head(head, pose).axis,
         data=base64.b64encode(every_position.astype("<f4").tobytes()).decode(),
     )
 
