@@ -89,8 +89,9 @@ def normal_axis(plates: Array, positions: Array) -> str | None:
     axis = int(axes[0])
     if (axes != axis).any() or (shares.max(axis=1) < _ALONG).any():
         return None
-    heights = positions[..., axis].ravel() - np.median(plates[:, :, axis])
-    heights = heights[np.isfinite(heights)]
+    # Halves, because differences and means of the largest numbers overflow.
+    heights = positions[..., axis].ravel() / 2 - np.median(plates[:, :, axis]) / 2
+    heights = heights[np.isfinite(heights)] / 2
     # By the standard z of a plate, x cross y, points down.
     side = float(np.median(heights)) if len(heights) else 0.0
     return ("-" if (side or -float(normals[0, axis])) < 0 else "") + "XYZ"[axis]

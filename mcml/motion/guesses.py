@@ -157,7 +157,7 @@ def told_up(skeleton: Skeleton, frames: Array, plates: Array | None = None) -> L
     markers = _are_markers(skeleton)
     towards = _from_lower_markers(skeleton, frames) if markers else _from_low_to_high(skeleton, frames)
     if towards is not None:
-        share = float(np.abs(towards).max() / np.linalg.norm(towards))
+        share = 1.0 / float(np.linalg.norm(towards / np.abs(towards).max()))
         axis = _axis_along(towards)
         if not markers:
             return LikelyUp(axis, "heads and hips are above feet along it")
@@ -275,8 +275,9 @@ def _from_lower_markers(skeleton: Skeleton, frames: Array) -> Array | None:
     there = _seen(upper).any(axis=1) & _seen(lower).any(axis=1)
     if not there.any():
         return None
-    steps = np.nanmedian(upper[there], axis=1) - np.nanmedian(lower[there], axis=1)
-    towards: Array = np.median(steps, axis=0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        steps = np.nanmedian(upper[there], axis=1) - np.nanmedian(lower[there], axis=1)
+        towards: Array = np.median(steps, axis=0)
     return towards if np.isfinite(towards).all() and np.abs(towards).max() > 0 else None
 
 

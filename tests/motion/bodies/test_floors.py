@@ -23,7 +23,7 @@ from mcml.motion.floor_plates import (
     section_of_plates,
     usable_plates,
 )
-from mcml.motion.guesses import likely_up
+from mcml.motion.guesses import likely_up, told_up
 from mcml.motion.markers import marker_skeleton
 from mcml.motion.pictures.figures import axis_of
 from tests.formats.test_real_files import opened
@@ -192,6 +192,16 @@ def test_damaged_sections_are_passed_over() -> None:
     text = "1 2 3\nnan " + "1 " * 11 + "\n" + "a " * 12 + "\n" + "7 " * 12 + "\n" + section_of_plates(PLATE)[1]
     head = replace(head_of(), sources=(SourcePart("c3d", sections=((SECTION, text),)),))
     assert np.array_equal(kept_plates(head), PLATE)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("largest", [1e-300, 1e200, 1.7e308])
+def test_numbers_of_any_size(largest: float) -> None:
+    assert likely_up(marker_skeleton(NAMES), walker() * [0, 0, largest / 2000], PLATE).axis == "Z"
+    far = np.where(walker() > 500, largest, -largest)
+    told = told_up(marker_skeleton(NAMES), far, PLATE)
+    assert told is not None
+    assert told.axis in ("X", "Y", "Z", "-Z")
 
 
 LABORATORY = (
