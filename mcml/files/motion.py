@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from contextlib import ExitStack
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,7 @@ from mcml.formats.format import SourceFile
 from mcml.formats.measurements import Measurement, Measurements
 from mcml.frames import Frames
 from mcml.laboratory.gait_points import find_gait_points
-from mcml.laboratory.measure_gait import EventSource, Gait, measure_gait
+from mcml.laboratory.measure_gait import EventSource, Gait, find_walker, measure_gait
 from mcml.language.elements import to_head
 from mcml.motion.bodies.calibration import Calibration
 from mcml.motion.bodies.clip_body import ClipBody, body_of, quantity_values
@@ -181,7 +181,8 @@ class Motion:
         asked = asked_quantity(f"{name}:{','.join(stated)}" if stated else name)
         if asked.of_file:
             ids = [number for block in self._clip.blocks() for number in block.ids]
-            return self._measurements.values(asked, ids)
+            walker = partial(find_walker, self._clip.head.skeleton, lambda names: self._body.stretch(names))
+            return self._measurements.values(asked, ids, walker)
         return quantity_values(self._clip, self._body, asked)
 
 

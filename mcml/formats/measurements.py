@@ -7,8 +7,8 @@ frames have in the file. Of signals with several samples a frame, the value of a
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import BinaryIO, Final
 
@@ -20,6 +20,8 @@ from mcml.formats.c3d.analog import Channels, read_channels
 from mcml.formats.c3d.plates import plates_of
 from mcml.formats.c3d.quantities import Quantity, kept_quantities, rate_of, samples_at
 from mcml.laboratory.force_plates import Plate, PlateForces, plate_forces
+from mcml.laboratory.gait_events import SIDES, Side, WalkerPaths
+from mcml.laboratory.plate_feet import FootForces, find_loads, sum_forces
 from mcml.motion.bodies.quantities import AXES_OF_FILE, AskedQuantity
 from mcml.motion.clip import ClipHead
 from mcml.motion.skeleton import Array
@@ -77,24 +79,54 @@ class Measurements:
         """Every measurement, in the order of the file."""
         return [*self._list_quantities(), *self._list_channels(), *self._list_plates()]
 
-    def values(self, asked: AskedQuantity, ids: NDArray[np.int64] | Sequence[str]) -> Array:
+    def values(
+        self,
+        asked: AskedQuantity,
+        ids: NDArray[np.int64] | Sequence[str],
+        find_walker: Callable[[], WalkerPaths] | None = None,
+    ) -> Array:
         """(n,) of the frames with these numbers in the file, NaN where it states none, or is of another frame rate.
 
-        Raises NotFoundError for a measurement that the file does not have, RequestError for an unknown axis.
+        find_walker: returns the feet in these frames, in metres, which forces on "left" and "right" need. Raises
+        NotFoundError for a measurement that the file does not have, RequestError for an unknown axis, and the errors of
+        find_walker.
         """
         asked.check_joints(())
         name, *rest = asked.arguments
         axis = AXES_OF_FILE.index(rest[0]) if rest else 0
         if asked.name == "quantity":
             return self._quantity(name, axis, ids)
-        whole = self._channel(name) if asked.name == "analog" else self._of_plate(asked.name, name, axis)
-        values = np.full(len(ids), np.nan)
+        if asked.name == "analog":
+            return self._at(self._channel(name), ids)
+        if name in SIDES and self._plates and find_walker is not None:
+            return _component(self._on_foot(name, ids, find_walker()), asked.name, axis)
+        return self._at(_component(self._forces(name), asked.name, axis), ids)
+
+    def _at(self, whole: Array, ids: NDArray[np.int64] | Sequence[str]) -> Array:
+        """Values of frames (n, …) from those of all frames of the file."""
+        values = np.full((len(ids), *whole.shape[1:]), np.nan)
         numbers = np.asarray(ids)
         if self._channels is not None and self._has_rate_of_channels and numbers.dtype.kind == "i":
             places = numbers - self._channels.first
             inside = (places >= 0) & (places < len(whole))
             values[inside] = whole[places[inside]]
         return values
+
+    def _on_foot(self, side: Side, ids: NDArray[np.int64] | Sequence[str], walker: WalkerPaths) -> FootForces:
+        usable = [number for number, plate in enumerate(self._plates, 1) if not plate.problems]
+        plates = [
+            replace(
+                forces,
+                force=self._at(forces.force, ids),
+                centre_of_pressure=self._at(forces.centre_of_pressure, ids),
+                free_moment=self._at(forces.free_moment, ids),
+            )
+            for forces in (self._forces(str(number)) for number in usable)
+        ]
+        if not plates:
+            gone = np.full((len(ids), 3), np.nan)
+            return FootForces(gone, gone, gone[:, 0])
+        return sum_forces(plates, find_loads(plates, walker), side)
 
     def _quantity(self, label: str, axis: int, ids: NDArray[np.int64] | Sequence[str]) -> Array:
         quantity = self._quantities.get(label)
@@ -112,14 +144,6 @@ class Measurements:
         if self._channels is None or label not in labels:
             raise _unknown("analog channel", label, labels, "files with analog channels, whose upload is kept,")
         return self._means([labels.index(label)])[:, 0]
-
-    def _of_plate(self, function: str, name: str, axis: int) -> Array:
-        """(frames of the file,) of a force plate."""
-        forces = self._forces(name)
-        if function == "force":
-            force: Array = forces.force[:, axis]
-            return force
-        return forces.centre_of_pressure[:, axis] if function == "cop" else forces.free_moment
 
     def _forces(self, name: str) -> PlateForces:
         names = [str(number + 1) for number in range(len(self._plates))]
@@ -177,6 +201,12 @@ class Measurements:
                 )
                 for function, (unit, axes) in _OF_PLATES.items()
             ]  # fmt: skip
+        if any(item.known for item in items):
+            items += [
+                Measurement(function, side, axes, unit, "FORCE_PLATFORM by foot", rate)
+                for side in SIDES
+                for function, (unit, axes) in _OF_PLATES.items()
+            ]
         return items
 
     @cached_property
@@ -210,6 +240,14 @@ class Measurements:
         rate = channels.rate / channels.samples
         same = abs(rate * seconds - 1) < _SAME_RATE
         return "" if same else _other_rate(f"{rate:g}", rate_of(self._head))
+
+
+def _component(forces: PlateForces | FootForces, function: str, axis: int) -> Array:
+    """(n,) of a function of force plates."""
+    if function == "free-moment":
+        return forces.free_moment
+    component: Array = (forces.force if function == "force" else forces.centre_of_pressure)[:, axis]
+    return component
 
 
 def _other_rate(of_file: str, of_clip: str) -> str:

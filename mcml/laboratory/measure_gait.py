@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal, TypeAlias
 
@@ -37,9 +37,9 @@ from mcml.laboratory.gait_parameters import (
     summarise,
     symmetry,
 )
-from mcml.laboratory.gait_points import GaitPoints, Walker, find_paths
+from mcml.laboratory.gait_points import GaitPoints, Walker, find_gait_points, find_paths
 from mcml.motion.bodies.stretch import Stretch
-from mcml.motion.skeleton import Array
+from mcml.motion.skeleton import Array, Skeleton
 
 EventSource: TypeAlias = Literal["auto", "labels", "positions"]
 
@@ -150,6 +150,19 @@ def measure_gait(
     ]
     is_running = bool(duty < RUNNING) if np.isfinite(duty) else None
     return Gait(events, strides, measured.incomplete, duty, is_running, belt, walker.points, rate, tuple(warnings))
+
+
+def find_walker(skeleton: Skeleton, read: Callable[[frozenset[str]], Stretch]) -> WalkerPaths:
+    """Find feet and pelvis in metres, NaN where the unit is unknown.
+
+    read: returns all frames with the joints or markers of these names. Raises DocumentError without a frame rate, or if
+    heels, toes or hips are unknown.
+    """
+    points = find_gait_points(skeleton)
+    stretch = read(points.names)
+    if stretch.frame_time is None:
+        raise DocumentError("The frame rate is unknown, so gait has no times.", remedy="State the frame time.")
+    return _scale(find_paths(points, stretch, 1 / stretch.frame_time).paths, stretch.calibration.metres_per_step)
 
 
 def _scale(paths: WalkerPaths, factor: float) -> WalkerPaths:

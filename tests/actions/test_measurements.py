@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import mcml
-from mcml.errors import NotFoundError, QueryError
+from mcml.errors import DocumentError, NotFoundError, QueryError
 from mcml.motion.bodies.quantities import asked_quantity
 from mcml.motion.skeleton import Array
 from mcml_schemas.frames import (
@@ -231,6 +231,19 @@ def test_channels_and_plates_are_means_of_their_frames(database: Database, tmp_p
     np.testing.assert_array_equal(motion.analog("EMG")[left], knees(database, uuid, "analog:EMG"))
 
 
+def test_forces_on_feet_need_feet(database: Database) -> None:
+    (uuid,) = store(database, {"a.c3d": walkway()})
+    with pytest.raises(DocumentError, match="Unknown: toes"):
+        knees(database, uuid, "force:left,z")
+    queries = Queries(database, Settings())
+    try:
+        outcome = queries.answer(QueryRequest(q="//frame[mo:force('left', 'z') > 5]"))
+        assert not outcome.items
+        assert any("1 of 1 documents left out" in warning for warning in outcome.warnings)
+    finally:
+        queries.close()
+
+
 def test_measurements_say_their_units_and_rates(database: Database) -> None:
     (uuid,) = store(database, {"a.c3d": walkway()})
     with database.read() as tx:
@@ -240,6 +253,7 @@ def test_measurements_say_their_units_and_rates(database: Database) -> None:
     assert facts["analog", "Mx"] == ("Nmm", (), 400.0, True)
     assert facts["force", "1"] == ("N", ("x", "y", "z"), 400.0, True)
     assert facts["free-moment", "1"] == ("N m", (), 400.0, True)
+    assert facts["cop", "left"] == ("m", ("x", "y", "z"), 400.0, True)
 
 
 def test_questions_find_frames_by_forces(database: Database) -> None:

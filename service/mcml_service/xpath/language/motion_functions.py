@@ -54,7 +54,7 @@ _MEANINGS: Mapping[str, str] = {
     "heading": "where the body faces, without leaps, to the left",
     "contact": "whether a joint is on the ground and still",
     "analog": "of an analog channel of the file, the mean of the samples of the frame",
-    "force": "of the ground on a force plate, such as '1', along x, y or z of the laboratory",
+    "force": "of the ground on a force plate ('1') or a foot ('left'), along x, y or z of the laboratory",
     "cop": "of the centre of pressure on a force plate, along x, y or z of the laboratory",
     "free-moment": "about the vertical on a force plate",
     "quantity": "of the file's own model, such as 'LKneeAngles', along x, y or z",

@@ -106,6 +106,11 @@ export function MeasurementChoice({
   );
 }
 
+const plateOrFoot = (name: string): string => {
+  if (name === "left") return w("label.sideLeft");
+  return name === "right" ? w("label.sideRight") : w("label.plate", { number: name });
+};
+
 function FileMeasurement({
   asked,
   measured,
@@ -132,7 +137,7 @@ function FileMeasurement({
       >
         {[...new Set([name, ...own.map((each) => each.name)])].map((each) => (
           <option key={each} value={each}>
-            {asked.kind === "quantity" || asked.kind === "analog" ? each : w("label.plate", { number: each })}
+            {asked.kind === "quantity" || asked.kind === "analog" ? each : plateOrFoot(each)}
           </option>
         ))}
       </select>

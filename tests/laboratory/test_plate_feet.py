@@ -1,0 +1,122 @@
+"""Loads of force plates are those of the foot that is on them; unclear ones are of no foot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mcml
+from mcml.laboratory.force_plates import PlateForces
+from mcml.laboratory.gait_events import Side, WalkerPaths
+from mcml.laboratory.plate_feet import find_loads, sum_forces
+from mcml.motion.skeleton import Array
+
+RATE, FRAMES = 100.0, 60
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def feet(left: float, right: float) -> WalkerPaths:
+    """Somebody whose feet stand at places along x, 0.25 m long, 0.2 m apart."""
+    whole = np.ones((FRAMES, 1))
+    at = {"left": np.array([left, 0.1, 0.03]), "right": np.array([right, -0.1, 0.03])}
+    return WalkerPaths(
+        heels={side: whole * place for side, place in at.items()},  # type: ignore[misc]
+        toes={side: whole * (place + np.array([0.25, 0.0, 0.0])) for side, place in at.items()},  # type: ignore[misc]
+        pelvis=whole * [0.0, 0.0, 0.9],
+        across=whole * [0.0, 0.25, 0.0],
+        up=UP,
+        rate=RATE,
+    )
+
+
+def plate(first: int, end: int, cop: Array, newtons: float = 700.0, turning: float = 2.0) -> PlateForces:
+    """Loaded from a frame to before another one at a centre of pressure."""
+    is_loaded = np.zeros(FRAMES, bool)
+    is_loaded[first:end] = True
+    force = np.zeros((FRAMES, 3))
+    force[is_loaded] = [30.0, -10.0, newtons]
+    pressure = np.where(is_loaded[:, None], cop, np.nan)
+    return PlateForces(force, pressure, np.where(is_loaded, turning, np.nan), UP, False, np.nan, ())
+
+
+def sides(*plates: PlateForces, paths: WalkerPaths | None = None) -> list[tuple[int, int, int, Side | None]]:
+    loads = find_loads(plates, feet(0.0, 0.5) if paths is None else paths)
+    return [(load.plate, load.first, load.end, load.side) for load in loads]
+
+
+def test_the_foot_under_the_centre_of_pressure_is_the_one() -> None:
+    one = plate(10, 40, np.array([0.1, 0.1, 0.0]))
+    other = plate(20, 60, np.array([0.7, -0.05, 0.0]))
+    assert sides(one, other) == [(0, 10, 40, "left"), (1, 20, 60, "right")]
+
+
+@pytest.mark.parametrize(
+    ("cop", "why"),
+    [
+        ((0.1, 0.21, 0.0), "beside the foot"),
+        ((0.45, 0.1, 0.0), "before the toe"),
+        ((-0.2, 0.1, 0.0), "behind the heel"),
+    ],
+)
+def test_a_load_far_from_both_feet_is_of_none(cop: tuple[float, ...], why: str) -> None:
+    assert sides(plate(10, 40, np.array(cop))) == [(0, 10, 40, None)], why
+
+
+def test_loads_of_both_feet_and_short_or_light_ones_are_of_none() -> None:
+    # The centre of pressure goes from one foot to the other, as in a step with both feet on one plate.
+    wandering = plate(0, 60, np.array([0.1, 0.1, 0.0]))
+    wandering.centre_of_pressure[35:] = [0.1, -0.1, 0.0]
+    assert sides(wandering, paths=feet(0.0, 0.0)) == [(0, 0, 60, None)]
+    assert sides(plate(10, 20, np.array([0.1, 0.1, 0.0]))) == [(0, 10, 20, None)]
+    assert sides(plate(10, 40, np.array([0.1, 0.1, 0.0]), newtons=140.0)) == [(0, 10, 40, None)]
+
+
+def test_feet_that_are_not_seen_have_no_load() -> None:
+    paths = feet(0.0, 0.5)
+    paths.heels["left"][:] = np.nan
+    assert sides(plate(10, 40, np.array([0.1, 0.1, 0.0])), paths=paths) == [(0, 10, 40, None)]
+
+
+def test_a_foot_on_two_plates_has_their_sum_about_the_common_centre() -> None:
+    one = plate(10, 40, np.array([0.05, 0.1, 0.0]), newtons=300.0)
+    other = plate(10, 40, np.array([0.2, 0.1, 0.0]), newtons=600.0)
+    plates = [one, other]
+    loads = find_loads(plates, feet(0.0, 0.5))
+    both = sum_forces(plates, loads, "left")
+    np.testing.assert_allclose(both.force[20], [60.0, -20.0, 900.0])
+    np.testing.assert_allclose(both.centre_of_pressure[20], [0.15, 0.1, 0.0])
+    # By hand: (-0.1, 0, 0) × (30, -10, 300) + (0.05, 0, 0) × (30, -10, 600), the vertical part: 1 - 0.5.
+    np.testing.assert_allclose(both.free_moment[20], 2 + 2 + 1.0 - 0.5)
+    assert np.isnan(both.force[[0, 9, 40, 59]]).all()
+    assert np.isnan(sum_forces(plates, loads, "right").force).all()
+
+
+def test_an_unclear_load_makes_both_feet_unknown_while_it_lasts() -> None:
+    clear, unclear = plate(10, 40, np.array([0.1, 0.1, 0.0])), plate(30, 50, np.array([3.0, 0.0, 0.0]))
+    loads = find_loads([clear, unclear], feet(0.0, 0.5))
+    force = sum_forces([clear, unclear], loads, "left").force[:, 2]
+    assert np.isfinite(force[10:30]).all()
+    assert np.isnan(force[30:]).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("walking5", {"left": [(1.96, 2.47)], "right": [(2.38, 2.97)]}),
+        ("bmc_gait", {"left": [(2.57, 3.15)], "right": [(2.08, 2.65)]}),
+        ("mh0222_bp06", {"left": [(1.2, 1.77)], "right": [(0.69, 1.3)]}),
+    ],
+)
+def test_steps_of_laboratories_are_of_the_foot_that_they_say(
+    shared: Path, name: str, expected: dict[str, list[tuple[float, float]]]
+) -> None:
+    """Times from the plates' own records and the EVENT groups of the files."""
+    motion = mcml.read(shared / "lab" / f"{name}.c3d")
+    assert motion.frame_time is not None
+    for side, steps in expected.items():
+        known = np.isfinite(motion.force(side, "z"))
+        edges = np.flatnonzero(np.diff(known.astype(int), prepend=0, append=0)) * motion.frame_time
+        np.testing.assert_allclose(edges.reshape(-1, 2), steps, atol=0.015)
+        assert np.nanmax(motion.force(side, "z")) > 500
