@@ -159,9 +159,9 @@ class Motion:
         """Measure the gait of a walker or runner: events, strides and spatio-temporal parameters.
 
         events: "auto" takes them from labels of the clip, such as `left-foot-strike`, where it has any of a side and
-        kind, else from positions; "labels" and "positions" take one alone. subject: the prefix of a person's markers,
-        where there are several people. Raises DocumentError without a frame rate, or if heels, toes or pelvis are
-        unknown.
+        kind, else from force plates and positions; "labels" and "positions" take one alone. subject: the prefix of a
+        person's markers, where there are several people. Raises DocumentError without a frame rate, or if heels, toes
+        or pelvis are unknown.
 
         >>> read("walk.c3d").measure_gait().summary("left", "stride_length")
         Summary(mean=1.24, sd=0.01, n=10)
@@ -169,7 +169,12 @@ class Motion:
         head = self._clip.head
         points = find_gait_points(head.skeleton, subject)
         labels = find_gait_labels(read_labels(self._clip.blocks()), head, subject)
-        return measure_gait(points, self._body.stretch(points.names), labels, events)
+        find_plates = partial(self._measurements.find_events, self._ids)
+        return measure_gait(points, self._body.stretch(points.names), labels, events, find_plates)
+
+    @cached_property
+    def _ids(self) -> list[Any]:
+        return [number for block in self._clip.blocks() for number in block.ids]
 
     @cached_property
     def _body(self) -> ClipBody:
@@ -180,9 +185,8 @@ class Motion:
         stated = [argument for argument in arguments if argument is not None]
         asked = asked_quantity(f"{name}:{','.join(stated)}" if stated else name)
         if asked.of_file:
-            ids = [number for block in self._clip.blocks() for number in block.ids]
             walker = partial(find_walker, self._clip.head.skeleton, lambda names: self._body.stretch(names))
-            return self._measurements.values(asked, ids, walker)
+            return self._measurements.values(asked, self._ids, walker)
         return quantity_values(self._clip, self._body, asked)
 
 

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import BinaryIO, Final
+from typing import BinaryIO, Final, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,8 @@ from mcml.formats.c3d.analog import Channels, read_channels
 from mcml.formats.c3d.plates import plates_of
 from mcml.formats.c3d.quantities import Quantity, kept_quantities, rate_of, samples_at
 from mcml.laboratory.force_plates import Plate, PlateForces, plate_forces
-from mcml.laboratory.gait_events import SIDES, Side, WalkerPaths
-from mcml.laboratory.plate_feet import FootForces, find_loads, sum_forces
+from mcml.laboratory.gait_events import SIDES, GaitEvent, Kind, Side, WalkerPaths
+from mcml.laboratory.plate_feet import FootForces, find_crossing, find_loads, is_whole_step, sum_forces
 from mcml.motion.bodies.quantities import AXES_OF_FILE, AskedQuantity
 from mcml.motion.clip import ClipHead
 from mcml.motion.skeleton import Array
@@ -102,6 +102,35 @@ class Measurements:
             return _component(self._on_foot(name, ids, find_walker()), asked.name, axis)
         return self._at(_component(self._forces(name), asked.name, axis), ids)
 
+    def find_events(self, ids: NDArray[np.int64] | Sequence[str], walker: WalkerPaths) -> list[GaitEvent]:
+        """Strikes and offs of whole steps on force plates, in seconds from the first of these frames.
+
+        walker: the feet in these frames, in metres.
+        """
+        channels, numbers = self._channels, np.asarray(ids)
+        if channels is None or numbers.dtype.kind != "i" or self._rate_of_channels_differs:
+            return []
+        usable, plates = self._plates_at(ids)
+        events = []
+        for load in find_loads(plates, walker):
+            plate = self._plates[usable[load.plate] - 1]
+            if load.side is None or not is_whole_step(load, plate, walker):
+                continue
+            for kind, at, rising in (("strike", load.first, True), ("off", load.end - 1, False)):
+                frame = int(numbers[at]) - channels.first
+                first = frame - 1 if rising else frame
+                if int(numbers[at + (-1 if rising else 1)]) - channels.first != frame + (-1 if rising else 1):
+                    continue
+                samples = channels.read(first, 2, plate.channels)
+                forces = plate_forces(plate, samples)
+                sign = -1.0 if self._forces(str(usable[load.plate])).is_turned else 1.0
+                upward = sign * (1 - 2 * forces.is_turned) * (forces.force @ forces.vertical)
+                place = find_crossing(upward, rising=rising)
+                seconds = at / walker.rate + ((first - frame) * channels.samples + place) / channels.rate
+                if np.isfinite(seconds):
+                    events.append(GaitEvent(seconds, load.side, cast("Kind", kind), "plate"))
+        return events
+
     def _at(self, whole: Array, ids: NDArray[np.int64] | Sequence[str]) -> Array:
         """Values of frames (n, …) from those of all frames of the file."""
         values = np.full((len(ids), *whole.shape[1:]), np.nan)
@@ -113,6 +142,14 @@ class Measurements:
         return values
 
     def _on_foot(self, side: Side, ids: NDArray[np.int64] | Sequence[str], walker: WalkerPaths) -> FootForces:
+        _, plates = self._plates_at(ids)
+        if not plates:
+            gone = np.full((len(ids), 3), np.nan)
+            return FootForces(gone, gone, gone[:, 0])
+        return sum_forces(plates, find_loads(plates, walker), side)
+
+    def _plates_at(self, ids: NDArray[np.int64] | Sequence[str]) -> tuple[list[int], list[PlateForces]]:
+        """(numbers, forces in these frames) of the plates that can be used."""
         usable = [number for number, plate in enumerate(self._plates, 1) if not plate.problems]
         plates = [
             replace(
@@ -123,10 +160,7 @@ class Measurements:
             )
             for forces in (self._forces(str(number)) for number in usable)
         ]
-        if not plates:
-            gone = np.full((len(ids), 3), np.nan)
-            return FootForces(gone, gone, gone[:, 0])
-        return sum_forces(plates, find_loads(plates, walker), side)
+        return usable, plates
 
     def _quantity(self, label: str, axis: int, ids: NDArray[np.int64] | Sequence[str]) -> Array:
         quantity = self._quantities.get(label)

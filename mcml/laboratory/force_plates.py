@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mcml.motion.skeleton import Array
 
@@ -82,6 +83,12 @@ class Plate:
         """(3,) the centre of its surface in the laboratory."""
         centre: Array = self.corners.mean(axis=0)
         return centre
+
+    def has_inside(self, points: Array) -> NDArray[np.bool_]:
+        """Tell which points (n, 3) are over its surface; False where unknown."""
+        half = np.array([np.linalg.norm(self.corners[0] - self.corners[place]) / 2 for place in (1, 3)])
+        away = np.abs((points - self.centre) @ self.axes[:, :2])
+        return np.asarray((away <= half).all(axis=1), bool)
 
     @cached_property
     def vertical(self) -> Array:

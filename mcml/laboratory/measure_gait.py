@@ -38,6 +38,7 @@ from mcml.laboratory.gait_parameters import (
     symmetry,
 )
 from mcml.laboratory.gait_points import GaitPoints, Walker, find_gait_points, find_paths
+from mcml.laboratory.plate_feet import prefer_plates
 from mcml.motion.bodies.stretch import Stretch
 from mcml.motion.skeleton import Array, Skeleton
 
@@ -82,7 +83,7 @@ class Gait:
         return self.rate >= CLINICAL_RATE
 
     def uncertainty(self, event: GaitEvent) -> float:
-        """Seconds within which an event is right in 95 of 100 cases; NaN for labels, which are taken as given."""
+        """Seconds within which an event is right in 95 of 100 cases; NaN for labels and plates, taken as given."""
         frame = 0.0 if self.is_clinical else 1 / self.rate
         return WITHIN + frame if event.source == "positions" else float("nan")
 
@@ -115,13 +116,18 @@ class Gait:
 
 
 def measure_gait(
-    points: GaitPoints, stretch: Stretch, labels: Sequence[GaitEvent] = (), source: EventSource = "auto"
+    points: GaitPoints,
+    stretch: Stretch,
+    labels: Sequence[GaitEvent] = (),
+    source: EventSource = "auto",
+    find_plates: Callable[[WalkerPaths], Sequence[GaitEvent]] | None = None,
 ) -> Gait:
     """Measure the gait of a body.
 
     stretch: all of its frames, with the joints or markers of the points. labels: events that the clip states. source:
-    "auto" takes the strikes, and the offs, of a side from labels if it has any, else from positions. Raises
-    DocumentError if the frame rate is unknown, or above 10,000 frames a second.
+    "auto" takes the strikes, and the offs, of a side from labels if it has any, else from positions, of which those on
+    force plates are replaced. find_plates: returns events of plates for the feet in metres. Raises DocumentError if the
+    frame rate is unknown, or above 10,000 frames a second.
     """
     if stretch.frame_time is None:
         raise DocumentError("The frame rate is unknown, so gait has no times.", remedy="State the frame time.")
@@ -135,10 +141,10 @@ def measure_gait(
     found = find_events(walker.paths)
     is_moving = bool(found.events) or _is_moving(walker.paths)
     trusted = labels if is_moving else ()
-    events = choose_events(
-        [*([] if source == "positions" else [trusted]), *([] if source == "labels" else [found.events])]
-    )
     metric = _scale(walker.paths, stretch.calibration.metres_per_step)
+    on_plates = find_plates(metric) if find_plates is not None and source == "auto" and is_moving else ()
+    seen = prefer_plates(found.events, on_plates)
+    events = choose_events([*([] if source == "positions" else [trusted]), *([] if source == "labels" else [seen])])
     belt = measure_belt(metric, events)
     measured = measure_strides(metric, events, belt.speed if belt.is_belt else 0.0)
     strides = reject_outliers(measured.strides, rate)
@@ -198,8 +204,11 @@ def _warn_of_events(
     for side in SIDES:
         for kind in KINDS:
             own = [event for event in events if (event.side, event.kind) == (side, kind)]
-            if own and own[0].source == "positions" and "label" in sources:
+            from_plates = sum(event.source == "plate" for event in own)
+            if own and own[0].source != "label" and "label" in sources:
                 yield f"{side} {kind}s are from positions: the clip has no labels of them"
+            if 0 < from_plates < len(own):
+                yield f"{from_plates} of {len(own)} {side} {kind}s are from force plates, the others from positions"
             if own and own[0].source == "label" and source == "auto":
                 times = times_of(own, side, kind)
                 others = [at for at in times_of(found.events, side, kind) if not between(times, at - _NEAR, at + _NEAR)]

@@ -12,12 +12,15 @@ from typing import Final
 
 import numpy as np
 
-from mcml.laboratory.force_plates import LEAST_FORCE, PlateForces
-from mcml.laboratory.gait_events import SIDES, Side, WalkerPaths
+from mcml.laboratory.force_plates import LEAST_FORCE, Plate, PlateForces
+from mcml.laboratory.gait_events import SIDES, GaitEvent, Side, WalkerPaths
 from mcml.motion.skeleton import Array
 
 NEAR: Final = 0.1
 """Metres from the line between heel and toe within which a centre of pressure is that of the foot."""
+
+SAME_EVENT: Final = 0.15
+"""Seconds between an event of the positions and one of a plate that are the same."""
 
 _SHORTEST: Final = 0.12
 """Seconds of the shortest load that is a step."""
@@ -82,6 +85,45 @@ def sum_forces(plates: Sequence[PlateForces], loads: Sequence[Load], side: Side)
     about = moment - np.cross(centre, force)
     vertical = plates[0].vertical if plates else np.zeros(3)
     return FootForces(np.where(unknown[:, None], np.nan, force), centre, turning + about @ vertical)
+
+
+def is_whole_step(load: Load, plate: Plate, paths: WalkerPaths) -> bool:
+    """Whether a load begins with a heel and ends with a toe on the plate, without the other foot, inside the record."""
+    if load.side is None or load.first == 0 or load.end >= len(paths):
+        return False
+    other = SIDES[1 - SIDES.index(load.side)]
+    ends = [load.first, load.end - 1]
+    middle = (paths.heels[other][ends] + paths.toes[other][ends]) / 2
+    heel, toe = paths.heels[load.side][ends[:1]], paths.toes[load.side][ends[1:]]
+    own = bool(plate.has_inside(heel).all() and plate.has_inside(toe).all())
+    return own and not plate.has_inside(middle).any()
+
+
+def find_crossing(upward: Array, *, rising: bool) -> float:
+    """Return the place, between samples, at which a vertical force (n,) first reaches LEAST_FORCE, or last leaves it.
+
+    NaN where it does not.
+    """
+    above = np.nan_to_num(upward) >= LEAST_FORCE
+    steps = np.flatnonzero(above[1:] & ~above[:-1] if rising else above[:-1] & ~above[1:])
+    if not len(steps):
+        return float("nan")
+    at = int(steps[0] if rising else steps[-1])
+    return at + float((LEAST_FORCE - upward[at]) / (upward[at + 1] - upward[at]))
+
+
+def prefer_plates(found: Sequence[GaitEvent], plates: Sequence[GaitEvent]) -> tuple[GaitEvent, ...]:
+    """Replace events of positions by those of force plates for the same foot within SAME_EVENT; others stay."""
+    left = list(found)
+    for event in plates:
+        near = [
+            other
+            for other in left
+            if (other.side, other.kind) == (event.side, event.kind) and abs(other.seconds - event.seconds) <= SAME_EVENT
+        ]
+        for other in near:
+            left.remove(other)
+    return tuple(sorted([*left, *plates]))
 
 
 def _loads_of(number: int, plate: PlateForces, paths: WalkerPaths) -> list[Load]:

@@ -69,7 +69,7 @@ class GaitEventItem(BaseModel):
     )
     within: float | None = Field(
         None,
-        description="Seconds within which 95 % of such events are right; null for labels, which are taken as given",
+        description="Seconds within which 95 % of such events are right; null for labels and plates, taken as given",
     )
 
 

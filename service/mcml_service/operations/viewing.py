@@ -79,7 +79,7 @@ def get_gait(
     revision: AtRevision = None,
     events: Annotated[
         Literal["auto", "labels", "positions"],
-        Field(description="auto: events from labels such as left-foot-strike if there are any, else from positions"),
+        Field(description="auto: labels such as left-foot-strike if there are any, else force plates and positions"),
     ] = "auto",
     subject: Annotated[
         str | None,
@@ -99,9 +99,10 @@ def get_gait(
     """Events of both feet, strides, parameters with mean and standard deviation by side, and warnings
     (docs/analyses/gait.md). Lengths are in metres, null if the unit is unknown.
 
-    The strikes, and the offs, of a side come from one source: labels of the document if there are any, else the
-    positions of heels, toes and pelvis. A `quantity` (docs/motion.md) is resampled from strike to strike to 101 values;
-    quantities whose joints are of one side have cycles of that side. 422 if heels, toes or hips are unknown.
+    The strikes, and the offs, of a side come from labels of the document if there are any, else from the positions of
+    heels, toes and pelvis; steps on force plates have exact times. A `quantity` (docs/motion.md) is resampled from
+    strike to strike to 101 values; quantities whose joints are of one side have cycles of that side. 422 if heels, toes
+    or hips are unknown.
     """
     from mcml.motion.bodies.quantities import asked_quantity
     from mcml_service.actions.reading.read_gait import read_gait

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -20,7 +21,7 @@ from mcml_schemas import gait as wire
 from mcml_service.actions.checking.check_timed import seconds_of
 from mcml_service.actions.reading.read_quantities import quantity_columns
 from mcml_service.clips.bodies import Body
-from mcml_service.clips.frame_quantities import read_units
+from mcml_service.clips.frame_quantities import read_measurements, read_units
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
@@ -48,7 +49,9 @@ def read_gait(
     points = find_gait_points(head.skeleton, subject)
     spans = tx.spans.of(stored.key)
     labels = find_gait_labels([(span.first - 1, span.name) for span in spans], head, subject)
-    gait = measure_gait(points, body.stretch(points.names), labels, source)
+    ids = tx.tracks.frame_ids(stored.key, 1, stored.frames)
+    find_plates = partial(read_measurements(tx, stored).find_events, ids)
+    gait = measure_gait(points, body.stretch(points.names), labels, source, find_plates)
     values = quantity_columns(tx, stored, body, asked, 1, stored.frames)
     cycles = [
         _cycle(gait, quantity, unit, values[:, place], side)

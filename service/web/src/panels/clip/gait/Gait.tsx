@@ -13,6 +13,8 @@ import { useMeasurements } from "../body/MeasurementChoice";
 import { Cycles } from "./Cycles";
 import { Parameters } from "./Parameters";
 
+const SOURCES = { label: "label.fromLabel", plate: "label.fromPlate", positions: "label.fromPositions" } as const;
+
 export type Measures = Schemas["GaitMeasures"];
 
 export function Gait({ clip }: { clip: Clip }) {
@@ -111,7 +113,7 @@ function Events({ clip, gait }: { clip: Clip; gait: Measures }) {
             key={`${event.side}${event.kind}${event.time}`}
             class="chip"
             data-side={event.side}
-            title={`${w(event.side === "left" ? "label.sideLeft" : "label.sideRight")}, ${w(event.source === "label" ? "label.fromLabel" : "label.fromPositions")}`}
+            title={`${w(event.side === "left" ? "label.sideLeft" : "label.sideRight")}, ${w(SOURCES[event.source])}`}
             onClick={() => clip.player.seek(event.frame - 1)}
           >
             {w(event.kind === "strike" ? "label.footStrike" : "label.footOff")} {number(event.time, 3)} s
