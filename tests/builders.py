@@ -256,8 +256,11 @@ Frame#\tTime\tR.Wrist\t\t\t*0\t\t\tR.Wrist\t\t
 """
 
 
-def c3d_file(frames: int = 6, points: int = 3, rate: float = 120.0, first: int = 11, seed: int = 0) -> bytes:
-    """Points that wander, some samples missing, some residuals stated, an analog channel beside them."""
+def c3d_file(
+    frames: int = 6, points: int = 3, rate: float = 120.0, first: int = 11, seed: int = 0, up: str = ""
+) -> bytes:
+    """Points that wander, some samples missing, some residuals stated, an analog channel beside them. up: such as +Z,
+    which the file shows upward on the screen."""
     rng = np.random.default_rng(seed)
     places = np.cumsum(rng.normal(0, 3, (frames, points, 3)), axis=0)
     residuals = rng.integers(0, 40, (frames, points))
@@ -265,7 +268,15 @@ def c3d_file(frames: int = 6, points: int = 3, rate: float = 120.0, first: int =
     residuals[0] = 6
     labels = [f"marker {number}" for number in range(points)]
     return c3d_bytes(
-        places, residuals, scale=-0.25, rate=rate, first=first, labels=labels, analog=np.zeros((frames, 2)), samples=2
+        places,
+        residuals,
+        scale=-0.25,
+        rate=rate,
+        first=first,
+        labels=labels,
+        analog=np.zeros((frames, 2)),
+        samples=2,
+        parameters={"POINT:Y_SCREEN": (-1, (2,), up.encode())} if up else None,
     )
 
 

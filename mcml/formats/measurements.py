@@ -119,7 +119,8 @@ class Measurements:
             for kind, at, rising in (("strike", load.first, True), ("off", load.end - 1, False)):
                 frame = int(numbers[at]) - channels.first
                 first = frame - 1 if rising else frame
-                if int(numbers[at + (-1 if rising else 1)]) - channels.first != frame + (-1 if rising else 1):
+                beside = int(numbers[at + (-1 if rising else 1)]) - channels.first
+                if beside != frame + (-1 if rising else 1) or not 0 <= beside < channels.frames:
                     continue
                 samples = channels.read(first, 2, plate.channels)
                 forces = plate_forces(plate, samples)

@@ -49,7 +49,8 @@ def renamed(database: Database) -> str:
 
 
 def test_each_kind_is_found_with_what_mends_it(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
-    sound = {"a.bvh": bvh(300), "b.bvh": posed("0 90 0", [row("5 89 -161")] * 9), "c.c3d": c3d_file(), "n.bvh": bvh(0)}
+    sound = {"a.bvh": bvh(300), "b.bvh": posed("0 90 0", [row("5 89 -161")] * 9), "n.bvh": bvh(0)}
+    sound["c.c3d"] = c3d_file(up="+Z")
     store(database, sound)
     assert found_in(database) == []
     lying, lab, tail = added(database, "lying"), measured(database, monkeypatch), renamed(database)

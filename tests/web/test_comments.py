@@ -56,4 +56,4 @@ def test_tabs_that_do_not_fit_are_in_a_menu(visit: Visit, studio: Served) -> Non
     page.get_by_role("separator", name="Panels").focus()
     for _ in range(12):
         page.keyboard.press("ArrowLeft")
-    expect(tabs.get_by_role("tab")).to_have_count(8)
+    expect(tabs.get_by_role("tab")).to_have_count(9)
