@@ -20,6 +20,7 @@ from mcml_service.xpath.limits import Limits
 from mcml_service.xpath.nodes.pairs import TooWideError
 from mcml_service.xpath.queries import Queries
 from mcml_service.xpath.trees.evaluate import Items, Tree
+from tests.actions.test_measurements import walkway
 from tests.builders import MCML, store
 from tests.edits import OTHER_SEEDS
 from tests.motion.bodies.made import person
@@ -174,7 +175,16 @@ EACH = {
 }
 
 
-@pytest.mark.parametrize("name", [name for name in MOTION_FUNCTIONS if name != "mo:top"])
+OF_FILES = {
+    "mo:quantity": "mo:quantity('LKneeAngles', 'x')",
+    "mo:analog": "mo:analog('EMG')",
+    "mo:force": "mo:force(1, 'z') + mo:force('1', 'x')",
+    "mo:cop": "mo:cop('1', 'y')",
+    "mo:free-moment": "mo:free-moment('1')",
+}
+
+
+@pytest.mark.parametrize("name", [name for name in MOTION_FUNCTIONS if name != "mo:top" and name not in OF_FILES])
 def test_each_function_has_the_numbers_of_columns(engine: Queries, by_trees: list[str], name: str) -> None:
     assert name in EACH[name]
     known = set()
@@ -188,6 +198,20 @@ def test_each_function_has_the_numbers_of_columns(engine: Queries, by_trees: lis
         by_trees.clear()
         known |= {value for value in wanted if value != "NaN"}
     assert len(known) > (name not in ("mo:unit", "mo:leg", "mo:contact", "mo:known"))
+
+
+@pytest.mark.parametrize("name", OF_FILES)
+def test_measurements_have_the_numbers_of_columns(database: Database, by_trees: list[str], name: str) -> None:
+    store(database, {"trial.c3d": walkway()})
+    engine = Queries(database, Settings(cache_dir="none"))
+    try:
+        wanted = values(engine, f"//frame/number({OF_FILES[name]})")
+        assert not by_trees
+        assert len(set(wanted) - {"NaN"}) > 10
+        assert values(engine, f"//frame/xs:double({OF_FILES[name]})") == wanted
+        assert by_trees
+    finally:
+        engine.close()
 
 
 @pytest.mark.parametrize(

@@ -28,7 +28,7 @@ def test_elements_follow_the_content_models() -> None:
     assert items("//fr")[1][:2] == ["frame", "frame_bone"]
     assert items("//frame/")[1][:2] == ["frame_bone", "motion_name"]
     assert items("(//frame)[1]/mot")[1][0] == "motion_name"
-    assert items("//bone[na")[1] == ["name", "name(", "namespace-uri(", "namespace::", "local-name("]
+    assert items("//bone[na")[1] == ["name", "name(", "namespace-uri(", "namespace::", "local-name(", "mo:analog("]
 
 
 def test_attributes_are_those_of_the_element() -> None:
