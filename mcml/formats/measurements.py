@@ -166,7 +166,7 @@ class Measurements:
     def _quantity(self, label: str, axis: int, ids: NDArray[np.int64] | Sequence[str]) -> Array:
         quantity = self._quantities.get(label)
         if quantity is None:
-            raise _unknown("quantity", label, list(self._quantities), "files of a model, such as Plug-in Gait,")
+            raise _name_error("quantity", label, list(self._quantities), "files of a model, such as Plug-in Gait,")
         if not quantity.has_rate(rate_of(self._head)):
             return np.full(len(ids), np.nan)
         samples = samples_at(quantity, ids)
@@ -177,13 +177,13 @@ class Measurements:
         """(frames of the file,) means of the samples of a channel."""
         labels = self._channels.labels if self._channels is not None else ()
         if self._channels is None or label not in labels:
-            raise _unknown("analog channel", label, labels, "files with analog channels, whose upload is kept,")
+            raise _name_error("analog channel", label, labels, "files with analog channels, whose upload is kept,")
         return self._means([labels.index(label)])[:, 0]
 
     def _forces(self, name: str) -> PlateForces:
         names = [str(number + 1) for number in range(len(self._plates))]
         if name not in names or self._channels is None:
-            raise _unknown("force plate", name, names, "files with force plates, whose upload is kept,")
+            raise _name_error("force plate", name, names, "files with force plates, whose upload is kept,")
         if name not in self._plates_read:
             plate = self._plates[names.index(name)]
             samples = np.zeros((self._channels.frames, 0)) if plate.problems else self._means(plate.channels)
@@ -289,6 +289,6 @@ def _other_rate(of_file: str, of_clip: str) -> str:
     return f"the file has {of_file} frames a second, the document {of_clip}"
 
 
-def _unknown(kind: str, name: str, names: Sequence[str], where: str) -> NotFoundError:
+def _name_error(kind: str, name: str, names: Sequence[str], where: str) -> NotFoundError:
     remedy = f"It has: {', '.join(names[:NAMED])}." if names else f"Only C3D {where} have any."
     return NotFoundError(f"The file of this document has no {kind} {name!r}.", remedy=remedy)

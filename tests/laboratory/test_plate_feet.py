@@ -141,11 +141,13 @@ def test_events_of_plates_are_those_that_the_prototype_found(shared: Path, name:
     motion = mcml.read(shared / "lab" / f"{name}.c3d")
     walker = find_walker(motion._clip.head.skeleton, motion._body.stretch)
     events = motion._measurements.find_events(motion._ids, walker)
-    assert events
+    matched = 0
     for event in events:
+        # The file of expected values leaves out sides of some trials.
         near = known[event.side[0].upper(), event.kind]
-        if near and name != "s4_am_gait04":
-            assert min(abs(seconds - event.seconds) for seconds in near) < 1e-3
+        matched += bool(near)
+        assert not near or min(abs(seconds - event.seconds) for seconds in near) < 1e-3
+    assert matched >= 2
 
 
 def test_events_of_plates_replace_those_of_positions_near_them() -> None:

@@ -191,7 +191,7 @@ def _joints_of_position(arguments: Arguments) -> tuple[str, ...]:
     return (joint, *origin, *(HIPS if axis in ("front", "left") else ()))
 
 
-def _unmeasured(stretch: Stretch, arguments: Arguments) -> Array:
+def _give_nan(stretch: Stretch, arguments: Arguments) -> Array:
     return np.full(stretch.frames, np.nan)
 
 
@@ -216,11 +216,11 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {
     "acceleration": Quantity(("joint", "relative?"), "m/s2", _named, _acceleration, windowed=True),
     "heading": Quantity((), "deg", _hips, _heading, whole=True),
     "contact": Quantity(("joint",), "", _named, _contact, whole=True),
-    "quantity": Quantity(("label", "axis"), "", _axis_of_file, _unmeasured, of_file=True),
-    "analog": Quantity(("channel",), "", _none, _unmeasured, of_file=True),
-    "force": Quantity(("plate", "axis"), "N", _axis_of_file, _unmeasured, of_file=True),
-    "cop": Quantity(("plate", "axis"), "m", _axis_of_file, _unmeasured, of_file=True),
-    "free-moment": Quantity(("plate",), "N m", _none, _unmeasured, of_file=True),
+    "quantity": Quantity(("label", "axis"), "", _axis_of_file, _give_nan, of_file=True),
+    "analog": Quantity(("channel",), "", _none, _give_nan, of_file=True),
+    "force": Quantity(("plate", "axis"), "N", _axis_of_file, _give_nan, of_file=True),
+    "cop": Quantity(("plate", "axis"), "m", _axis_of_file, _give_nan, of_file=True),
+    "free-moment": Quantity(("plate",), "N m", _none, _give_nan, of_file=True),
 }
 """By name. `rate` is of any numbers (`local_fit.rate`); poses and motions are compared in `poses`."""
 

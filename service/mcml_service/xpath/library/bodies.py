@@ -72,7 +72,7 @@ class Bodies:
         make = partial(self._read, asked) if beside else lambda: np.concatenate(self._each(of_body))
         return self._forest.of_bodies((f"{MADE}", name, *arguments), make)
 
-    def unstated(self, name: str, arguments: tuple[str, ...]) -> Bools:
+    def find_documents_without(self, name: str, arguments: tuple[str, ...]) -> Bools:
         """Which documents have no value of a measurement of the file, in any frame."""
         known = np.concatenate([[0], np.cumsum(~np.isnan(self.quantity(name, arguments)))])
         return np.asarray(known[self.offsets[1:]] == known[self.offsets[:-1]], bool)

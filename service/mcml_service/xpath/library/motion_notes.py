@@ -93,7 +93,9 @@ class BodyScope:
         if facts is None:
             forest = Forest(self._tx, group, self._caches, head_part=HeadPart.MOTION)
             bodies = Bodies(forest, self._check)
-            unstated = {call: bodies.unstated(*texts) for call in self.calls if (texts := _measurement(call))}
+            unstated = {
+                call: bodies.find_documents_without(*texts) for call in self.calls if (texts := _measurement(call))
+            }
             facts = self._facts[group] = GroupFacts(bodies.facts(), unstated)
         lacks = np.zeros(len(group), bool)
         for _, _, which in _reasons(facts, self._needed):
