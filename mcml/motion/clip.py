@@ -72,7 +72,9 @@ class Reference:
     """Where angles from rotations start. up: the axis that points up in it. pose: None for the rest pose.
 
     frame, of: which frame (from 0) of which clip a pose was found in, None and "" for the clip itself. stated: the up
-    axis that was stated where it was looked for, None where it was guessed.
+    axis that was stated where it was looked for, None where it was guessed. hinges: by the upper joint of a thigh or
+    shank, the line to its left by the axis of its knee in the axes of rest, x y z, and how far (rms, degrees) single
+    bends are from it.
     """
 
     up: str
@@ -80,17 +82,20 @@ class Reference:
     frame: int | None = None
     of: str = ""
     stated: str | None = None
+    hinges: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
         """Plain values for JSON."""
         pose = None if self.pose is None else self.pose.to_json()
-        return {"up": self.up, "pose": pose, "frame": self.frame, "of": self.of, "stated": self.stated}
+        told = {"up": self.up, "pose": pose, "frame": self.frame, "of": self.of, "stated": self.stated}
+        return {**told, "hinges": {name: list(hinge) for name, hinge in self.hinges.items()}}
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> Reference:
         """Read the output of `to_json`."""
         pose = None if values["pose"] is None else ReferencePose.from_json(values["pose"])
-        return cls(**{**values, "pose": pose})
+        hinges = {name: tuple(hinge) for name, hinge in values["hinges"].items()}
+        return cls(**{**values, "pose": pose, "hinges": hinges})
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from fastapi.testclient import TestClient
+from scipy.spatial.transform import Rotation
 
+from mcml.motion.bodies.quantities import compute
 from mcml.motion.skeleton import Array
 from mcml_service.clips.bodies import read_bodies, read_turned
 from mcml_service.clips.derive import derive_missing
 from mcml_service.storage.database import Database
 from tests.builders import one_kind, store
 from tests.motion.bodies.made import PARTS, person
+from tests.motion.bodies.rig import random_angles, turns_of, write_rig
 
 API = "/api/v1"
 ANGLES = ("left-forearm-pronation", "head-flexion", "right-leg-medial-rotation", "left-wrist-flexion", "neck-flexion")
@@ -117,3 +120,48 @@ def test_a_part_of_a_clip_is_written_with_the_angles_that_it_has(database: Datab
         return [[row.split()[column] for column in columns] for row in rows[1:]]
 
     assert written(first=21, last=30) == written()[20:30]
+
+
+CLINICAL = ("left-knee-flexion", "right-knee-flexion", "left-hip-internal-rotation", "right-hip-internal-rotation")
+
+
+def clinical(database: Database, uuid: str) -> Array:
+    """(frames, clinical angles) of a document as it is now."""
+    with database.read() as tx:
+        (listed,) = [one for one in tx.columns.documents() if one.uuid == uuid]
+        body = read_bodies(tx, [listed])[listed.key]
+        stretch = body.stretch((*body.names, *body.lines))
+        return np.stack([compute("angle", (name,), stretch) for name in CLINICAL], axis=1)
+
+
+@one_kind
+@pytest.mark.parametrize("kept", [False, True])
+def test_all_clips_and_cuts_of_a_skeleton_share_the_axes_of_knees(
+    database: Database, client: TestClient, kept: bool
+) -> None:
+    rest = {name: Rotation.from_euler("x", 170, degrees=True) for name in ("left_up_leg", "right_up_leg")}
+    made = [random_angles(np.random.default_rng(seed), FRAMES, hinge=seed == 1) for seed in (1, 2)]
+    # The second knee turns a little, so that its clip alone has another axis.
+    made[1] |= {name: degrees * 0.1 for name, degrees in made[1].items() if "knee-v" in name or "knee-i" in name}
+    made[1] |= {name: degrees + 3.0 for name, degrees in made[1].items() if "knee-varus" in name}
+    clips = {f"{n}.bvh": write_rig(turns_of(angles, Rotation.identity(FRAMES)), rest) for n, angles in enumerate(made)}
+    one, other = store(database, clips)
+
+    def derive() -> None:
+        if kept:
+            derive_missing(database, lambda done, of: None)
+
+    derive()
+    whole, others = clinical(database, one), clinical(database, other)
+    with database.read() as tx:
+        bodies = read_bodies(tx, list(tx.columns.documents())).values()
+    first, second = (body.calibration for body in bodies)
+    assert first.bones == second.bones
+    assert {axis.origin for axis in first.bones.values()} == {"hinge"}
+    # Pooled over both clips.
+    assert 0.1 < min(hinge[3] for hinge in first.start.hinges.values()) < 6
+    edited(client, other, {"do": "keep", "first": 11, "last": 30})
+    edited(client, one, {"do": "keep", "first": 41, "last": 60})
+    derive()
+    np.testing.assert_array_equal(clinical(database, other), others[10:30])
+    np.testing.assert_array_equal(clinical(database, one), whole[40:])

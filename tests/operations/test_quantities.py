@@ -20,7 +20,8 @@ pytestmark = one_kind
 ASKED = (
     "time", "unit", "leg", "height:left_hand", "position:left_hand,up", "position:left_hand,left,Root",
     "distance:left_hand,right_hand", "angle:left-knee-flexion", "angle:Root,left_low_leg,left_foot",
-    "angle:left-wrist-flexion", "tilt:Root,neck1", "speed:right_hand", "speed:right_hand,Root", "acceleration:Root",
+    "angle:left-wrist-flexion", "angle:right-hip-internal-rotation", "angle:left-hip-flexion",
+    "tilt:Root,neck1", "speed:right_hand", "speed:right_hand,Root", "acceleration:Root",
     "heading", "contact:left_toes",
 )  # fmt: skip
 

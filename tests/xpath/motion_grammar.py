@@ -12,7 +12,10 @@ from typing import Any
 from tests.xpath.motion_twin import TURNED, Asked, Document, Node, best_runs
 
 JOINTS = ("Root", "Head", "left_hand", "right_hand", "left_toes", "left_foot", "left_low_leg", "left_up_leg", "nobody")
-ANGLES = ("left-knee-flexion", "right-elbow-flexion", "left-arm-abduction", "trunk-flexion", *TURNED)
+ANGLES = (
+    "right-elbow-flexion", "left-arm-abduction", "trunk-flexion", "left-hip-flexion", "right-hip-adduction",
+    "left-leg-flexion", "left-knee-flexion", "right-hip-internal-rotation", *TURNED,
+)  # fmt: skip
 NAMES = ("walk", "jump", "left-leg-flexion")
 AXES = ("x", "y", "z", "up", "front", "left")
 RELATIONS: dict[str, Callable[[Any, Any], bool]] = {

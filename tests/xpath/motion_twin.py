@@ -104,7 +104,8 @@ class Document:
             if name == "angle" and arguments[0] in self.turned:
                 self.kept[key] = self.turned[arguments[0]]
             else:
-                self.kept[key] = compute(name, arguments, self.body.stretch(self.body.names)).tolist()
+                stretch = self.body.stretch((*self.body.names, *self.body.lines))
+                self.kept[key] = compute(name, arguments, stretch).tolist()
         found: list[float] = self.kept[key]
         return found
 

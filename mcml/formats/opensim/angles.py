@@ -15,13 +15,14 @@ import numpy as np
 from mcml.errors import ConversionError
 from mcml.formats.format import note
 from mcml.motion.anatomy.axes import Stance
-from mcml.motion.bodies.calibration import Calibration, calibrate, calibration_frames
+from mcml.motion.bodies.bone_axes import line_steps
+from mcml.motion.bodies.clip_body import calibrate_clip
 from mcml.motion.bodies.limb_angles import ANGLES, NEEDS_ROTATIONS, angle_named
 from mcml.motion.bodies.positions import rounded, world_positions
-from mcml.motion.bodies.reference import pose_in, stance_of
+from mcml.motion.bodies.reference import stance_of
 from mcml.motion.bodies.stretch import Stretch, known
 from mcml.motion.bodies.turned_angles import turned_angle
-from mcml.motion.clip import ClipStream, FrameBlock, ReferencePose
+from mcml.motion.clip import ClipStream, FrameBlock
 from mcml.motion.hub import rest_of
 from mcml.motion.kinematics import Walker, unseen
 from mcml.motion.layout import Held
@@ -89,7 +90,8 @@ class BodyAngles:
         self.frames = clip.frames if clip.frames is not None else sum(len(block) for block in clip.blocks())
         possible = all_columns()
         between = [column for column in possible if not column.turned and _has(column, head.skeleton.names)]
-        self._calibration = self._calibrate()
+        # A pose before the motion is a guess too: its angles are written.
+        self._calibration = replace(calibrate_clip(clip, self.frames), skipped=0)
         stated = self._calibration.origins["up"].kind == "stated"
         self._stance = self._reference() if stated else None
         turned = [column for column in possible if column.turned and self._turns(column)]
@@ -126,9 +128,11 @@ class BodyAngles:
         walker, rest = Walker(skeleton, self._reading), rest_of(skeleton, self._reading)
         if not self.columns:
             return
-        for block, positions in self._placed():
+        for block, values, positions in self._placed():
             steps = rounded(positions, self._calibration.step)
             places = {joint.name: steps[:, index] for index, joint in enumerate(skeleton.joints)}
+            lines, sides = line_steps(skeleton, self._calibration.bones, positions, values, self._reading)
+            places |= {line: sides[:, index] for index, line in enumerate(lines)}
             stretch = Stretch(places, len(block), None, self._calibration)
             found = [angle.compute(stretch, side) for angle, side in between]
             if turned and self._stance is not None:
@@ -137,8 +141,8 @@ class BodyAngles:
                 found += [turned_angle(name, skeleton, rest, self._stance, rotations, gaps) for name in turned]
             yield np.stack(found, axis=1)
 
-    def _placed(self) -> Iterator[tuple[FrameBlock, Array]]:
-        """Blocks with positions (n, J, 3), NaN where a sample is missing."""
+    def _placed(self) -> Iterator[tuple[FrameBlock, Array, Array]]:
+        """Blocks with values (n, D), and positions (n, J, 3), NaN where a sample is missing."""
         skeleton = self._clip.head.skeleton
         held = Held(skeleton)
         for block in self._clip.blocks():
@@ -150,19 +154,7 @@ class BodyAngles:
             if held.missing > before:
                 positions = np.array(positions)
                 positions[unseen(skeleton, block)] = np.nan
-            yield block, positions
-
-    def _calibrate(self) -> Calibration:
-        rows = calibration_frames(self.frames)
-        chosen: list[Array] = []
-        first = 0
-        for block, positions in self._placed():
-            inside = rows[(rows >= first) & (rows < first + len(block))] - first
-            chosen.append(np.array(positions[inside]))
-            first += len(block)
-        sample = np.concatenate(chosen) if chosen else np.empty((0, len(self._clip.head.skeleton), 3))
-        # A pose before the motion is a guess too: its angles are written.
-        return replace(calibrate(self._clip.head, sample, frames=rows, pose_at=self._pose_at), skipped=0)
+            yield block, values, positions
 
     def _reference(self) -> Stance | None:
         """The pose from which rotations start; None if it is unknown, or if left and right are unknown in it."""
@@ -170,17 +162,6 @@ class BodyAngles:
             return stance_of(self._calibration.start, self._clip.head.skeleton, self._reading)
         except ConversionError:
             return None
-
-    def _pose_at(self, frame: int) -> ReferencePose:
-        skeleton = self._clip.head.skeleton
-        held = Held(skeleton)
-        first = 0
-        for block in self._clip.blocks():
-            values = held.values(block)
-            if frame < first + len(block):
-                return pose_in(skeleton, self._reading, values[frame - first])
-            first += len(block)
-        raise AssertionError("the reference is a frame of the clip")
 
     def _turns(self, column: Column) -> bool:
         """Whether the body has the part of an angle that needs rotations."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any, Final, TypeAlias
 
 import numpy as np
@@ -16,9 +16,10 @@ import orjson
 from mcml.errors import RequestError
 from mcml.motion.anatomy.axes import uprightness
 from mcml.motion.bodies.beginnings import LOOKED_AT, frames_before_motion
+from mcml.motion.bodies.bone_axes import BoneAxis, HingeSums, bone_axes, pool_hinges
 from mcml.motion.bodies.floors import find_floor
 from mcml.motion.bodies.origins import Origin
-from mcml.motion.bodies.reference import could_stand
+from mcml.motion.bodies.reference import could_stand, standing_zeros
 from mcml.motion.clip import ClipHead, Reference, ReferencePose
 from mcml.motion.floor_plates import kept_plates
 from mcml.motion.frames import Rows
@@ -53,6 +54,7 @@ axis are set by the header's own elements."""
 _UNSET: Final = object()
 
 PoseAt: TypeAlias = Callable[[int], ReferencePose]
+HingesOf: TypeAlias = Callable[[], Mapping[str, HingeSums]]
 Shared: TypeAlias = Callable[[str | None], Reference | None]
 
 _SAMPLE = 5_000
@@ -70,6 +72,8 @@ class Calibration:
     knee to ankle, in source units. step: of the rounded positions, in source units. start: the reference pose, from
     which angles of rotations start. skipped: number of frames at the start with a pose before the motion (a T-pose),
     which are excluded. origins: of each of these except the step, by the names of their settings (reference, leaps).
+    zeros: degrees of a standing body, see `standing_zeros`, empty where no pose shows one. bones: where the lines to
+    the left of thighs and shanks come from, by their upper joints.
     """
 
     metres: float | None
@@ -80,6 +84,8 @@ class Calibration:
     start: Reference
     skipped: int
     origins: Mapping[str, Origin]
+    zeros: Mapping[str, float] = field(default_factory=dict)
+    bones: Mapping[str, BoneAxis] = field(default_factory=dict)
 
     @property
     def metres_per_step(self) -> float:
@@ -99,14 +105,18 @@ class Calibration:
     def to_json(self) -> dict[str, Any]:
         """Plain values for JSON."""
         values = {name: getattr(self, name) for name in (*_KEPT, "step")} | {"start": self.start.to_json()}
-        return values | {"origins": {name: [one.kind, one.reason] for name, one in self.origins.items()}}
+        bones = {name: axis.to_json() for name, axis in self.bones.items()}
+        origins = {name: [one.kind, one.reason] for name, one in self.origins.items()}
+        return values | {"origins": origins, "zeros": dict(self.zeros), "bones": bones}
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> Calibration:
         """Read the output of `to_json`."""
         origins = {name: Origin(*one) for name, one in values["origins"].items()}
         known = {name: values[name] for name in (*_KEPT, "step")}
-        return cls(**known, start=Reference.from_json(values["start"]), origins=origins)
+        bones = {name: BoneAxis.from_json(axis) for name, axis in values["bones"].items()}
+        start = Reference.from_json(values["start"])
+        return cls(**known, start=start, origins=origins, zeros=values["zeros"], bones=bones)
 
 
 def calibration_frames(count: int) -> Rows:
@@ -127,6 +137,7 @@ def calibrate(
     *,
     pose_at: PoseAt | None = None,
     shared: Shared | None = None,
+    hinges_of: HingesOf | None = None,
 ) -> Calibration:
     """Calibrate a clip from its stated values and its body.
 
@@ -137,6 +148,7 @@ def calibrate(
     those in the head's properties. Values that depend on a set value are computed from it.
     pose_at: the pose of a frame of the clip; without it angles from rotations can only start from the rest pose.
     shared: the reference that the clips of the skeleton share, by the up axis that is stated; by default the head's.
+    hinges_of: what the clip shows of the axes of its knees, for a reference that no other clip has set.
     Raises RequestError for an impossible value.
     """
     skeleton = head.skeleton
@@ -180,7 +192,22 @@ def calibrate(
         values["start"], origins["reference"] = _start(
             head, reading, positions, places, Up(values["up"], stated), pose_at, shared
         )
+        start: Reference = values["start"]
+        if hinges_of is not None and start.pose is not None and not (start.of or start.hinges):
+            values["start"] = replace(start, hinges=pool_hinges([hinges_of()]))
+    values |= _anatomy(skeleton, reading, values["start"], origins["reference"])
     return Calibration(step=_step(values["metres"], values["leg"], poses), origins=origins, **values)
+
+
+def _anatomy(skeleton: Skeleton, reading: Reading, start: Reference, origin: Origin) -> dict[str, Any]:
+    """Zeros and bones. A pose that the service chose does not show a standing body."""
+    zeros: dict[str, float] = {}
+    chosen = origin.kind == "set"
+    if chosen and start.pose is not None:
+        zeros = standing_zeros(skeleton, np.array(start.pose.positions), axis_of(start.up))
+    elif could_stand(skeleton, reading, start.up):
+        zeros = standing_zeros(skeleton, _rest(skeleton, reading)[0], axis_of(start.up))
+    return {"zeros": zeros, "bones": bone_axes(skeleton, reading, start, chosen=chosen)}
 
 
 def overrides_of(head: ClipHead) -> dict[str, Any]:

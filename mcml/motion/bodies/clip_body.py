@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from mcml.errors import ConversionError
+from mcml.motion.bodies.bone_axes import HingeSums, line_of, line_steps, sum_hinges
 from mcml.motion.bodies.calibration import Calibration, Shared, calibrate, calibration_frames
 from mcml.motion.bodies.positions import Filled, Steps, clip_positions, filled, rounded
 from mcml.motion.bodies.quantities import AskedQuantity, compute
@@ -32,18 +33,20 @@ FRAMES_TOGETHER = 8192
 @dataclass(frozen=True, eq=False)
 class ClipBody:
     """names: of the joints, MCML's where they are known, and of centres that markers tell. steps: (frames, points, 3)
-    positions as whole steps of the calibration. frame_time: seconds, None where unknown. doubtful: names of MCML's that
-    are guesses."""
+    positions as whole steps of the calibration, then the lines to the left of bones (`bone_axes.line_steps`). lines:
+    names of these. frame_time: seconds, None where unknown. doubtful: names of MCML's that are guesses."""
 
     names: tuple[str, ...]
     steps: Steps
     calibration: Calibration
     frame_time: float | None
     doubtful: tuple[str, ...] = ()
+    lines: tuple[str, ...] = ()
 
     def stretch(self, joints: Collection[str]) -> Stretch:
-        """All frames, with the joints of these names that it has."""
-        places = {name: self.steps[:, place] for place, name in enumerate(self.names) if name in joints}
+        """All frames, with the joints, and the lines to the left, of these names that it has."""
+        every = enumerate((*self.names, *self.lines))
+        places = {name: self.steps[:, place] for place, name in every if name in joints}
         return Stretch(places, len(self.steps), self.frame_time, self.calibration)
 
 
@@ -64,9 +67,20 @@ def body_at(head: ClipHead, positions: Array, values: Array | None = None, share
     frames = calibration_frames(len(positions))
     sample = positions if len(frames) == len(positions) else positions[frames]
     pose_at = None if values is None else partial(pose_of_frame, head, values)
-    calibration = calibrate(head, sample, frames=frames, pose_at=pose_at, shared=shared)
+    hinges_of = None if values is None else lambda: _hinges_in(head, sample, values[frames])
+    calibration = calibrate(head, sample, frames=frames, pose_at=pose_at, shared=shared, hinges_of=hinges_of)
+    lines, steps = _steps(head, calibration, positions, values)
+    names, doubtful = body_names(head.skeleton), head.skeleton.doubtful
+    return ClipBody(names, steps, calibration, head.seconds_per_frame(), doubtful, lines)
+
+
+def _steps(
+    head: ClipHead, calibration: Calibration, positions: Array, values: Array | None
+) -> tuple[tuple[str, ...], Steps]:
+    """The names of lines to the left, and positions and lines as whole steps."""
+    lines, sides = line_steps(head.skeleton, calibration.bones, positions, values, reading_of(head))
     steps = rounded(with_centres(centres_of(head.skeleton), positions), calibration.step)
-    return ClipBody(body_names(head.skeleton), steps, calibration, head.seconds_per_frame(), head.skeleton.doubtful)
+    return lines, np.concatenate([steps, sides], axis=1) if lines else steps
 
 
 def calibrate_clip(
@@ -77,28 +91,54 @@ def calibrate_clip(
     overrides, shared: as for `calibrate`.
     """
     rows = calibration_frames(frames)
-    wanted = set(rows.tolist())
-    sample = [np.empty((0, len(clip.head.skeleton), 3))]
-    kept: dict[int, Array] = {}
-    for first, values, positions in _walked(clip):
-        chosen = rows[(rows >= first) & (rows < first + len(values))] - first
-        sample.append(positions[chosen])
-        kept.update(zip((chosen + first).tolist(), values[chosen], strict=True))
+    place = {frame: index for index, frame in enumerate(rows.tolist())}
+    positions, kept = _sample(clip, frames)
 
     def pose_at(frame: int) -> ReferencePose:
-        if frame not in wanted:
+        if frame not in place:
             row = next(values[frame - at] for at, values, _ in _walked(clip) if frame < at + len(values))
             return pose_in(clip.head.skeleton, reading_of(clip.head), row)
-        return pose_in(clip.head.skeleton, reading_of(clip.head), kept[frame])
+        return pose_in(clip.head.skeleton, reading_of(clip.head), kept[place[frame]])
 
-    return calibrate(clip.head, np.concatenate(sample), overrides, rows, pose_at=pose_at, shared=shared)
+    def hinges_of() -> dict[str, HingeSums]:
+        return _hinges_in(clip.head, positions, kept)
+
+    return calibrate(clip.head, positions, overrides, rows, pose_at=pose_at, shared=shared, hinges_of=hinges_of)
 
 
-def steps_of(clip: ClipStream, step: float) -> Iterator[Steps]:
-    """Rounded positions of a clip, (n, points, 3) in the order of `body_names`, some frames at a time."""
-    centres = centres_of(clip.head.skeleton)
-    for _, _, positions in _walked(clip):
-        yield rounded(with_centres(centres, positions), step)
+def hinges_in_clip(clip: ClipStream, frames: int) -> dict[str, HingeSums]:
+    """What a clip with a known number of frames shows of the axes of its knees, see `pool_hinges`."""
+    return _hinges_in(clip.head, *_sample(clip, frames))
+
+
+def _sample(clip: ClipStream, frames: int) -> tuple[Array, Array]:
+    """Positions (n, J, 3) and values (n, D) of the frames that a calibration looks at."""
+    rows = calibration_frames(frames)
+    skeleton = clip.head.skeleton
+    places, kept = [np.empty((0, len(skeleton), 3))], [np.empty((0, len(skeleton.columns())))]
+    for first, values, positions in _walked(clip):
+        chosen = rows[(rows >= first) & (rows < first + len(values))] - first
+        places.append(positions[chosen])
+        kept.append(values[chosen])
+    return np.concatenate(places), np.concatenate(kept)
+
+
+def _hinges_in(head: ClipHead, positions: Array, values: Array) -> dict[str, HingeSums]:
+    """Of positions (n, J, 3), NaN where unknown, and values (n, D) of the skeleton's columns."""
+    _, rotations = Walker(head.skeleton, reading_of(head)).poses_at(values)
+    return sum_hinges(head.skeleton, positions, rotations)
+
+
+def lines_of(calibration: Calibration) -> tuple[str, ...]:
+    """The names of the lines to the left in a body with rotations."""
+    return tuple(map(line_of, calibration.bones))
+
+
+def steps_of(clip: ClipStream, calibration: Calibration) -> Iterator[Steps]:
+    """Rounded positions of a clip in the order of `body_names`, then those of `lines_of`, (n, points, 3), some frames
+    at a time."""
+    for _, values, positions in _walked(clip):
+        yield _steps(clip.head, calibration, positions, values)[1]
 
 
 def _walked(clip: ClipStream) -> Iterator[tuple[int, Array, Array]]:

@@ -1,9 +1,10 @@
 """Angles of the body by the names of its movements, from positions of joints: no rig's axes, no rest pose.
 
-Hinges are angles between two bones, and never negative: a knee bent backwards shows as flexion. Limbs swing relative to
-the trunk (a goniometer's angles, not those of ISB's pelvis or thorax): flexion about the line from right to left,
-abduction about the one from back to front, each by the bone's projection on the perpendicular plane; a bone too near to
-that line has no such angle. Both range from -90 to 270 degrees, so that a raised arm does not jump from 180 to -180.
+Hinges are angles between two bones, and never negative: an elbow bent backwards shows as flexion. Limbs swing relative
+to the trunk, as with a goniometer: flexion about the line from right to left, abduction about the one from back to
+front, each by the bone's projection on the perpendicular plane; a bone too near to that line has no such angle. Both
+range from -90 to 270 degrees, so that a raised arm does not jump from 180 to -180. Clinical angles, in the pelvis and
+signed, are in `pelvis_angles` and `bone_angles`.
 
 The opposite movement has the opposite sign. Names are `[side-]part-movement`, without synonyms.
 """
@@ -11,13 +12,28 @@ The opposite movement has the opposite sign. Names are `[side-]part-movement`, w
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from typing import Final, TypeAlias
 
 import numpy as np
 
 from mcml.errors import UnsupportedError, VocabularyError
+from mcml.motion.bodies.bone_angles import (
+    measure_hip_rotation,
+    measure_knee_flexion,
+    measure_knee_rotation,
+    measure_knee_varus,
+)
+from mcml.motion.bodies.bone_axes import line_of
+from mcml.motion.bodies.pelvis_angles import (
+    PELVIS_NEEDS,
+    measure_ankle,
+    measure_hip_adduction,
+    measure_hip_flexion,
+    measure_pelvis_tilt,
+)
+from mcml.motion.bodies.reference import PELVIS, dorsiflexion_of
 from mcml.motion.bodies.stretch import HIPS, NECK, SHOULDERS, Stretch
 from mcml.motion.skeleton import Array
 from mcml.motion.vectors import angle_between, cross, dot, length, unit
@@ -37,26 +53,32 @@ Measured: TypeAlias = Callable[[Stretch, str], Array]
 class Angle:
     """An angle of a limb.
 
-    needs: joints, `{side}` for the side, alternatives with `|`. sign: -1 for the opposite movement.
+    needs: joints, `{side}` for the side, alternatives with `|`. sign: -1 for the opposite movement. bones: whose line
+    to the left it takes where the body has one. zero: of a standing body, by its name in a calibration.
     """
 
     needs: tuple[str, ...]
     measured: Measured
     sign: float = 1.0
+    bones: tuple[str, ...] = ()
+    zero: str = ""
 
     def joints(self, side: str) -> tuple[str, ...]:
         """The joints that it is measured from."""
         return tuple(one.format(side=side) for one in self.needs)
 
+    def lines(self, side: str) -> tuple[str, ...]:
+        """The names of the lines to the left that it takes."""
+        return tuple(line_of(bone.format(side=side)) for bone in self.bones)
+
+    def anatomy(self, side: str) -> tuple[str, ...]:
+        """The bones and the zero that it takes, by their names in a calibration."""
+        return tuple(each.format(side=side) for each in (*self.bones, self.zero) if each)
+
     def compute(self, stretch: Stretch, side: str) -> Array:
         """(n,) degrees, NaN where unknown."""
         degrees: Array = self.sign * self.measured(stretch, side)
         return degrees
-
-
-def _knee(stretch: Stretch, side: str) -> Array:
-    knee = f"{side}_low_leg"
-    return angle_between(stretch.between(f"{side}_up_leg", knee), stretch.between(knee, f"{side}_foot"))
 
 
 def _elbow(stretch: Stretch, side: str) -> Array:
@@ -69,9 +91,7 @@ def _ankle(stretch: Stretch, side: str) -> Array:
     """Return 90 degrees minus the angle between the shank and the line from ankle to toes: a flat foot is below 0,
     because the ankle is higher than the toes (0 to 40 degrees, depending on the rig).
     """
-    ankle = f"{side}_foot"
-    shank, foot = stretch.between(ankle, f"{side}_low_leg"), stretch.between(ankle, f"{side}_toes")
-    return 90.0 - angle_between(shank, foot)
+    return dorsiflexion_of(*(stretch.at(f"{side}_{joint}") for joint in ("low_leg", "foot", "toes")))
 
 
 def about(bone: Array, start: Array, towards: Array, away: float = AWAY) -> Array:
@@ -154,13 +174,24 @@ def _pelvis_to_the_right(stretch: Stretch, side: str) -> Array:
 
 
 def _both_ways(
-    part: str, movement: str, opposite: str, needs: tuple[str, ...], measured: Measured
+    part: str,
+    movement: str,
+    opposite: str,
+    needs: tuple[str, ...],
+    measured: Measured,
+    bones: tuple[str, ...] = (),
+    zero: str = "",
 ) -> dict[tuple[str, str], Angle]:
-    return {(part, movement): Angle(needs, measured), (part, opposite): Angle(needs, measured, -1.0)}
+    angle = Angle(needs, measured, 1.0, bones, zero)
+    return {(part, movement): angle, (part, opposite): replace(angle, sign=-1.0)}
+
+
+_THIGH, _SHANK = ("{side}_up_leg",), ("{side}_up_leg", "{side}_low_leg")
+_KNEE = ("{side}_up_leg", "{side}_low_leg", "{side}_foot")
 
 
 ANGLES: Final[Mapping[tuple[str, str], Angle]] = {
-    **_both_ways("knee", "flexion", "extension", ("{side}_up_leg", "{side}_low_leg", "{side}_foot"), _knee),
+    **_both_ways("knee", "flexion", "extension", _KNEE, measure_knee_flexion, _THIGH),
     **_both_ways("elbow", "flexion", "extension", ("{side}_up_arm", "{side}_low_arm", FOREARM_END), _elbow),
     **_both_ways("foot", "dorsiflexion", "plantarflexion", ("{side}_low_leg", "{side}_foot", "{side}_toes"), _ankle),
     **_both_ways("arm", "flexion", "extension", _ARM.needs, _ARM.flexion),
@@ -176,7 +207,36 @@ ANGLES: Final[Mapping[tuple[str, str], Angle]] = {
     ),
     **_both_ways("pelvis", "right-lateral-flexion", "left-lateral-flexion", HIPS, _pelvis_to_the_right),
 }  # fmt: skip
-"""(part, movement): angles that positions of joints tell."""
+"""(part, movement): angles that positions of joints tell, in the vocabulary of motion names."""
+
+_THIGHS = (*HIPS, "{side}_low_leg")
+_FOOT = ("{side}_low_leg", "{side}_foot", "{side}_toes")
+
+CLINICAL: Final[Mapping[tuple[str, str], Angle]] = {
+    **_both_ways("hip", "flexion", "extension", (*PELVIS_NEEDS, "{side}_low_leg"), measure_hip_flexion, zero=PELVIS),
+    **_both_ways("hip", "adduction", "abduction", _THIGHS, measure_hip_adduction),
+    **_both_ways("hip", "internal-rotation", "external-rotation", _THIGHS, measure_hip_rotation, _THIGH),
+    **_both_ways("knee", "varus", "valgus", _KNEE, measure_knee_varus, _THIGH),
+    **_both_ways("knee", "internal-rotation", "external-rotation", _KNEE, measure_knee_rotation, _SHANK),
+    **_both_ways("ankle", "dorsiflexion", "plantarflexion", _FOOT, measure_ankle, zero="{side}_foot"),
+    ("pelvis", "tilt"): Angle(PELVIS_NEEDS, measure_pelvis_tilt, zero=PELVIS),
+    ("pelvis", "obliquity"): Angle(HIPS, _pelvis_to_the_right),
+}  # fmt: skip
+"""(part, movement): clinical angles beside the vocabulary of motion names."""
+
+_GONIOMETER: Final[Mapping[str, str]] = {
+    "leg-flexion": "hip-flexion",
+    "leg-extension": "hip-extension",
+    "leg-abduction": "hip-abduction",
+    "leg-adduction": "hip-adduction",
+    "leg-medial-rotation": "hip-internal-rotation",
+    "leg-lateral-rotation": "hip-external-rotation",
+    "knee-medial-rotation": "knee-internal-rotation",
+    "knee-lateral-rotation": "knee-external-rotation",
+    "foot-dorsiflexion": "ankle-dorsiflexion",
+    "foot-plantarflexion": "ankle-plantarflexion",
+}
+"""Angles of legs as with a goniometer, or by twist: the clinical angle of the same movement."""
 
 _BENDING = ("flexion", "extension")
 _FINGERS = ("thumb", "finger-two", "finger-four", "finger-five")
@@ -210,7 +270,7 @@ def _named(part: str, movement: str) -> list[tuple[str, str]]:
     return [("-".join(word for word in (side, part, movement) if word), side) for side in sides]
 
 
-_BY_NAME = {name: (angle, side) for key, angle in ANGLES.items() for name, side in _named(*key)}
+_BY_NAME = {name: (angle, side) for key, angle in {**ANGLES, **CLINICAL}.items() for name, side in _named(*key)}
 _TURNED = {
     name: (part, side, movement)
     for part, movements in NEEDS_ROTATIONS.items()
@@ -222,6 +282,22 @@ _TURNED = {
 def angle_names() -> list[str]:
     """All names of angles."""
     return [*_BY_NAME, *_TURNED]
+
+
+def clinical_name(name: str) -> str | None:
+    """The clinical angle of the movement of a goniometer's angle, such as `left-hip-flexion` for `left-leg-flexion`;
+    None for others."""
+    side, _, rest = name.partition("-")
+    if name == "pelvis-anterior-tilt":
+        return "pelvis-tilt"
+    return f"{side}-{_GONIOMETER[rest]}" if side in ("left", "right") and rest in _GONIOMETER else None
+
+
+def anatomy_of(name: str) -> tuple[str, ...]:
+    """The bones whose line to the left an angle takes, and the zero of a standing body, by their names in a
+    calibration; of unknown names none."""
+    angle, side = _BY_NAME.get(name, (None, ""))
+    return () if angle is None else angle.anatomy(side)
 
 
 def turn_named(name: str) -> tuple[str, str, str] | None:

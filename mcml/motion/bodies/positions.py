@@ -19,7 +19,7 @@ from mcml.motion.conventions.plans import product_order
 from mcml.motion.hub import HubReader, rest_of
 from mcml.motion.kinematics import unseen
 from mcml.motion.layout import Held
-from mcml.motion.rotations import inverse, multiply, to_matrix
+from mcml.motion.rotations import inverse, multiply, rotate, to_matrix
 from mcml.motion.skeleton import CHANNEL_INDEX, Array, Skeleton, once_a_skeleton
 from mcml.motion.units import DEGREES, Reading
 
@@ -60,6 +60,41 @@ def world_positions(skeleton: Skeleton, values: Array, reading: Reading = DEGREE
     return found.transpose(2, 0, 1)
 
 
+def world_directions(
+    skeleton: Skeleton, values: Array, fixed: Sequence[tuple[int, Array]], reading: Reading = DEGREES
+) -> Array:
+    """Where directions that are fixed to joints point in the world, (n, directions, 3).
+
+    fixed: joint, and direction (3,) at rest in the world, such as the line to the left of a thigh. values: as for
+    `world_positions`.
+    """
+    turns, columns = _turns(skeleton, reading)
+    orientations = rest_of(skeleton, reading).orientations
+    needed: set[int] = set()
+    for joint, _ in fixed:
+        while joint >= 0 and joint not in needed:
+            needed.add(joint)
+            joint = skeleton.joints[joint].parent
+    own = [(fixed_to, rotate(inverse(orientations[fixed_to]), direction)) for fixed_to, direction in fixed]
+    found = np.empty((len(fixed), 3, len(values)))
+    places = sorted(place for joint in needed for _, place in turns[joint].angles)
+    row_of = {place: row for row, place in enumerate(places)}
+    for first in range(0, len(values), BLOCK):
+        part = values[first : first + BLOCK]
+        angles = np.ascontiguousarray(part.T[[columns[place] for place in places]]) * reading.motion_angle
+        sines, cosines = np.sin(angles), np.cos(angles)
+        axes: dict[int, _Axes] = {}
+        for joint in sorted(needed):
+            turn = turns[joint]
+            carried = _carried(turn, axes.get(turn.parent), len(part))
+            rows = tuple((axis, row_of[place]) for axis, place in turn.angles)
+            axes[joint] = _turned(carried, rows, sines, cosines)
+        for place, (joint, (x, y, z)) in enumerate(own):
+            one, two, three = axes[joint]
+            found[place, :, first : first + BLOCK] = x * one + y * two + z * three
+    return found.transpose(2, 0, 1)
+
+
 def _walk(skeleton: Skeleton, values: Array, reading: Reading, found: Array) -> None:
     """Fills in (J, 3, n) positions."""
     turns, columns = _turns(skeleton, reading)
@@ -80,14 +115,19 @@ def _walk(skeleton: Skeleton, values: Array, reading: Reading, found: Array) -> 
         if not turn.turns:
             axes.append(None)
             continue
-        own = carrier or tuple(np.repeat(np.eye(3)[:, :, None], len(values), axis=2))
-        if turn.on is not None:
-            own = tuple(one * own[0] + two * own[1] + three * own[2] for one, two, three in turn.on.T)
-        axes.append(_turned(own, turn.angles, sines, cosines))
+        axes.append(_turned(_carried(turn, carrier, len(values)), turn.angles, sines, cosines))
 
 
 _Axes: TypeAlias = tuple[Array, ...]
 """The three axes of a joint in the world: (3, n) components of each."""
+
+
+def _carried(turn: _Turn, carrier: _Axes | None, frames: int) -> _Axes:
+    """Axes of a joint before its own rotation: those of its parent, turned as at rest."""
+    own = carrier or tuple(np.repeat(np.eye(3)[:, :, None], frames, axis=2))
+    if turn.on is None:
+        return own
+    return tuple(one * own[0] + two * own[1] + three * own[2] for one, two, three in turn.on.T)
 
 
 def _turned(axes: _Axes, angles: tuple[tuple[int, int], ...], sines: Array, cosines: Array) -> _Axes:

@@ -238,9 +238,13 @@ def quantity_of(name: str, arguments: Arguments) -> Quantity:
 
 
 def joints_of(name: str, arguments: Arguments, joints: Collection[str]) -> tuple[str, ...]:
-    """Return the joints of a skeleton that a quantity needs."""
+    """Return the joints of a skeleton that a quantity needs, and the lines to the left of its bones."""
     asked = quantity_of(name, arguments).joints(arguments)
-    return tuple(dict.fromkeys(found for one in asked if (found := known(one, joints)) is not None))
+    found = dict.fromkeys(found for one in asked if (found := known(one, joints)) is not None)
+    if name == "angle" and len(arguments) == 1 and turn_named(arguments[0]) is None:
+        angle, side = angle_named(arguments[0])
+        return (*found, *angle.lines(side))
+    return tuple(found)
 
 
 def halo_of(name: str, arguments: Arguments, frame_time: float | None) -> int | None:
@@ -273,7 +277,7 @@ class AskedQuantity:
 
     @property
     def needs_rotations(self) -> bool:
-        """Whether positions of joints do not tell it."""
+        """Whether it is read from the channels of the clip, as a turn from the reference pose."""
         return self.name == "angle" and len(self.arguments) == 1 and turn_named(self.arguments[0]) is not None
 
     @property

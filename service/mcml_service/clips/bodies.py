@@ -9,8 +9,17 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
+from mcml.motion.bodies.bone_axes import pool_hinges
 from mcml.motion.bodies.calibration import Calibration
-from mcml.motion.bodies.clip_body import ClipBody, body_at, calibrate_clip, steps_of, turned_degrees
+from mcml.motion.bodies.clip_body import (
+    ClipBody,
+    body_at,
+    calibrate_clip,
+    hinges_in_clip,
+    lines_of,
+    steps_of,
+    turned_degrees,
+)
 from mcml.motion.bodies.positions import clip_positions, filled
 from mcml.motion.bodies.stretch import Stretch
 from mcml.motion.clip import Reference
@@ -30,7 +39,7 @@ LONG = 65_536
 """Frames of a document from which on some of it is in memory at a time."""
 MOST_LOOKED_AT = 8
 """Clips of a skeleton, where a reference pose is looked for."""
-MADE = 4
+MADE = 5
 """Version of bodies: increased when the computation of positions or calibrations changes, so that stored bodies are
 derived again.
 """
@@ -39,8 +48,8 @@ derived again.
 @dataclass(frozen=True, eq=False)
 class Body:
     """names: of the joints, MCML's where they are known, and of centres that markers tell. frame_time: seconds, None
-    where unknown. blocks: rounded positions in the document's order of frames, as `steps.pack` makes them. doubtful:
-    names of MCML's that are guesses."""
+    where unknown. blocks: rounded positions in the document's order of frames, then lines to the left of bones, as
+    `steps.pack` makes them. doubtful: names of MCML's that are guesses. lines: names of the lines."""
 
     names: tuple[str, ...]
     frames: int
@@ -48,31 +57,33 @@ class Body:
     frame_time: float | None
     blocks: tuple[bytes, ...]
     doubtful: tuple[str, ...] = ()
+    lines: tuple[str, ...] = ()
 
     @property
     def nbytes(self) -> int:
         return sum(map(len, self.blocks)) + 2000
 
     def stretch(self, joints: Collection[str], first: int = 0, end: int | None = None) -> Stretch:
-        """The frames from `first` (from 0) to before `end`, by default all, with the joints of these names that it
-        has."""
+        """The frames from `first` (from 0) to before `end`, by default all, with the joints, and the lines to the left,
+        of these names that it has."""
         frames = range(self.frames)[first:end]
-        own = [place for place, name in enumerate(self.names) if name in joints]
+        every = (*self.names, *self.lines)
+        own = [place for place, name in enumerate(every) if name in joints]
         steps = unpack(self.blocks, own)
-        places = {self.names[place]: positions[first:end] for place, positions in zip(own, steps, strict=True)}
+        places = {every[place]: positions[first:end] for place, positions in zip(own, steps, strict=True)}
         return Stretch(places, len(frames), self.frame_time, self.calibration, first=first)
 
     def facts(self) -> dict[str, Any]:
         """Everything except the positions, as plain values for JSON."""
         known = self.calibration.to_json()
         told = {"names": self.names, "frames": self.frames, "calibration": known, "frame_time": self.frame_time}
-        return {**told, "blocks": len(self.blocks), "doubtful": self.doubtful, "made": MADE}
+        return {**told, "blocks": len(self.blocks), "doubtful": self.doubtful, "lines": self.lines, "made": MADE}
 
     @classmethod
     def pack(cls, body: ClipBody) -> Body:
         """Return the stored form of the body of a clip."""
         blocks = tuple(pack(body.steps))
-        return cls(body.names, len(body.steps), body.calibration, body.frame_time, blocks, body.doubtful)
+        return cls(body.names, len(body.steps), body.calibration, body.frame_time, blocks, body.doubtful, body.lines)
 
     @classmethod
     def restore(cls, stored: StoredBody) -> Body | None:
@@ -81,8 +92,8 @@ class Body:
         if facts["made"] != MADE:
             return None
         calibration = Calibration.from_json(facts["calibration"])
-        doubtful = tuple(facts["doubtful"])
-        return cls(tuple(facts["names"]), facts["frames"], calibration, facts["frame_time"], stored.blocks, doubtful)
+        names, doubtful, lines = (tuple(facts[each]) for each in ("names", "doubtful", "lines"))
+        return cls(names, facts["frames"], calibration, facts["frame_time"], stored.blocks, doubtful, lines)
 
 
 def derive_bodies(tx: Transaction, documents: Sequence[Listed], skeletons: Skeletons) -> Iterator[Body]:
@@ -121,9 +132,10 @@ def _derive_in_parts(tx: Transaction, listed: Listed, skeletons: Skeletons) -> B
     """The same of a long document, which is read twice: for its calibration, and for its positions."""
     clip = read_clip(tx, listed, bare=True, skeletons=skeletons).clip
     calibration = calibrate_clip(clip, listed.frames, shared=partial(References(tx).of, listed))
-    blocks = tuple(pack_parts(steps_of(clip, calibration.step)))
+    blocks = tuple(pack_parts(steps_of(clip, calibration)))
     skeleton, seconds = clip.head.skeleton, clip.head.seconds_per_frame()
-    return Body(body_names(skeleton), listed.frames, calibration, seconds, blocks, skeleton.doubtful)
+    names, lines = body_names(skeleton), lines_of(calibration)
+    return Body(names, listed.frames, calibration, seconds, blocks, skeleton.doubtful, lines)
 
 
 class References:
@@ -151,12 +163,19 @@ class References:
         return None
 
     def _first(self, skeleton: int, stated: str | None) -> Reference | None:
-        for commit, listed in self._tx.heads.clips_of_skeleton(skeleton, MOST_LOOKED_AT):
+        """The pose of the first clip that shows one, and the axes of knees in all that are looked at."""
+        start: Reference | None = None
+        clips = list(self._tx.heads.clips_of_skeleton(skeleton, MOST_LOOKED_AT))
+        for commit, listed in clips:
             clip = read_clip(self._tx.at_commit(commit), listed, bare=True).clip
             calibration = calibrate_clip(clip, clip.frames or 0, {} if stated is None else {"up": stated})
             if calibration.origins["reference"].kind == "measured" and calibration.start.stated == stated:
-                return replace(calibration.start, of=listed.name if calibration.start.frame is not None else "")
-        return None
+                start = replace(calibration.start, of=listed.name if calibration.start.frame is not None else "")
+                break
+        if start is None or start.frame is None:
+            return start
+        read = (read_clip(self._tx.at_commit(commit), listed, bare=True).clip for commit, listed in clips)
+        return replace(start, hinges=pool_hinges(hinges_in_clip(clip, clip.frames or 0) for clip in read))
 
 
 def read_bodies(tx: Transaction, documents: Sequence[Listed]) -> dict[int, Body]:

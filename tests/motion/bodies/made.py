@@ -9,6 +9,7 @@ import numpy as np
 
 from mcml.formats import FORMATS
 from mcml.motion.anatomy.axes import Stance
+from mcml.motion.bodies.bone_axes import line_steps
 from mcml.motion.bodies.calibration import Calibration, calibrate
 from mcml.motion.bodies.positions import clip_positions, filled, rounded
 from mcml.motion.bodies.reference import stance_of
@@ -103,11 +104,14 @@ def positions_of(clip: ClipStream) -> np.ndarray:
 
 
 def stretch_of(clip: ClipStream, calibration: Calibration | None = None) -> Stretch:
-    """The whole clip."""
-    positions = positions_of(clip)
+    """The whole clip, with lines to the left of bones."""
+    skeleton, reading = clip.head.skeleton, reading_of(clip.head)
+    positions, values = positions_of(clip), filled(skeleton, clip.blocks()).values
     calibration = calibration or calibrate(clip.head, positions)
     steps = rounded(positions, calibration.step)
-    places = {joint.name: steps[:, index] for index, joint in enumerate(clip.head.skeleton.joints)}
+    places = {joint.name: steps[:, index] for index, joint in enumerate(skeleton.joints)}
+    lines, sides = line_steps(skeleton, calibration.bones, positions, values, reading)
+    places |= {line: sides[:, index] for index, line in enumerate(lines)}
     return Stretch(places, len(steps), clip.head.seconds_per_frame(), calibration)
 
 
@@ -124,5 +128,5 @@ def stance(
 def part_of(stretch: Stretch, first: int, end: int, joints: Sequence[str] | None = None) -> Stretch:
     """Some of its frames, and only some joints."""
     names = stretch.places if joints is None else joints
-    places = {name: stretch.places[name][first:end].copy() for name in names}
+    places = {name: stretch.places[name][first:end].copy() for name in names if name in stretch.places}
     return replace(stretch, places=places, frames=end - first, first=stretch.first + first)

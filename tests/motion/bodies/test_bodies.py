@@ -13,7 +13,7 @@ from mcml.errors import RequestError, UnsupportedError, VocabularyError
 from mcml.formats import FORMATS
 from mcml.language.motion_names import MotionName, parse, parts
 from mcml.motion.bodies import local_fit
-from mcml.motion.bodies.limb_angles import ANGLES, NEEDS_ROTATIONS, angle_named
+from mcml.motion.bodies.limb_angles import ANGLES, CLINICAL, NEEDS_ROTATIONS, angle_named
 from mcml.motion.bodies.poses import (
     JOINTS,
     NEEDS,
@@ -43,6 +43,10 @@ ANGLE_NAMES = [f"{side}-{part}-{movement}" for part, movement in SIDED for side 
     f"{part}-{movement}" for part, movement in ANGLES if part in ("trunk", "pelvis")
 ]
 
+CLINICAL_NAMES = [
+    f"{side}-{part}-{movement}" for part, movement in CLINICAL if part != "pelvis" for side in ("left", "right")
+] + [f"{part}-{movement}" for part, movement in CLINICAL if part == "pelvis"]
+
 ASKED: list[tuple[str, ...]] = [
     ("time",),
     ("unit",),
@@ -55,7 +59,7 @@ ASKED: list[tuple[str, ...]] = [
     ("position", "left_hand", "up"),
     ("distance", "left_hand", "right_foot"),
     ("angle", "left_hand", "left_low_arm", "Head"),
-    *[("angle", name) for name in ANGLE_NAMES],
+    *[("angle", name) for name in (*ANGLE_NAMES, *CLINICAL_NAMES)],
     ("tilt", "Root", "neck1"),
     ("speed", "right_hand"),
     ("speed", "right_hand", "Root"),
@@ -249,7 +253,8 @@ def test_where_a_body_stands_and_faces_changes_little(seed: int) -> None:
     one = stretch_of(clip_of(person(seed, 40)))
     turn = np.array([[0, 0, -1], [0, 1, 0], [1, 0, 0]], dtype=np.int32)
     moved = rng.integers(-10_000, 10_000, 3).astype(np.int32) * np.array([1, 0, 1], dtype=np.int32)
-    other = replace(one, places={name: steps @ turn + moved for name, steps in one.places.items()})
+    places = {name: steps @ turn + (0 if name.endswith(" left") else moved) for name, steps in one.places.items()}
+    other = replace(one, places=places)
     for name, *arguments in ASKED:
         if name not in ("heading", "position"):
             before, after = compute(name, arguments, one), compute(name, arguments, other)
@@ -274,10 +279,13 @@ def test_a_mirrored_body_swaps_left_and_right(seed: int) -> None:
         return f"{swap[side]}{mark}{rest}" if side in swap else name
 
     flip = np.array([-1, 1, 1], dtype=np.int32)
-    other = replace(one, places={swapped(name, "_"): steps * flip for name, steps in one.places.items()})
-    for name in ANGLE_NAMES:
+    places = {swapped(name, "_"): steps * flip for name, steps in one.places.items()}
+    # What points to the left points to the right in a mirror.
+    other = replace(one, places={name: -at if name.endswith(" left") else at for name, at in places.items()})
+    for name in (*ANGLE_NAMES, *CLINICAL_NAMES):
         side, _, rest = name.partition("-")
-        twisted = not side.startswith(("left", "right")) and ("left" in rest or "right" in rest)
+        middle = not side.startswith(("left", "right"))
+        twisted = name == "pelvis-obliquity" or (middle and ("left" in rest or "right" in rest))
         mirrored = compute("angle", [name if twisted else swapped(name, "-")], other)
         expected = compute("angle", [name], one) * (-1 if twisted else 1)
         apart = (mirrored - expected + 180) % 360 - 180

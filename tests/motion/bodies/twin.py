@@ -14,89 +14,10 @@ import numpy as np
 
 from mcml.motion.bodies.calibration import Calibration
 from mcml.motion.clip import ClipStream
-from mcml.motion.skeleton import CHANNELS, Convention, Joint
-from mcml.motion.units import reading_of
+from tests.motion.bodies.twin_kinematics import Matrix, frame_poses, rest_pose
 
-Matrix = np.ndarray
 Place = tuple[int, int, int] | None
 NAN = math.nan
-
-
-def about_axis(letter: str, angle: float) -> Matrix:
-    c, s = math.cos(angle), math.sin(angle)
-    if letter == "X":
-        return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
-    if letter == "Y":
-        return np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
-    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-
-
-def product(matrices: list[Matrix]) -> Matrix:
-    result = np.eye(3)
-    for matrix in matrices:
-        result = result @ matrix
-    return result
-
-
-def triple_of(lexemes: tuple[str, str, str] | None) -> np.ndarray:
-    return np.array([float(text) for text in lexemes or ("0", "0", "0")])
-
-
-def frame_positions(clip: ClipStream) -> list[dict[str, np.ndarray]]:
-    """Of every frame, where each joint is in the world."""
-    found = []
-    for block in clip.blocks():
-        for row in block.values:
-            channels: list[dict[str, float]] = [{} for _ in clip.head.skeleton.joints]
-            for (joint, channel), value in zip(block.columns, row, strict=True):
-                channels[joint][CHANNELS[channel]] = float(value)
-            found.append(_walk(clip, channels))
-    return found
-
-
-def _walk(clip: ClipStream, channels: list[dict[str, float]]) -> dict[str, np.ndarray]:
-    reading = reading_of(clip.head)
-    places: list[np.ndarray] = []
-    ends: list[np.ndarray] = []
-    turned: list[Matrix] = []
-    for joint, values in zip(clip.head.skeleton.joints, channels, strict=True):
-        moved = np.array([values.get(name, 0.0) for name in ("Tx", "Ty", "Tz")])
-        above, carried = (places[joint.parent], turned[joint.parent]) if joint.parent >= 0 else (0.0, np.eye(3))
-        turns = [
-            about_axis(letter, values.get(f"R{letter.lower()}", 0.0) * reading.motion_angle)
-            for letter in joint.rotation_order.upper()
-        ]
-        if joint.convention is Convention.LISTED:
-            at = triple_of(joint.offset)
-            if joint.translation == "absolute":
-                for axis, name in enumerate(("Tx", "Ty", "Tz")):
-                    at[axis] = values.get(name, at[axis])
-            elif joint.translation == "relative":
-                at = at + moved
-            places.append(above + carried @ at)
-            turned.append(carried @ product(turns))
-            ends.append(places[-1])
-        elif joint.convention is Convention.BASE:
-            places.append(above + carried @ (triple_of(joint.offset) + moved))
-            turned.append(carried @ _rest(joint, joint.rotation_order, reading.rest_angle) @ product(turns))
-            ends.append(places[-1])
-        else:
-            axes = _rest(joint, (joint.axis_order or "XYZ")[::-1], reading.rest_angle)
-            start = ends[joint.parent] if joint.parent >= 0 else triple_of(joint.offset)
-            places.append(start + carried @ axes @ moved if joint.parent >= 0 else start + moved)
-            turned.append(carried @ axes @ product(turns[::-1]) @ axes.T)
-            along = triple_of(joint.direction)
-            size = math.sqrt(float(along @ along))
-            bone = along / size * float(joint.length or 0) if size else along
-            ends.append(places[-1] + turned[-1] @ bone)
-    return dict(zip(clip.head.skeleton.names, places, strict=True))
-
-
-def _rest(joint: Joint, order: str, unit: float) -> Matrix:
-    angles = dict(zip("XYZ", triple_of(joint.axis), strict=True))
-    if joint.convention is Convention.FIXED:
-        angles = dict(zip((joint.axis_order or "XYZ").upper(), triple_of(joint.axis), strict=True))
-    return product([about_axis(letter, angles[letter] * unit) for letter in order.upper()])
 
 
 class Twin:
@@ -118,11 +39,14 @@ class Twin:
     @classmethod
     def of(cls, clip: ClipStream, calibration: Calibration, most: int | None = None) -> Twin:
         """The first frames of a clip without missing samples, all by default."""
-        frames = frame_positions(clip)[:most]
+        frames, (_, still) = frame_poses(clip)[:most], rest_pose(clip)
         places: dict[str, list[Place]] = {}
         for name in clip.head.skeleton.names:
-            rows = [frame[name] / calibration.step for frame in frames]
+            rows = [frame[name] / calibration.step for frame, _ in frames]
             places[name] = [(round(float(x)), round(float(y)), round(float(z))) for x, y, z in rows]
+        for bone, axis in calibration.bones.items():
+            rows = [10_000 * axes[bone] @ still[bone].T @ np.array(axis.left) for _, axes in frames]
+            places[f"{bone} left"] = [(round(float(x)), round(float(y)), round(float(z))) for x, y, z in rows]
         return cls(places, clip.head.seconds_per_frame(), calibration)
 
     def at(self, joint: str, frame: int) -> np.ndarray | None:
@@ -284,9 +208,65 @@ class Twin:
         side = side / math.hypot(*side)
         return side, up, np.cross(side, up)
 
+    def pelvis(self, frame: int, *, upright: bool) -> Matrix | None:
+        """Columns on, left and up: up to the lowest joint of the spine, or the root; anywhere if it does not matter."""
+        across = self.line("right_up_leg", "left_up_leg", frame)
+        one, other = self.at("left_up_leg", frame), self.at("right_up_leg", frame)
+        top = self.at(next(n for n in ("waist", "torso7", "Root") if n in self.places), frame)
+        if across is None or one is None or other is None or (upright and top is None):
+            return None
+        up = top - (one + other) / 2 if upright and top is not None else np.array([0.3, 0.5, -0.7])
+        return _axes(up, across, keep_left=True)
+
+    def bone(self, frame: int, upper: str, lower: str) -> Matrix | None:
+        along, left = self.line(lower, upper, frame), self.at(f"{upper} left", frame)
+        return None if along is None or left is None else _axes(along, left, keep_left=False)
+
+    def clinical(self, frame: int, side: str, part: str, movement: str) -> float:
+        """By the Cardan angles of one matrix: about left, on and up, one after the other."""
+        k = -1.0 if side == "right" else 1.0
+        zeros = self.calibration.zeros
+        thigh = self.bone(frame, f"{side}_up_leg", f"{side}_low_leg")
+        pelvis = self.pelvis(frame, upright=part == "pelvis" or movement == "flexion")
+        if part == "ankle":
+            corner = self.corner(frame, f"{side}_low_leg", f"{side}_foot", f"{side}_toes")
+            return 90.0 - corner - zeros.get(f"{side}_foot", 0.0)
+        if part == "pelvis":
+            if pelvis is None:
+                return NAN
+            return math.degrees(math.atan2(-pelvis[:, 0] @ self.up, pelvis[:, 2] @ self.up)) - zeros.get("pelvis", 0.0)
+        if part == "hip" and movement != "internal-rotation":
+            # However the thigh is turned.
+            line = self.line(f"{side}_low_leg", f"{side}_up_leg", frame)
+            thigh = None if line is None else _axes(line, np.array([0.3, 0.5, -0.7]), keep_left=False)
+        below = thigh if part == "hip" else self.bone(frame, f"{side}_low_leg", f"{side}_foot")
+        if part == "knee" and movement != "internal-rotation":
+            line = self.line(f"{side}_foot", f"{side}_low_leg", frame)
+            below = None if line is None else _axes(line, np.array([0.3, 0.5, -0.7]), keep_left=False)
+        above = pelvis if part == "hip" else thigh
+        if above is None or below is None:
+            return NAN
+        r = above.T @ below
+        alpha, beta = math.degrees(math.atan2(r[0, 2], r[2, 2])), math.degrees(math.asin(-r[1, 2]))
+        gamma = math.degrees(math.atan2(r[1, 0], r[1, 1]))
+        return {
+            ("hip", "flexion"): -alpha - zeros.get("pelvis", 0.0),
+            ("hip", "adduction"): -k * beta,
+            ("hip", "internal-rotation"): -k * gamma,
+            ("knee", "flexion"): alpha,
+            ("knee", "varus"): -k * beta,
+            ("knee", "internal-rotation"): -k * gamma,
+        }[part, movement]
+
     def named(self, frame: int, name: str) -> float:
         side = name.partition("-")[0] if name.startswith(("left-", "right-")) else ""
         part, _, movement = name.removeprefix(f"{side}-").partition("-")
+        opposites = {"extension": "flexion", "abduction": "adduction", "external-rotation": "internal-rotation",
+                     "valgus": "varus", "plantarflexion": "dorsiflexion"}  # fmt: skip
+        signed = part == "knee" and f"{side}_up_leg left" in self.places
+        if part in ("hip", "ankle") or movement in ("tilt", "varus", "valgus") or "ternal" in movement or signed:
+            degrees = self.clinical(frame, side, part, opposites.get(movement, movement))
+            return -degrees if movement in opposites else degrees
         outwards = -1.0 if side == "right" else 1.0
         if movement in ("extension", "adduction", "horizontal-adduction", "plantarflexion", "left-lateral-flexion",
                         "right-rotation"):  # fmt: skip
@@ -394,3 +374,15 @@ def motion_distance(features: list[np.ndarray], motion: list[np.ndarray], end: i
 
     found = least(len(motion) - 1, end) / len(motion)
     return found if math.isfinite(found) else NAN
+
+
+def _axes(up: np.ndarray, left: np.ndarray, *, keep_left: bool) -> Matrix:
+    """Columns on, left and up; the one that is not kept is made perpendicular."""
+    y, z = left / math.hypot(*left), up / math.hypot(*up)
+    if keep_left:
+        z = z - (z @ y) * y
+        z = z / math.hypot(*z)
+    else:
+        y = y - (y @ z) * z
+        y = y / math.hypot(*y)
+    return np.stack([np.cross(y, z), y, z], axis=1)

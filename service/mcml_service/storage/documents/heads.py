@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import BigInteger, and_, bindparam, delete, func, or_, select, update
+from sqlalchemy import BigInteger, and_, bindparam, delete, exists, func, or_, select, update
 
 from mcml.language.elements import Element, mcml_attributes
 from mcml_service.storage.core.schema import CURRENT
@@ -37,6 +37,7 @@ _SKELETON = Prepared(
     .order_by(skeleton_element.c.pre)
 )
 _BONE_NAMES = Prepared(select(bone.c.bone, bone.c.name).where(of_document(bone)).order_by(bone.c.bone), bone)
+_EARLIER = content.alias()
 _CLIPS_OF_SKELETON = Prepared(
     select(
         content.c.from_commit, document.c.id, document.c.uuid, document.c.name, content.c.version, content.c.skeleton,
@@ -44,7 +45,14 @@ _CLIPS_OF_SKELETON = Prepared(
     )
     .join(document, document.c.id == content.c.document)
     .where(content.c.skeleton == bindparam("skeleton", type_=BigInteger), document.c.state == "ready")
-    .order_by(document.c.id, content.c.from_commit)
+    .where(
+        ~exists().where(
+            _EARLIER.c.document == content.c.document,
+            _EARLIER.c.skeleton == content.c.skeleton,
+            _EARLIER.c.from_commit < content.c.from_commit,
+        )
+    )
+    .order_by(document.c.id)
     .limit(bindparam("most", type_=BigInteger))
 )  # fmt: skip
 _EQUAL_SKELETON = Prepared(

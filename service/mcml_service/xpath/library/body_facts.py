@@ -14,6 +14,10 @@ from mcml_service.xpath.nodes.stored import Columns
 
 GUESSES = ("metres", "up", "floor")
 """Values of a calibration that queries depend on."""
+BONES = ("left_up_leg", "right_up_leg", "left_low_leg", "right_low_leg")
+"""Bones whose line to the left may be known."""
+ZEROS = ("pelvis", "left_foot", "right_foot")
+"""Constants of a standing body that may be known."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +25,7 @@ class BodyFacts:
     """names: the names of joints that occur together; doubtful: which of them are guesses. kind: of each document which
     of these. unit, times, floor:
     whether its unit, its frame time and its floor are known. guessed: (3, documents) whether each of GUESSES is a
-    guess."""
+    guess. anatomy: (7, documents) whether each of BONES and ZEROS is known."""
 
     names: list[list[str]]
     doubtful: list[list[str]]
@@ -30,24 +34,32 @@ class BodyFacts:
     times: Bools
     floor: Bools
     guessed: Bools
+    anatomy: Bools
 
     def __len__(self) -> int:
         return len(self.kind)
 
     @property
     def nbytes(self) -> int:
-        return 13 * len(self) + sum(50 * len(each) for each in self.names) + 200
+        return 20 * len(self) + sum(50 * len(each) for each in self.names) + 200
 
     def stored(self) -> dict[str, Any]:
         """As columns."""
-        known = np.stack([self.unit, self.times, self.floor, *self.guessed])
+        known = np.stack([self.unit, self.times, self.floor, *self.guessed, *self.anatomy])
         return {"names": self.names, "doubtful": self.doubtful, "kind": self.kind, "known": known}
 
     @classmethod
     def restored(cls, found: Columns) -> BodyFacts:
         """Restore facts from their columns."""
-        unit, times, floor, *guessed = found["known"]
-        return cls(found["names"], found["doubtful"], found["kind"], unit, times, floor, np.array(guessed))
+        known = np.array(found["known"])
+        unit, times, floor = known[:3]
+        guessed, anatomy = known[3 : 3 + len(GUESSES)], known[3 + len(GUESSES) :]
+        return cls(found["names"], found["doubtful"], found["kind"], unit, times, floor, guessed, anatomy)
+
+    def lacks_anatomy(self, of: Collection[str]) -> Bools:
+        """Tell which documents do not know one of some BONES or ZEROS."""
+        asked = [name in of for name in (*BONES, *ZEROS)]
+        return np.asarray(~self.anatomy[asked].all(axis=0), bool)
 
     def rests_on_guesses(self, of: Collection[str]) -> Bools:
         """Which documents guess one of some values, by their names in GUESSES."""
@@ -77,8 +89,12 @@ class BodyFacts:
         unit, times, floor = np.array(known, bool).reshape(-1, 3).T
         origins = [body.calibration.origins for body in bodies]
         guessed = np.array([[each[name].kind == "guessed" for each in origins] for name in GUESSES], bool)
+        calibrations = [body.calibration for body in bodies]
+        bones = [[name in each.bones for each in calibrations] for name in BONES]
+        zeros = [[name in each.zeros for each in calibrations] for name in ZEROS]
         names, doubtful = [list(each) for each, _ in kinds], [list(each) for _, each in kinds]
-        return cls(names, doubtful, np.array(kind, np.int64), unit, times, floor, guessed)
+        anatomy = np.array([*bones, *zeros], bool)
+        return cls(names, doubtful, np.array(kind, np.int64), unit, times, floor, guessed, anatomy)
 
     @classmethod
     def together(cls, parts: Sequence[BodyFacts]) -> BodyFacts:
@@ -95,4 +111,6 @@ class BodyFacts:
         floor = np.concatenate([nothing, *(part.floor for part in parts)])
         guessed = np.concatenate([np.empty((len(GUESSES), 0), bool), *(part.guessed for part in parts)], axis=1)
         names, doubtful = [list(each) for each, _ in kinds], [list(each) for _, each in kinds]
-        return cls(names, doubtful, np.concatenate(kind), unit, times, floor, guessed)
+        empty = np.empty((len(BONES) + len(ZEROS), 0), bool)
+        anatomy = np.concatenate([empty, *(part.anatomy for part in parts)], axis=1)
+        return cls(names, doubtful, np.concatenate(kind), unit, times, floor, guessed, anatomy)

@@ -219,7 +219,7 @@ class Forest:
 
         make: computes them; None: only cached facts.
         """
-        what = f"facts of bodies {MADE} names"
+        what = f"facts of bodies {MADE} anatomy"
         known: BodyFacts | None = self.caches.columns.find(self.documents, what)
         if known is None and (make is not None or self._disk is not None):
             found = None if self._disk is None else self._disk.read(self.tx, self._key(what))

@@ -10,14 +10,16 @@ from functools import partial
 import numpy as np
 
 from mcml.errors import McmlError, QueryError
+from mcml.motion.bodies.limb_angles import anatomy_of, clinical_name
 from mcml.motion.bodies.quantities import QUANTITIES, joints_of
+from mcml.motion.bodies.stretch import known
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.language.motion_functions import CONTACT, MOTION_FUNCTIONS, PREFIX, TOP
 from mcml_service.xpath.language.reach import HeadPart
 from mcml_service.xpath.language.tree import Call, Expression, Literal, walk
 from mcml_service.xpath.library.bodies import Bodies
-from mcml_service.xpath.library.body_facts import BodyFacts
+from mcml_service.xpath.library.body_facts import BONES, BodyFacts
 from mcml_service.xpath.library.caches import Caches
 from mcml_service.xpath.library.forest import Forest
 from mcml_service.xpath.library.groups import Group
@@ -151,6 +153,36 @@ def _notes(looked: Mapping[Group, GroupFacts], calls: Sequence[Call], needed: Se
         yield f"{count:,} {many} rest on a guessed {_listed(guesses)}; guesses=no leaves them out."
     if count := sum(int(_in_doubt(facts.body, calls).sum()) for facts in looked.values()):
         yield f"{count:,} {many} rest on guessed names of joints; guesses=no leaves them out."
+    yield from _notes_of_angles([facts.body for facts in looked.values()], calls, names, many)
+
+
+def _notes_of_angles(
+    looked: Sequence[BodyFacts], calls: Sequence[Call], names: Sequence[str], many: str
+) -> Iterator[str]:
+    """Yield warnings of angles as with a goniometer, and of clinical angles whose sign or zero is unknown."""
+    for call in dict.fromkeys(calls):
+        angle = _angle_of(call)
+        if (clinical := clinical_name(angle)) is not None:
+            yield f"{angle} is measured as with a goniometer; {clinical} is the clinical angle of the same movement."
+        anatomy = anatomy_of(angle)
+        if not anatomy or not looked:
+            continue
+        mask = np.concatenate([facts.lacks_anatomy(anatomy) & ~_lacking(facts, call) for facts in looked])
+        if count := int(mask.sum()):
+            if angle.endswith(("-knee-flexion", "-knee-extension")):
+                what = f"have {angle} without its sign, because no rotation or marker tells where the thigh's left is"
+            elif set(anatomy) <= set(BONES):
+                what = f"have no value: no rotation or marker tells where the left of {' and '.join(anatomy)} is"
+            else:
+                what = f"have {angle} in the frame of their joints, because no rest pose shows how they stand"
+            yield f"{count:,} {many} {what} ({named(names, mask)})."
+
+
+def _angle_of(call: Call) -> str:
+    """The name of the angle that a call asks for in writing, "" for other calls."""
+    name = call.function.removeprefix(PREFIX)
+    texts = [each.value for each in call.arguments if isinstance(each, Literal) and isinstance(each.value, str)]
+    return texts[0] if name == "angle" and len(texts) == len(call.arguments) == 1 else ""
 
 
 def _reasons(known: GroupFacts, calls: Sequence[Call]) -> Iterator[tuple[str, str, Bools]]:
@@ -223,8 +255,8 @@ def _lacking(facts: BodyFacts, call: Call) -> Bools:
     if name not in QUANTITIES or len(texts) < len(call.arguments):
         return np.zeros(len(facts), bool)
     try:
-        asked = len(dict.fromkeys(QUANTITIES[name].joints(texts)))
-        lacks = [len(joints_of(name, texts, names)) < asked for names in facts.names]
+        needs = QUANTITIES[name].joints(texts)
+        lacks = [any(known(each, names) is None for each in needs) for names in facts.names]
     except McmlError:
         return np.zeros(len(facts), bool)
     return np.asarray(np.array(lacks, bool)[facts.kind], bool)

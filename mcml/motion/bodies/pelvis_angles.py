@@ -1,0 +1,65 @@
+"""Clinical angles that positions of joints tell, whatever the axes of the rig: hips in the pelvis, pelvis, ankles.
+
+A hip is measured in the frame of the pelvis, as in gait analysis and by the ISB (Wu et al. 2002), not from the trunk: a
+body that bends forward in its back flexes no hip. Flexion and adduction are those of the direction of the thigh, which
+are the Cardan angles of the whole joint, however the thigh is turned about itself. Constants of a standing body
+(`reference.standing_zeros`) are subtracted where the skeleton has a pose that tells them; without, the values are in
+the frame of the joints.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mcml.motion.anatomy.segment_frames import Frames, flexion_of, lean_to_left_of, tilt_of
+from mcml.motion.bodies.reference import PELVIS, SPINE, dorsiflexion_of, frames_of_pelvis, pelvis_points
+from mcml.motion.bodies.stretch import HIPS, Stretch
+from mcml.motion.skeleton import Array
+from mcml.motion.vectors import unit
+
+PELVIS_NEEDS = (*HIPS, "|".join((*SPINE, "Root")), "|".join(("Root", *SPINE)))
+"""Hips, and the lowest joint of the spine or the root, and both where a body has both."""
+
+
+def frames_of(stretch: Stretch) -> Frames:
+    """The frames of the pelvis, with the lean of its joints left in."""
+    if (kept := stretch.kept.get("pelvis")) is None:
+        points = [stretch.at(name) for name in pelvis_points(tuple(stretch.places))]
+        kept = stretch.kept["pelvis"] = frames_of_pelvis(stretch.at(HIPS[0]), stretch.at(HIPS[1]), points)
+    frames: Frames = kept
+    return frames
+
+
+def measure_hip_flexion(stretch: Stretch, side: str) -> Array:
+    """(n,) degrees, 0 for a thigh upright in the pelvis."""
+    degrees = flexion_of(frames_of(stretch), _thigh(stretch, side)) - _zero(stretch, PELVIS)
+    return _within_half_a_turn(degrees)
+
+
+def measure_hip_adduction(stretch: Stretch, side: str) -> Array:
+    """(n,) degrees, positive towards the other leg; a pelvis that drops to the other side adducts."""
+    degrees = lean_to_left_of(frames_of(stretch), _thigh(stretch, side))
+    return -degrees if side == "right" else degrees
+
+
+def measure_pelvis_tilt(stretch: Stretch, side: str) -> Array:
+    """(n,) degrees forwards about the line through the hips."""
+    return _within_half_a_turn(tilt_of(frames_of(stretch), stretch.up) - _zero(stretch, PELVIS))
+
+
+def measure_ankle(stretch: Stretch, side: str) -> Array:
+    """(n,) degrees of dorsiflexion from the standing body."""
+    knee, ankle, toes = (stretch.at(f"{side}_{joint}") for joint in ("low_leg", "foot", "toes"))
+    return dorsiflexion_of(knee, ankle, toes) - _zero(stretch, f"{side}_foot")
+
+
+def _thigh(stretch: Stretch, side: str) -> Array:
+    return unit(stretch.between(f"{side}_low_leg", f"{side}_up_leg"))
+
+
+def _zero(stretch: Stretch, name: str) -> float:
+    return stretch.calibration.zeros.get(name, 0.0)
+
+
+def _within_half_a_turn(degrees: Array) -> Array:
+    return np.where(degrees > 180.0, degrees - 360.0, np.where(degrees <= -180.0, degrees + 360.0, degrees))
