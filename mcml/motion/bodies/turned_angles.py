@@ -5,6 +5,9 @@ standing body. The rotation of a wrist or a head in that pose itself is unknown.
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,8 +16,11 @@ from mcml.motion.anatomy.angles import turned_angles
 from mcml.motion.anatomy.axes import Segment, Stance, relative_turns, segments_of
 from mcml.motion.bodies.limb_angles import turn_named
 from mcml.motion.hub import Rest
-from mcml.motion.rotations import IDENTITY, inverse, multiply
+from mcml.motion.rotations import IDENTITY, inverse, multiply, rotate
 from mcml.motion.skeleton import Array, Skeleton
+
+OBLIQUE: Final = 0.7
+"""Cosine between the one axis of an elbow and the forearm from which on the elbow is no hinge, but twists."""
 
 
 def turned_angle(
@@ -38,6 +44,7 @@ def turned_angle(
     part, side, movement = asked
     for segment in segments_of(skeleton, rest, stance):
         if (segment.part.name, segment.side) == (part, side) and _is_turned(skeleton, segment):
+            segment = _from_ulna(skeleton, rest, stance, segment)
             turns = relative_turns(skeleton, rotations, stance, segment)
             if part == "pelvis" and not movement.endswith("-rotation"):
                 turns = multiply(inverse(_about(turns, stance.up)), turns)
@@ -46,6 +53,24 @@ def turned_angle(
                     degrees: Array = np.degrees(radians if movement == found else -radians)
                     return degrees if unseen is None else np.where(unseen[:, segment.joint], np.nan, degrees)
     return np.full(len(rotations), np.nan)
+
+
+def _from_ulna(skeleton: Skeleton, rest: Rest, stance: Stance, segment: Segment) -> Segment:
+    """A forearm that twists at a joint below an elbow of one axis is measured from the ulna between them.
+
+    The axis of an elbow is oblique to the forearm, so that from the upper arm its bends would show as twists.
+    """
+    names = [joint.name for joint in skeleton.joints]
+    elbow = f"{segment.side}_low_arm"
+    if segment.part.name != "forearm" or elbow not in names or names.index(elbow) == segment.joint:
+        return segment
+    ulna = names.index(elbow)
+    turning = [channel[1:].lower() for channel in skeleton.joints[ulna].channels if channel[0] == "R"]
+    if len(turning) != 1 or not any(channel[0] == "R" for channel in skeleton.joints[segment.joint].channels):
+        return segment
+    axis = rotate(rest.orientations[ulna], np.eye(3)["xyz".index(turning[0])])
+    bone = rotate(inverse(stance.turned[segment.joint]), segment.bone)
+    return replace(segment, above=ulna) if abs(float(axis @ bone)) < OBLIQUE else segment
 
 
 def _is_turned(skeleton: Skeleton, segment: Segment) -> bool:

@@ -10,6 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from mcml.errors import VocabularyError
+from mcml.formats import FORMATS
 from mcml.motion.anatomy.axes import segments_of
 from mcml.motion.bodies.limb_angles import NEEDS_ROTATIONS, turn_named
 from mcml.motion.bodies.turned_angles import turned_angle
@@ -17,6 +18,7 @@ from mcml.motion.hub import rest_of, walked
 from mcml.motion.kinematics import Walker
 from mcml.motion.skeleton import Array, Skeleton
 from mcml.motion.units import reading_of
+from mcml.testing import read
 from tests.formats.test_real_files import opened
 from tests.motion.bodies.made import named, stretch_of
 from tests.motion.bodies.made import stance as stance_of_pose
@@ -92,6 +94,39 @@ def test_a_forearm_is_turned_as_far_however_the_elbow_is_bent(bend: float) -> No
     _, rotations = world_of(skeleton, made(skeleton, False, 0.0, "left_low_arm", path))
     found = turned_angle("left-forearm-pronation", skeleton, rest, stance, rotations)
     np.testing.assert_allclose(found, pronated, atol=1e-9)
+
+
+ARM = """HIERARCHY
+ROOT Root
+{ OFFSET 0 0 0 CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+JOINT left_up_leg { OFFSET 9 0 0 CHANNELS 3 Zrotation Xrotation Yrotation End Site { OFFSET 0 -80 0 } }
+JOINT right_up_leg { OFFSET -9 0 0 CHANNELS 3 Zrotation Xrotation Yrotation End Site { OFFSET 0 -80 0 } }
+JOINT Head { OFFSET 0 60 0 CHANNELS 3 Zrotation Xrotation Yrotation End Site { OFFSET 0 10 0 } }
+JOINT left_up_arm { OFFSET 18 45 0 CHANNELS 3 Zrotation Xrotation Yrotation
+JOINT left_low_arm { OFFSET 0 -28 0 CHANNELS 1 Xrotation
+JOINT left_wrist { OFFSET 2 -10 0 CHANNELS 3 Zrotation Xrotation Yrotation
+JOINT left_hand { OFFSET 3 -15 0 CHANNELS 3 Zrotation Xrotation Yrotation End Site { OFFSET 0 -8 0 } } } } } }
+MOTION
+Frames: 4
+Frame Time: 0.01
+"""
+
+
+@pytest.mark.parametrize("pronated", [-120.0, 0.0, 60.0, 170.0])
+def test_a_forearm_below_an_oblique_elbow_is_measured_from_the_ulna(pronated: float) -> None:
+    bone = np.array([3.0, -15.0, 0.0]) / np.hypot(3, 15)
+    twist = Rotation.from_rotvec(np.radians(pronated) * bone).as_euler("ZXY", degrees=True)
+    rows = []
+    for bend in (0.0, -60.0, -90.0, -150.0):
+        values = np.zeros(6 + 3 * 4 + 1 + 3 + 3)
+        values[18] = bend
+        values[19:22] = twist
+        rows.append(" ".join(f"{value:.12f}" for value in values))
+    clip = named(read(FORMATS["bvh"], {"bvh": (ARM + "\n".join(rows) + "\n").encode()}))
+    skeleton = clip.head.skeleton
+    rotations = np.concatenate([Walker(skeleton).poses(block)[1] for block in clip.blocks()])
+    found = turned_angle("left-forearm-pronation", skeleton, rest_of(skeleton), stance_of_pose(skeleton), rotations)
+    np.testing.assert_allclose(found, pronated, atol=1e-6)
 
 
 @pytest.mark.parametrize("name", ["left-arm-medial-rotation", "right-leg-medial-rotation", "head-left-rotation"])
