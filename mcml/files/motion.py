@@ -100,7 +100,11 @@ class Motion:
         return self._quantity("distance", joint, other)
 
     def angle(self, name: str, middle: str | None = None, end: str | None = None) -> Array:
-        """(frames,) degrees of an angle such as "left-knee-flexion", or between three joints, at the middle."""
+        """(frames,) degrees of an angle such as "left-hip-flexion", or between three joints, at the middle.
+
+        docs/motion.md lists the names. A knee bent backwards is negative if rotations or markers tell where the left of
+        its thigh is, otherwise its flexion is never negative.
+        """
         return self._quantity("angle", name, middle, end)
 
     def tilt(self, joint: str, other: str) -> Array:

@@ -160,7 +160,7 @@ EACH = {
     "mo:height": "mo:height(frame_bone[3])",
     "mo:position": "mo:position('Head', 'front', frame_bone[1])",
     "mo:distance": "mo:distance(frame_bone[2], frame_bone[last()])",
-    "mo:angle": "mo:angle(frame_bone[1], 'left_low_leg', 'left_foot') + mo:angle('left-knee-flexion')",
+    "mo:angle": "mo:angle(frame_bone[1], 'left_low_leg', 'left_foot') + mo:angle('left-hip-internal-rotation')",
     "mo:tilt": "mo:tilt('Root', 'Head')",
     "mo:speed": "mo:speed('left_hand', 'Root')",
     "mo:acceleration": "mo:acceleration('left_hand')",

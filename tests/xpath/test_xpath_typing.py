@@ -72,6 +72,9 @@ def test_what_their_arguments_name() -> None:
     assert items("//frame[contains('")[1] == []
     _, found = complete("//frame[mo:angle('left-knee-f", 28, dict, lambda: {"left_up_arm": 3})
     assert {item.kind for item in found} == {"angle"}
+    _, found = complete("//frame[mo:angle('left-leg-f", 28, dict, dict)
+    details = {item.text: item.detail for item in found}
+    assert details["left-leg-flexion"] == "goniometer; clinical: left-hip-flexion"
 
 
 def test_a_cursor_in_the_middle() -> None:

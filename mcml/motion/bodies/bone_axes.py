@@ -40,7 +40,7 @@ BENT: Final = 20.0
 ONE_AXIS: Final = 6.0
 """Degrees (rms) between the axis of a knee and its single bends up to which it is one axis."""
 LINE: Final = 10_000
-"""Steps of a unit vector to the left of a bone: 0.003 degrees at most from what it was."""
+"""Steps of a unit vector to the left of a bone: rounding turns it by at most 0.005 degrees."""
 FIRM: Final = np.cos(np.radians(30.0))
 """Cosine between a bone and its direction by its rotation below which rotations and positions contradict each other."""
 
@@ -115,7 +115,7 @@ def has_rotations(skeleton: Skeleton, name: str) -> bool:
 
 
 def sum_hinges(skeleton: Skeleton, positions: Array, rotations: Array) -> dict[str, HingeSums]:
-    """Sum what frames tell of the axes of knees, by the names of thighs.
+    """Sum the directions in which knees bend in some frames, by the names of thighs.
 
     positions: (n, J, 3), NaN where unknown; rotations: (n, J, 4) from rest, in the world.
     """

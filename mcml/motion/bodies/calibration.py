@@ -148,7 +148,7 @@ def calibrate(
     those in the head's properties. Values that depend on a set value are computed from it.
     pose_at: the pose of a frame of the clip; without it angles from rotations can only start from the rest pose.
     shared: the reference that the clips of the skeleton share, by the up axis that is stated; by default the head's.
-    hinges_of: what the clip shows of the axes of its knees, for a reference that no other clip has set.
+    hinges_of: sums of the bends of its knees, for a reference that no other clip has set.
     Raises RequestError for an impossible value.
     """
     skeleton = head.skeleton
@@ -192,11 +192,24 @@ def calibrate(
         values["start"], origins["reference"] = _start(
             head, reading, positions, places, Up(values["up"], stated), pose_at, shared
         )
-        start: Reference = values["start"]
-        if hinges_of is not None and start.pose is not None and not (start.of or start.hinges):
-            values["start"] = replace(start, hinges=pool_hinges([hinges_of()]))
+        values["start"] = start = _with_hinges(values["start"], hinges_of)
+        if start.hinges:
+            origins["reference"] = _tell_hinges(origins["reference"], start)
     values |= _anatomy(skeleton, reading, values["start"], origins["reference"])
     return Calibration(step=_step(values["metres"], values["leg"], poses), origins=origins, **values)
+
+
+def _with_hinges(start: Reference, hinges_of: HingesOf | None) -> Reference:
+    """The reference with the axes of knees, if it comes from this clip."""
+    if hinges_of is None or start.pose is None or start.of or start.hinges:
+        return start
+    return replace(start, hinges=pool_hinges([hinges_of()]))
+
+
+def _tell_hinges(origin: Origin, start: Reference) -> Origin:
+    loose = max(hinge[3] for hinge in start.hinges.values())
+    about = f"left of the legs by the axes of the knees, which single bends keep within {loose:.2g} degrees"
+    return Origin(origin.kind, f"{origin.reason}; {about}")
 
 
 def _anatomy(skeleton: Skeleton, reading: Reading, start: Reference, origin: Origin) -> dict[str, Any]:

@@ -107,7 +107,7 @@ def calibrate_clip(
 
 
 def hinges_in_clip(clip: ClipStream, frames: int) -> dict[str, HingeSums]:
-    """What a clip with a known number of frames shows of the axes of its knees, see `pool_hinges`."""
+    """Sum the bends of the knees of a clip with a known number of frames, see `pool_hinges`."""
     return _hinges_in(clip.head, *_sample(clip, frames))
 
 

@@ -1,4 +1,4 @@
-"""Clinical angles that positions of joints tell, whatever the axes of the rig: hips in the pelvis, pelvis, ankles.
+"""Clinical angles from positions of joints, for rigs with any axes: hips in the pelvis, pelvis, ankles.
 
 A hip is measured in the frame of the pelvis, as in gait analysis and by the ISB (Wu et al. 2002), not from the trunk: a
 body that bends forward in its back flexes no hip. Flexion and adduction are those of the direction of the thigh, which

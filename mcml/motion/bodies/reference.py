@@ -86,10 +86,10 @@ def dorsiflexion_of(knee: Array, ankle: Array, toes: Array) -> Array:
 
 
 def standing_zeros(skeleton: Skeleton, positions: Array, up: Array) -> dict[str, float]:
-    """Degrees of what stands upright by definition, in the pose of a body that stands; without what is unknown.
+    """Degrees of the pelvis and of the ankles in the frames of their joints, in the pose of a body that stands.
 
-    positions: (J, 3). A pelvis leans in the frame of its joints by a constant, which is no tilt of a body; a flat foot
-    has an ankle higher than its toes.
+    positions: (J, 3). These constants are subtracted from angles: the frame of the joints of an upright pelvis leans,
+    and a flat foot has an ankle higher than its toes. Unknown ones are left out.
     """
     at = {name: positions[None, index] for index, name in enumerate(skeleton.names)}
     found: dict[str, float] = {}

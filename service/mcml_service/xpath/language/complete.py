@@ -9,7 +9,7 @@ from typing import Literal
 
 from mcml.language.content import declarations
 from mcml.language.vocabulary import FRAME, MOTION_NAME, NAME
-from mcml.motion.bodies.limb_angles import angle_names
+from mcml.motion.bodies.limb_angles import angle_names, clinical_name
 from mcml.motion.bodies.quantities import AXES as BODY_AXES
 from mcml_service.xpath.language.functions import FUNCTIONS
 from mcml_service.xpath.language.motion_functions import ANGLE, JOINTS, MOTION_FUNCTIONS, OF_FRAME_SETS
@@ -180,7 +180,9 @@ def _of_motion(level: _Level, bone_names: Callable[[], Mapping[str, int]], more_
     parameters = MOTION_FUNCTIONS[level.function].parameters
     parameter = parameters[level.place].rstrip("?") if level.place < len(parameters) else ""
     if level.function == ANGLE and not level.place and not more_follow:
-        yield from (Completion(name, "angle") for name in angle_names())
+        for name in angle_names():
+            clinical = clinical_name(name)
+            yield Completion(name, "angle", "" if clinical is None else f"goniometer; clinical: {clinical}")
     if parameter in JOINTS:
         yield from (Completion(text, "bone name", documents=count) for text, count in bone_names().items())
     elif parameter == "axis":

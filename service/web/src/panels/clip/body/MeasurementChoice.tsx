@@ -59,7 +59,9 @@ export function MeasurementChoice({
   choose: (next: Asked) => void;
 }) {
   const angles = useAsync((signal) => get("/xpath/complete", { query: { q: ANGLE }, signal }), []);
-  const named = (angles.value?.items ?? []).filter((each) => each.kind === "angle").map((each) => each.text);
+  const items = (angles.value?.items ?? []).filter((each) => each.kind === "angle");
+  const named = items.map((each) => each.text);
+  const old = new Set(items.filter((each) => each.detail.startsWith("goniometer")).map((each) => each.text));
   const kinds = [
     ...KINDS,
     ...FILE_KINDS.filter((kind) => asked.kind === kind || measured.some((each) => each.function === kind)),
@@ -91,7 +93,9 @@ export function MeasurementChoice({
           onChange={(event) => choose({ ...asked, argument: event.currentTarget.value })}
         >
           {(asked.kind === "angle" ? [...new Set([asked.argument, ...named])] : bones).map((name) => (
-            <option key={name}>{name}</option>
+            <option key={name} value={name}>
+              {asked.kind === "angle" && old.has(name) ? w("label.goniometerAngle", { name }) : name}
+            </option>
           ))}
         </select>
       )}
