@@ -17,18 +17,20 @@ from mcml.motion.bodies.bone_axes import HingeSums, line_of, pool_hinges, sum_hi
 from mcml.motion.bodies.calibration import Calibration
 from mcml.motion.bodies.clip_body import ClipBody, body_of, quantity_values
 from mcml.motion.bodies.limb_angles import angle_names, clinical_name
-from mcml.motion.bodies.positions import rounded
+from mcml.motion.bodies.positions import rounded, world_directions
 from mcml.motion.bodies.quantities import asked_quantity, compute
 from mcml.motion.bodies.reference import standing_zeros
 from mcml.motion.bodies.stretch import Stretch
 from mcml.motion.clip import ClipStream, Reference
 from mcml.motion.kinematics import Walker
 from mcml.motion.rotations import from_matrix, rotate
-from mcml.motion.skeleton import Array, Skeleton
+from mcml.motion.skeleton import Array, Convention, Skeleton
+from mcml.motion.units import reading_of
 from mcml.testing import read
 from tests.builders import TRC
 from tests.motion.bodies.made import named, part_of
 from tests.motion.bodies.rig import OFFSETS, RANGES, made_clip, random_angles, write_rig
+from tests.motion.random_clips import random_clip
 
 STEP = 1e-4
 JOINTS = {"back": "waist", "hip": "up_leg", "knee": "low_leg", "ankle": "foot", "mtp": "toes"}
@@ -317,3 +319,21 @@ def test_old_names_have_a_clinical_one() -> None:
     others = [found for name in known if (found := clinical_name(name)) is not None]
     assert len(others) == 21
     assert set(others) <= known
+
+
+@pytest.mark.parametrize("convention", [Convention.LISTED, Convention.FIXED, Convention.BASE])
+@settings(max_examples=15, deadline=None)
+@given(seed=st.integers(0, 100_000))
+def test_directions_are_those_of_the_walker(convention: Convention, seed: int) -> None:
+    """Of any skeleton, to the bit in any number of frames."""
+    clip = random_clip(convention, seed, moving=seed % 2 == 0)
+    skeleton, reading = clip.head.skeleton, reading_of(clip.head)
+    values = np.concatenate([block.values for block in clip.blocks()])
+    turned = np.concatenate([Walker(skeleton, reading).poses(block)[1] for block in clip.blocks()])
+    parents = sorted({joint.parent for joint in skeleton.joints} - {-1})
+    fixed = [(joint, np.random.default_rng(joint).normal(size=3)) for joint in parents]
+    found = world_directions(skeleton, values, fixed, reading)
+    for place, (joint, direction) in enumerate(fixed):
+        np.testing.assert_allclose(found[:, place], rotate(turned[:, joint], direction), atol=1e-9)
+    part = world_directions(skeleton, values[1:], fixed, reading)
+    assert part.tobytes() == np.ascontiguousarray(found[1:]).tobytes()
