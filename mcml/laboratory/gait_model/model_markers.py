@@ -1,0 +1,118 @@
+"""Markers of a clip by the names of Plug-in Gait, whatever the file calls them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+from mcml.motion.landmarks.centres import bodies_of
+from mcml.motion.landmarks.recognise import MarkerBody
+from mcml.motion.landmarks.tables import key_of
+from mcml.motion.skeleton import Skeleton
+
+CENTRES: Final[Mapping[str, tuple[str, ...]]] = {"hip": ("HJC", "FEP"), "knee": ("KJC", "FEO"), "ankle": ("AJC", "TIO")}
+"""Names, without the side, of joint centres that programs write among the markers."""
+
+_MIDDLE: Final[Mapping[str, str]] = {"SACR": "sacrum", "CLAV": "jugular_notch", "C7": "c7", "STRN": "xiphoid",
+                                     "T10": "t10"}  # fmt: skip
+_SIDED: Final[Mapping[str, str]] = {
+    "ASI": "asis",
+    "PSI": "psis",
+    "THI": "thigh_tracking",
+    "KNE": "knee_lateral",
+    "TIB": "shank_tracking",
+    "ANK": "ankle_lateral",
+    "MED": "ankle_medial",
+    "HEE": "heel",
+    "TOE": "mt2",
+    "FHD": "head_front",
+    "BHD": "head_back",
+    "SHO": "acromion",
+    "ELB": "elbow_lateral",
+    "WRA": "wrist_radial",
+    "WRB": "wrist_ulnar",
+    "FIN": "mt3_hand",
+}
+_BY_NAME: Final = ("KAX", "KD1", "KD2", "FEP", "FEO", "TIO")
+"""The alignment device of the knee, and the joint centres of Plug-in Gait itself, which no landmark set has."""
+_PAIRS: Final[Mapping[str, str]] = {
+    "KneeLateral": "knee_lateral",
+    "KneeMedial": "knee_medial",
+    "AnkleLateral": "ankle_lateral",
+    "AnkleMedial": "ankle_medial",
+    "Heel": "heel",
+    "Toe": "mt2",
+}
+"""Points of any landmark set, by the name that the model gives them."""
+_SIDES: Final = {"L": "left", "R": "right"}
+
+
+@dataclass(frozen=True)
+class ModelMarkers:
+    """joints: index of each marker in the skeleton, by the name of Plug-in Gait ("LKNE"), of a landmark
+    ("LKneeMedial"), or of a centre ("Lknee"). sources: the names in the file. problem: why there are none, "" where
+    there are, or where the clip has no markers of a body."""
+
+    joints: Mapping[str, int] = field(default_factory=dict)
+    sources: Mapping[str, str] = field(default_factory=dict)
+    prefix: str = ""
+    problem: str = ""
+
+
+def find_model_markers(skeleton: Skeleton) -> ModelMarkers:
+    """Find the markers: by their own names, else by the landmarks that they are recognised as."""
+    bodies = bodies_of(skeleton)
+    if not bodies:
+        return ModelMarkers()
+    if len(bodies) > 1:
+        listed = ", ".join(repr(body.prefix) for body in bodies)
+        return ModelMarkers(problem=f"the markers are of several people: {listed}")
+    body = bodies[0]
+    if body.are_centres:
+        return ModelMarkers()
+    own = _by_name(skeleton, body)
+    landmarks = _by_landmark(body)
+    joints: dict[str, int] = {}
+    wanted = {**_MIDDLE} | {
+        side + name: f"{_SIDES[side]}_{landmark}" for side in "LR" for name, landmark in _SIDED.items()
+    }
+    for name, landmark in wanted.items():
+        index = own.get(key_of(name), landmarks.get(landmark))
+        if index is not None:
+            joints[name] = index
+    for side in "LR":
+        for name in _BY_NAME:
+            if (index := own.get(key_of(side + name))) is not None:
+                joints[side + name] = index
+        for joint, names in CENTRES.items():
+            index = next((own[key] for name in names if (key := key_of(side + name)) in own), None)
+            if index is not None:
+                joints[side + joint] = index
+        for name, landmark in _PAIRS.items():
+            if (index := landmarks.get(f"{_SIDES[side]}_{landmark}")) is not None:
+                joints[side + name] = index
+    sources = {name: skeleton.joints[index].source_name for name, index in joints.items()}
+    return ModelMarkers(joints, sources, body.prefix)
+
+
+def _by_name(skeleton: Skeleton, body: MarkerBody) -> dict[str, int]:
+    """Index of each name without its prefix. Points that a model computes may lack the prefix of the person."""
+    own: dict[str, int] = {}
+    for prefix in dict.fromkeys((body.prefix, "")):
+        for index, joint in enumerate(skeleton.joints):
+            before, _, bare = joint.source_name.rpartition(":")
+            if before.strip() == prefix:
+                own.setdefault(key_of(bare), index)
+    return own
+
+
+def _by_landmark(body: MarkerBody) -> dict[str, int]:
+    """Index of each landmark; none of a segment that several markers follow, which have no order."""
+    found: dict[str, int] = {}
+    several = set()
+    for index, landmark in body.landmarks.items():
+        if landmark in found:
+            several.add(landmark)
+        found.setdefault(landmark, index)
+    return {landmark: index for landmark, index in found.items() if landmark not in several}

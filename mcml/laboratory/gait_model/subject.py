@@ -1,0 +1,196 @@
+"""A subject and a trial as the gait model needs them: measures, directions of the laboratory, static offsets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from mcml.laboratory.gait_model.lower_body import (
+    Markers,
+    hip_in_pelvis,
+    pelvis_frame,
+    place_in,
+    sacrum_of,
+)
+from mcml.laboratory.gait_model.measures import USUAL_DIAMETER, Measures
+from mcml.laboratory.gait_model.segment_frames import column
+from mcml.laboratory.gait_model.static_pass import FootOption, has_device, stand
+from mcml.motion.skeleton import Array
+
+LEAST_TRAVEL: Final = 500.0
+"""Millimetres that a pelvis travels at least in a trial over ground."""
+
+_STILL: Final = 100.0
+"""Millimetres that ankles move at most in a standing trial."""
+_LARGEST_DIAMETER: Final = 40.0
+_SAME_DIAMETER: Final = 0.5
+"""Millimetres between the diameters that both knees tell, at most."""
+_OFFSETS: Final = ("StaticPlantFlex", "StaticRotOff")
+_OPTIONS: Final[tuple[FootOption, ...]] = ("as it stands", "foot flat")
+_SAME_OFFSET: Final = np.radians(0.1)
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """measures: of the file, with those that a standing trial itself tells. diameter: of markers. width, depth:
+    millimetres between the front spines, and from their middle to that of the back ones, NaN where unknown. laboratory:
+    (3, 3) forward, left, up as columns. is_static: whether the trial is a standing one. foot: how it takes the foot.
+
+    travel_note, diameter_note, static_note: what was assumed, "" for nothing.
+    """
+
+    measures: Measures
+    diameter: float
+    width: float
+    depth: float
+    laboratory: Array
+    is_static: bool = False
+    foot: FootOption = "as it stands"
+    travel_note: str = ""
+    diameter_note: str = ""
+    static_note: str = ""
+
+    @property
+    def up(self) -> Array:
+        """(3,) of the laboratory."""
+        axis: Array = self.laboratory[:, 2]
+        return axis
+
+
+def find_subject(measures: Measures, markers: Markers, up: Array) -> Subject:
+    """Find the subject of a trial.
+
+    markers: (n, 3) millimetres of the whole recording, or of evenly spaced frames of it with both ends. up: (3,) an
+    axis of the laboratory.
+    """
+    diameter, diameter_note = _find_diameter(measures, markers)
+    width = measures.get("InterAsisDistance")
+    depth = np.nan
+    laboratory, travel_note = np.stack([*_level_axes(up), up], axis=1), "the pelvis is never seen"
+    if has_pelvis(markers):
+        if width is None:
+            width = _middle(np.linalg.norm(markers["LASI"] - markers["RASI"], axis=1))
+        depth = _middle(np.linalg.norm((markers["LASI"] + markers["RASI"]) / 2 - sacrum_of(markers), axis=1))
+        laboratory, travel_note = find_laboratory(markers, up)
+    subject = Subject(
+        measures, diameter, np.nan if width is None else width, depth, laboratory, False, "as it stands", travel_note,
+        diameter_note,
+    )  # fmt: skip
+    return _with_static(subject, markers) if has_pelvis(markers) and is_standing(markers) else subject
+
+
+def has_pelvis(markers: Markers) -> bool:
+    """Whether both front spines, and both back ones or the sacrum, have markers."""
+    return {"LASI", "RASI"} <= markers.keys() and ({"LPSI", "RPSI"} <= markers.keys() or "SACR" in markers)
+
+
+def find_laboratory(markers: Markers, up: Array) -> tuple[Array, str]:
+    """(axes (3, 3), how they were found): forward along the axis of the laboratory that the pelvis travels along.
+
+    A pelvis that stays, on a belt or in standing, tells by where it faces. Axes are columns: forward, left, up.
+    """
+    origin, frame = pelvis_frame(markers)
+    seen = np.flatnonzero(np.isfinite(frame).all(axis=(1, 2)))
+    if not len(seen):
+        return np.stack([*_level_axes(up), up], axis=1), "the pelvis is never seen"
+    away = origin[seen[-1]] - origin[seen[0]]
+    away = away - (away @ up) * up
+    note = "forward is the axis of the laboratory along which the pelvis travels"
+    if float(np.linalg.norm(away)) < LEAST_TRAVEL:
+        away = column(frame, 0)[seen].mean(axis=0)
+        away = away - (away @ up) * up
+        note = "the pelvis stays: forward is the axis of the laboratory that it faces"
+    forward = np.zeros(3)
+    axis = int(np.argmax(np.abs(away)))
+    forward[axis] = 1.0 if away[axis] > 0 else -1.0
+    return np.stack([forward, np.cross(up, forward), up], axis=1), note
+
+
+def is_standing(markers: Markers) -> bool:
+    """Whether both ankles and the pelvis stay: files seldom say whether a trial is a static one."""
+    names = [name for name in ("LANK", "RANK", "LASI", "RASI") if name in markers]
+    if not {"LANK", "RANK"} & set(names):
+        return False
+    for name in names:
+        seen = markers[name][np.isfinite(markers[name]).all(axis=1)]
+        if not len(seen) or float(np.linalg.norm(np.ptp(seen, axis=0))) > _STILL:
+            return False
+    return True
+
+
+def _with_static(subject: Subject, markers: Markers) -> Subject:
+    """The same with offsets of this standing trial, by the option of the foot that the stored offsets tell."""
+    measures, sides = subject.measures, [side for side in "LR" if _can_stand(side, markers, subject)]
+    if not sides:
+        return subject
+    origin, pelvis = pelvis_frame(markers)
+    hips = {
+        side: place_in(origin, pelvis, hip_in_pelvis(side, measures, subject.width, subject.diameter)) for side in sides
+    }
+    offsets = {}
+    for option in _OPTIONS:
+        legs = [
+            stand(side, hips[side], markers, measures, subject.diameter, subject.up, option).offsets for side in sides
+        ]
+        offsets[option] = {name: value for leg in legs for name, value in leg.items() if np.isfinite(value)}
+    errors = {
+        option: [
+            abs(value - stored)
+            for name, value in values.items()
+            if name[1:] in _OFFSETS and (stored := measures.get(name)) is not None
+        ]
+        for option, values in offsets.items()
+    }
+    flat = bool(errors["foot flat"]) and max(errors["foot flat"]) < max(errors["as it stands"])
+    option = "foot flat" if flat else "as it stands"
+    told = bool(errors[option]) and max(errors[option]) < _SAME_OFFSET
+    why = "as the stored offsets tell" if told else "which the file does not tell"
+    how = "with the heel set to the height of the toe" if flat else "with heel and toe as they stand"
+    note = f"a standing trial: offsets of the feet are its own, {how}, {why}"
+    return Subject(
+        measures.with_values(offsets[option]), subject.diameter, subject.width, subject.depth, subject.laboratory,
+        True, option, subject.travel_note, subject.diameter_note, note,
+    )  # fmt: skip
+
+
+def _can_stand(side: str, markers: Markers, subject: Subject) -> bool:
+    needed = {f"{side}{name}" for name in ("ANK", "TOE", "HEE")}
+    knee = has_device(side, markers) or {f"{side}KNE", f"{side}THI"} <= markers.keys()
+    ankle = f"{side}MED" in markers or f"{side}TIB" in markers
+    measures = all(subject.measures.get(f"{side}{name}") is not None for name in ("KneeWidth", "AnkleWidth"))
+    legs = any(subject.measures.get(f"{each}LegLength") is not None for each in "LR")
+    return needed <= markers.keys() and knee and ankle and measures and legs
+
+
+def _find_diameter(measures: Measures, markers: Markers) -> tuple[float, str]:
+    """(millimetres, how it is known): stated, else as far as knee markers are from centres that the file has."""
+    stated = measures.get("MarkerDiameter")
+    if stated is not None:
+        return stated, ""
+    told = []
+    for side in "LR":
+        width = measures.get(f"{side}KneeWidth")
+        if width is not None and {f"{side}KNE", f"{side}knee"} <= markers.keys():
+            away = np.linalg.norm(markers[f"{side}KNE"] - markers[f"{side}knee"], axis=1)
+            away = away[np.isfinite(away)]
+            # The model places its centre at one distance from the marker in all frames; other centres are not its own.
+            if len(away) and float(np.subtract(*np.percentile(away, [95, 5]))) <= _SAME_DIAMETER:
+                told.append(2 * float(away.mean()) - width)
+    is_plausible = all(0 < diameter <= _LARGEST_DIAMETER for diameter in told)
+    if told and is_plausible and max(told) - min(told) <= _SAME_DIAMETER:
+        diameter = float(np.mean(told))
+        return diameter, f"marker diameter not stated; {diameter:.1f} mm by the knee centres of the file"
+    return USUAL_DIAMETER, f"marker diameter not stated, {USUAL_DIAMETER:g} mm assumed"
+
+
+def _middle(values: Array) -> float:
+    known = values[np.isfinite(values)]
+    return float(known.mean()) if len(known) else float("nan")
+
+
+def _level_axes(up: Array) -> tuple[Array, Array]:
+    """Two axes across `up`, in the order that makes all three right-handed."""
+    first = np.roll(np.abs(up), 1)
+    return first, np.cross(up, first)
