@@ -31,6 +31,7 @@ from mcml.motion.bodies.calibration import Calibration
 from mcml.motion.bodies.clip_body import ClipBody, body_of, quantity_values
 from mcml.motion.bodies.quantities import asked_quantity
 from mcml.motion.clip import ClipStream
+from mcml.motion.markers import read_marker_positions
 from mcml.motion.skeleton import Array
 
 
@@ -130,7 +131,9 @@ class Motion:
     def quantity(self, label: str, axis: str) -> Array:
         """(frames,) of a quantity of the file's own model, such as "LKneeAngles" of Plug-in Gait, in the file's unit.
 
-        axis: "x", "y" or "z". NaN where the file has no sample. Raises NotFoundError for a label that it does not have.
+        axis: "x", "y" or "z". NaN where the file has no sample. Quantities of Plug-in Gait that the file lacks are
+        computed from markers; "cgm1:LKneeAngles" always is. Raises NotFoundError for others, and where markers or
+        measures are missing.
         """
         return self._quantity("quantity", label, axis)
 
@@ -190,7 +193,7 @@ class Motion:
         asked = asked_quantity(f"{name}:{','.join(stated)}" if stated else name)
         if asked.of_file:
             walker = partial(find_walker, self._clip.head.skeleton, lambda names: self._body.stretch(names))
-            return self._measurements.values(asked, self._ids, walker)
+            return self._measurements.values(asked, self._ids, walker, partial(read_marker_positions, self._clip))
         return quantity_values(self._clip, self._body, asked)
 
 

@@ -2,14 +2,15 @@
 
 The values are those of the file: edits of the motion do not change them. They belong to frames by the numbers that the
 frames have in the file. Of signals with several samples a frame, the value of a frame is that of their means.
+Quantities of the gait model that the file lacks are computed from the markers of the clip.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import BinaryIO, Final, cast
 
 import numpy as np
@@ -19,8 +20,11 @@ from mcml.errors import NotFoundError
 from mcml.formats.c3d.analog import Channels, read_channels
 from mcml.formats.c3d.plates import plates_of
 from mcml.formats.c3d.quantities import Quantity, kept_quantities, rate_of, samples_at
+from mcml.formats.gait_quantities import FindPositions, GaitQuantities, Ids
+from mcml.formats.quantity_units import are_per_kilogram, explain_unit
 from mcml.laboratory.force_plates import Plate, PlateForces, plate_forces
 from mcml.laboratory.gait_events import SIDES, GaitEvent, Kind, Side, WalkerPaths
+from mcml.laboratory.gait_model.dynamics import Ground
 from mcml.laboratory.plate_feet import FootForces, find_crossing, find_loads, is_whole_step, sum_forces
 from mcml.motion.bodies.quantities import AXES_OF_FILE, AskedQuantity
 from mcml.motion.clip import ClipHead
@@ -34,6 +38,8 @@ NAMED: Final = 60
 
 _SAME_RATE: Final = 1e-4
 """Relative difference of two statements of one rate, which rounding does not reach."""
+
+_LETTERS: Final[Mapping[str, Side]] = {"L": "left", "R": "right"}
 
 _OF_PLATES: Final = {"force": ("N", AXES_OF_FILE), "cop": ("m", AXES_OF_FILE), "free-moment": ("N m", ())}
 """Unit and axes of the functions of force plates."""
@@ -76,18 +82,22 @@ class Measurements:
         self._plates_read: dict[str, PlateForces] = {}
 
     def describe(self) -> list[Measurement]:
-        """Every measurement, in the order of the file."""
-        return [*self._list_quantities(), *self._list_channels(), *self._list_plates()]
+        """Every measurement, in the order of the file; computed quantities after its own."""
+        return [
+            *self._list_quantities(), *self._list_computed(), *self._list_channels(), *self._list_plates()
+        ]  # fmt: skip
 
     def values(
         self,
         asked: AskedQuantity,
         ids: NDArray[np.int64] | Sequence[str],
         find_walker: Callable[[], WalkerPaths] | None = None,
+        find_positions: FindPositions | None = None,
     ) -> Array:
         """(n,) of the frames with these numbers in the file, NaN where it states none, or is of another frame rate.
 
-        find_walker: returns the feet in these frames, in metres, which forces on "left" and "right" need. Raises
+        find_walker: returns the feet in these frames, in metres, which forces on "left" and "right" need, and moments
+        and powers that the file lacks. find_positions: returns joints in these frames, for computed quantities. Raises
         NotFoundError for a measurement that the file does not have, RequestError for an unknown axis, and the errors of
         find_walker.
         """
@@ -95,7 +105,7 @@ class Measurements:
         name, *rest = asked.arguments
         axis = AXES_OF_FILE.index(rest[0]) if rest else 0
         if asked.name == "quantity":
-            return self._quantity(name, axis, ids)
+            return self._quantity(name, axis, ids, find_walker, find_positions)
         if asked.name == "analog":
             return self._at(self._channel(name), ids)
         if name in SIDES and self._plates and find_walker is not None:
@@ -151,7 +161,7 @@ class Measurements:
 
     def _plates_at(self, ids: NDArray[np.int64] | Sequence[str]) -> tuple[list[int], list[PlateForces]]:
         """(numbers, forces in these frames) of the plates that can be used."""
-        usable = [number for number, plate in enumerate(self._plates, 1) if not plate.problems]
+        usable = self._usable_plates
         plates = [
             replace(
                 forces,
@@ -163,22 +173,82 @@ class Measurements:
         ]
         return usable, plates
 
-    def _quantity(self, label: str, axis: int, ids: NDArray[np.int64] | Sequence[str]) -> Array:
-        quantity = self._quantities.get(label)
+    def unit(self, name: str) -> str:
+        """The unit of a quantity, stated by the file or computed; "" where it is unknown."""
+        quantity = self._stated(name)
+        return self._gait.unit(name) if quantity is None else self._unit_of(quantity)[0]
+
+    def _quantity(
+        self,
+        label: str,
+        axis: int,
+        ids: Ids,
+        find_walker: Callable[[], WalkerPaths] | None,
+        find_positions: FindPositions | None,
+    ) -> Array:
+        quantity = self._stated(label)
         if quantity is None:
-            raise _name_error("quantity", label, list(self._quantities), "files of a model, such as Plug-in Gait,")
+            lacks = self._gait.lacks(label)
+            if lacks or find_positions is None:
+                raise NotFoundError(
+                    f"The file of this document has no quantity {label!r}, and it cannot be computed: {lacks}.",
+                    remedy="Add the missing markers or measures to the file, or ask for another quantity.",
+                )
+            if lacks is None:
+                raise _name_error("quantity", label, list(self._quantities), "files of a model, such as Plug-in Gait,")
+            ground = None if find_walker is None else partial(self._ground, find_walker)
+            return self._gait.values(label, axis, ids, find_positions, ground)
         if not quantity.has_rate(rate_of(self._head)):
             return np.full(len(ids), np.nan)
         samples = samples_at(quantity, ids)
         values: Array = np.where(samples[:, 3] < 0, np.nan, samples[:, axis])
         return values
 
+    def _stated(self, label: str) -> Quantity | None:
+        """A quantity of the file, by its label or, if only one has it, by the label without the subject."""
+        if label in self._quantities:
+            return self._quantities[label]
+        same = [own for name, own in self._quantities.items() if name.rpartition(":")[2] == label]
+        return same[0] if len(same) == 1 else None
+
+    def _ground(
+        self, find_walker: Callable[[], WalkerPaths], letter: str, places: NDArray[np.intp], count: int
+    ) -> Ground:
+        """The ground's reaction on a foot in all frames of the file, at their instants. places: of the frames asked for
+        in the file."""
+        walker = find_walker()
+        known = places >= 0
+
+        def spread(path: Array) -> Array:
+            whole = np.full((count, 3), np.nan)
+            whole[places[known]] = path[known]
+            return whole
+
+        walker = replace(
+            walker,
+            heels={side: spread(path) for side, path in walker.heels.items()},
+            toes={side: spread(path) for side, path in walker.toes.items()},
+            pelvis=spread(walker.pelvis),
+            across=spread(walker.across),
+        )
+        usable = self._usable_plates
+        loads = find_loads([self._forces(str(number)) for number in usable], walker)
+        # Forces of the instant of a frame: the means of its samples are half a frame later.
+        instants = [self._instants(number) for number in usable]
+        foot = sum_forces(instants, loads, _LETTERS[letter])
+        return Ground(foot.force, foot.centre_of_pressure, foot.free_moment[:, None] * instants[0].vertical)
+
+    def _instants(self, number: int) -> PlateForces:
+        """Forces of a plate from the first sample of each frame of the file."""
+        plate = self._plates[number - 1]
+        return plate_forces(plate, self._per_frame(plate.channels, at_instant=True))
+
     def _channel(self, label: str) -> Array:
         """(frames of the file,) means of the samples of a channel."""
         labels = self._channels.labels if self._channels is not None else ()
         if self._channels is None or label not in labels:
             raise _name_error("analog channel", label, labels, "files with analog channels, whose upload is kept,")
-        return self._means([labels.index(label)])[:, 0]
+        return self._per_frame([labels.index(label)])[:, 0]
 
     def _forces(self, name: str) -> PlateForces:
         names = [str(number + 1) for number in range(len(self._plates))]
@@ -186,31 +256,47 @@ class Measurements:
             raise _name_error("force plate", name, names, "files with force plates, whose upload is kept,")
         if name not in self._plates_read:
             plate = self._plates[names.index(name)]
-            samples = np.zeros((self._channels.frames, 0)) if plate.problems else self._means(plate.channels)
+            samples = np.zeros((self._channels.frames, 0)) if plate.problems else self._per_frame(plate.channels)
             rate = self._channels.rate / self._channels.samples
             self._plates_read[name] = plate_forces(plate, samples, rate)
         return self._plates_read[name]
 
-    def _means(self, places: Sequence[int]) -> Array:
-        """(frames of the file, channels) means of the samples of each frame."""
+    def _per_frame(self, places: Sequence[int], *, at_instant: bool = False) -> Array:
+        """(frames of the file, channels) means of the samples of each frame, or the first sample of each."""
         channels = self._channels
         assert channels is not None
-        means = np.empty((channels.frames, len(places)))
+        values = np.empty((channels.frames, len(places)))
         for first in range(0, channels.frames, channels.block):
-            values = channels.read(first, channels.block, places)
-            means[first : first + channels.block] = values.reshape(-1, channels.samples, len(places)).mean(axis=1)
-        return means
+            samples = channels.read(first, channels.block, places).reshape(-1, channels.samples, len(places))
+            values[first : first + channels.block] = samples[:, 0] if at_instant else samples.mean(axis=1)
+        return values
 
     def _list_quantities(self) -> list[Measurement]:
         rate = rate_of(self._head)
+        items = []
+        for label, quantity in self._quantities.items():
+            known, (unit, notes) = quantity.has_rate(rate), self._unit_of(quantity)
+            reason = "" if known else _other_rate(quantity.rate, rate)
+            items.append(Measurement("quantity", label, AXES_OF_FILE, unit, quantity.group, None, known, reason, notes))
+        return items
+
+    def _list_computed(self) -> list[Measurement]:
+        stated = [name.rpartition(":")[2] for name in self._quantities]
         return [
             Measurement(
-                "quantity", label, AXES_OF_FILE, quantity.unit, quantity.group, known=known,
-                reason="" if known else _other_rate(quantity.rate, rate),
+                "quantity", each.name, AXES_OF_FILE, each.unit, each.group, None, not each.reason, each.reason,
+                each.notes,
             )
-            for label, quantity in self._quantities.items()
-            for known in [quantity.has_rate(rate)]
+            for each in self._gait.describe(stated)
         ]  # fmt: skip
+
+    def _unit_of(self, quantity: Quantity) -> tuple[str, tuple[str, ...]]:
+        """(unit, notes) of a quantity of the file."""
+        return explain_unit(quantity, per_kilogram=self._are_per_kilogram)
+
+    @cached_property
+    def _are_per_kilogram(self) -> bool:
+        return are_per_kilogram(self._quantities.values())
 
     def _list_channels(self) -> list[Measurement]:
         channels = self._channels
@@ -254,9 +340,23 @@ class Measurements:
         return labelled
 
     @cached_property
+    def _gait(self) -> GaitQuantities:
+        has_plates = bool(self._usable_plates) and self._has_rate_of_channels
+        return GaitQuantities(self._head, self._file, has_plates=has_plates)
+
+    @cached_property
+    def _file(self) -> Channels | None:
+        return None if self._original is None else read_channels(self._original)
+
+    @property
     def _channels(self) -> Channels | None:
-        channels = None if self._original is None else read_channels(self._original)
-        return channels if channels is not None and len(channels) else None
+        """The file, if it has analog channels."""
+        return self._file if self._file is not None and len(self._file) else None
+
+    @property
+    def _usable_plates(self) -> list[int]:
+        """Numbers, from 1, of the plates that can be used."""
+        return [number for number, plate in enumerate(self._plates, 1) if not plate.problems]
 
     @cached_property
     def _plates(self) -> list[Plate]:

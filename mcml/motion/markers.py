@@ -9,7 +9,7 @@ import numpy as np
 
 from mcml.motion.clip import ClipStream, FrameBlock, full_shape
 from mcml.motion.kinematics import Walker
-from mcml.motion.skeleton import TRANSLATIONS, Convention, Joint, Skeleton, unique_names
+from mcml.motion.skeleton import CHANNEL_INDEX, TRANSLATIONS, Array, Convention, Joint, Skeleton, unique_names
 from mcml.motion.units import reading_of
 
 _KEPT_FIELDS = ("filename", "skeleton_name", "dataframe_rate", "calibration_unit", "global_axis_of_gravity")
@@ -35,6 +35,31 @@ def marker_skeleton(labels: Sequence[str], *, residual: bool = False) -> Skeleto
             for name, label in zip(names, labels, strict=True)
         )
     )
+
+
+def read_marker_positions(clip: ClipStream, joints: Sequence[int]) -> Array:
+    """(frames, k, 3) positions of markers in all frames, in the unit of the clip; NaN where a sample is missing.
+
+    joints: indices of the markers in its skeleton.
+    """
+    columns = {column: place for place, column in enumerate(clip.head.skeleton.columns())}
+    wanted = [columns[joint, CHANNEL_INDEX[channel]] for joint in joints for channel in TRANSLATIONS]
+    positions = [np.empty((0, len(joints), 3))]
+    for block in clip.blocks():
+        positions.append(_in_order(block, clip.head.skeleton.columns())[:, wanted].reshape(len(block), -1, 3))
+    return np.concatenate(positions)
+
+
+def _in_order(block: FrameBlock, columns: tuple[tuple[int, int], ...]) -> Array:
+    """(n, D) values of these columns, NaN for those that a block lacks."""
+    if block.columns == columns:
+        return block.values
+    places = {column: place for place, column in enumerate(block.columns)}
+    values = np.full((len(block), len(columns)), np.nan)
+    for here, column in enumerate(columns):
+        if column in places:
+            values[:, here] = block.values[:, places[column]]
+    return values
 
 
 def as_markers(clip: ClipStream) -> ClipStream:

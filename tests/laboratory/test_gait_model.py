@@ -193,7 +193,7 @@ def test_the_diameter_of_markers_is_told_by_knee_centres_of_the_file(diameter: f
     assumed = find_subject(Measures(less), markers, UP)
     assert assumed.diameter == 14.0
     assert "assumed" in assumed.diameter_note
-    own = {**markers, "Lknee": centres["LKJC"][None], "Rknee": centres["RKJC"][None]}
+    own = {**markers, "LKJC": centres["LKJC"][None], "RKJC": centres["RKJC"][None]}
     told = find_subject(Measures(less), own, UP)
     assert told.diameter == pytest.approx(diameter, abs=1e-6)
 
@@ -202,16 +202,16 @@ def test_method_of_a_leg() -> None:
     markers, measures, centres = make_body({"L": LegPose(), "R": LegPose()})
     subject = subject_of(measures)
     assert choose_method("L", markers, subject) == "cgm1"
-    own = markers | {"Lhip": centres["LHJC"][None], "Lknee": centres["LKJC"][None], "Lankle": centres["LAJC"][None]}
+    own = markers | {"LHJC": centres["LHJC"][None], "LKJC": centres["LKJC"][None], "LAJC": centres["LAJC"][None]}
     assert choose_method("L", own, subject) == "centres"
     # Without widths the model's own centres do, others need landmarks on both sides.
     bare = subject_of(Measures({k: v for k, v in measures.values.items() if "Width" not in k}))
     assert choose_method("L", own, bare) == "cgm1"
-    model = own | {"LFEP": own["Lhip"], "LFEO": own["Lknee"], "LTIO": own["Lankle"]}
+    model = own | {"LFEP": own["LHJC"], "LFEO": own["LKJC"], "LTIO": own["LAJC"]}
     assert choose_method("L", model, bare) == "centres"
     np.testing.assert_allclose(ModelBody(model, bare, "centres").quantity("LKneeAngles")[0], LegPose().knee, atol=1e-6)
-    pairs = {"LKneeLateral": markers["LKNE"], "LKneeMedial": 2 * own["Lknee"] - markers["LKNE"],
-             "LAnkleLateral": markers["LANK"], "LAnkleMedial": 2 * own["Lankle"] - markers["LANK"],
+    pairs = {"LKneeLateral": markers["LKNE"], "LKneeMedial": 2 * own["LKJC"] - markers["LKNE"],
+             "LAnkleLateral": markers["LANK"], "LAnkleMedial": 2 * own["LAJC"] - markers["LANK"],
              "LHeel": markers["LHEE"], "LToe": markers["LTOE"]}  # fmt: skip
     assert choose_method("L", markers | pairs, bare) == "landmarks"
 
@@ -220,7 +220,7 @@ def test_landmarks_give_the_angles_between_their_axes() -> None:
     markers, _, centres = make_body({"L": LegPose(), "R": LegPose()})
     pairs = {"LKneeLateral": markers["LKNE"], "LKneeMedial": 2 * centres["LKJC"] - markers["LKNE"],
              "LAnkleLateral": markers["LANK"], "LAnkleMedial": 2 * centres["LAJC"] - markers["LANK"],
-             "Lhip": centres["LHJC"][None], "LHeel": markers["LHEE"], "LToe": markers["LTOE"]}  # fmt: skip
+             "LHJC": centres["LHJC"][None], "LHeel": markers["LHEE"], "LToe": markers["LTOE"]}  # fmt: skip
     body = ModelBody(markers | pairs, subject_of(Measures({})), "landmarks")
     np.testing.assert_allclose(body.quantity("LKneeAngles")[0], LegPose().knee, atol=1e-6)
     np.testing.assert_allclose(body.quantity("LHipAngles")[0], LegPose().hip, atol=1e-6)

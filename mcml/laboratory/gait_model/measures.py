@@ -28,13 +28,18 @@ _POSITIVE: Final = ("LegLength", "KneeWidth", "AnkleWidth", "ElbowWidth", "Wrist
                     "InterAsisDistance", "MarkerDiameter", "Bodymass")  # fmt: skip
 """Measures that are absent where they are 0: programs write 0 for a measure that nobody took."""
 
+_UNITS: Final = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
+_SHORTEST_LEG, _LONGEST_LEG = 250.0, 1400.0
+
 
 @dataclass(frozen=True)
 class Measures:
-    """values: by name, such as "LKneeWidth" or "InterAsisDistance". were_degrees: whether angles were degrees."""
+    """values: by name, such as "LKneeWidth" or "InterAsisDistance". were_degrees: whether angles were degrees. unit: of
+    lengths in the file, "mm" as a rule."""
 
     values: Mapping[str, float] = field(default_factory=dict)
     were_degrees: bool = False
+    unit: str = "mm"
 
     def get(self, name: str) -> float | None:
         """The value of a measure, None where it is absent."""
@@ -46,7 +51,7 @@ class Measures:
 
     def with_values(self, more: Mapping[str, float]) -> Measures:
         """Return the same with further values in the place of its own."""
-        return Measures({**self.values, **more}, self.were_degrees)
+        return Measures({**self.values, **more}, self.were_degrees, self.unit)
 
 
 def clean_measures(stated: Mapping[str, float]) -> Measures:
@@ -69,12 +74,24 @@ def clean_measures(stated: Mapping[str, float]) -> Measures:
         # Both names are in use.
         if (turn := values.pop(f"{side}TibiaRotation", None)) is not None:
             values.setdefault(f"{side}ShankRotation", turn)
-    return Measures(values, are_degrees)
+    unit, factor = _unit_of(values)
+    values |= {name: factor * values[name] for name in values if _stem(name) in _LENGTHS}
+    return Measures(values, are_degrees, unit)
+
+
+def _unit_of(values: Mapping[str, float]) -> tuple[str, float]:
+    """(unit, its millimetres) in which a leg is as long as those of people; millimetres without a leg."""
+    legs = [values[name] for name in ("LLegLength", "RLegLength") if name in values]
+    for unit, factor in _UNITS.items():
+        if legs and _SHORTEST_LEG <= factor * legs[0] <= _LONGEST_LEG:
+            return unit, factor
+    return "mm", 1.0
 
 
 _MIDDLE: Final = ("InterAsisDistance", "MarkerDiameter", "Bodymass", "HeadOffset", "Height")
 _SIDED: Final = ("LegLength", "KneeWidth", "AnkleWidth", "AsisTrocanterDistance", "ShoulderOffset", "ElbowWidth",
                  "WristWidth", "HandThickness", *(name for name in _ANGLES if name != "HeadOffset"))  # fmt: skip
+_LENGTHS: Final = frozenset({*_MIDDLE, *_SIDED}) - {*_ANGLES, "Bodymass"}
 _NAMES: Final = (*_MIDDLE, *(side + name for side in "LR" for name in _SIDED))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import Final, Literal, TypeAlias
 
@@ -26,6 +26,10 @@ ANGLES: Final = ("Pelvis", "Hip", "Knee", "Ankle", "FootProgress", "Thorax", "He
                  "Elbow", "Wrist")  # fmt: skip
 CENTRES: Final = ("HJC", "KJC", "AJC", "SJC", "EJC", "WJC")
 """Of hip, knee, ankle, shoulder, elbow and wrist."""
+
+OWN_CENTRES: Final[Mapping[str, tuple[str, ...]]] = {"hip": ("FEP", "HJC"), "knee": ("FEO", "KJC"),
+                                                    "ankle": ("TIO", "AJC")}  # fmt: skip
+"""Names, without the side, of centres in files: that of Plug-in Gait itself, and that of any model."""
 
 QUANTITIES: Final = (
     *(f"{side}{part}Angles" for part in ANGLES for side in "LR"),
@@ -183,8 +187,9 @@ class ModelBody:
             needed.append("TIB")
         widths += ["KneeWidth"] if knee is None or with_device else []
         widths += ["AnkleWidth"] if ankle is None else []
-        hip = self._hip(side)
-        self._need(*(side + name for name in needed), measures=[side + name for name in widths])
+        hip = self._need_all(
+            lambda: self._hip(side), *(side + name for name in needed), measures=[side + name for name in widths]
+        )
         markers = {**markers, f"{side}TOE": self._point(f"{side}TOE")}
         if subject.is_static and f"{side}HEE" in markers:
             return stand(side, hip, markers, measures, diameter, subject.up, subject.foot, (knee, ankle)).leg
@@ -244,8 +249,21 @@ class ModelBody:
         return (f"{side}Toe", f"{side}Heel") if self.method == "landmarks" else (f"{side}TOE",)
 
     def _own(self, side: str, joint: str) -> Array | None:
-        """(n, 3) a centre that the file has, where the method uses it."""
-        return None if self.method == "cgm1" else self._markers.get(side + joint)
+        """(n, 3) a centre that the file has, where the method uses it: none of model 1 among landmarks."""
+        names = {"cgm1": (), "centres": OWN_CENTRES[joint], "landmarks": OWN_CENTRES[joint][1:]}[self.method]
+        return next((self._markers[side + name] for name in names if side + name in self._markers), None)
+
+    def _need_all(self, make: Callable[[], Array], *markers: str, measures: Sequence[str]) -> Array:
+        """Make a part, and name all that it lacks together with further markers and measures."""
+        parts: tuple[str, ...] = ()
+        for deed in (make, lambda: self._need(*markers, measures=measures)):
+            try:
+                deed()
+            except LackError as error:
+                parts += error.parts
+        if parts:
+            raise LackError(*parts)
+        return make()
 
     def _need(self, *markers: str, measures: Sequence[str] = ()) -> None:
         lacks = [f"marker {name}" for name in markers if name not in self._markers]
@@ -259,9 +277,9 @@ def choose_method(side: str, markers: Markers, subject: Subject) -> Method:
     landmarks on both sides of the joints.
     """
     if ModelBody(markers, subject, "cgm1").has_leg(side):
-        return "centres" if any(side + joint in markers for joint in ("hip", "knee", "ankle")) else "cgm1"
-    if all(side + name in markers for name in ("FEP", "FEO", "TIO")) and ModelBody(markers, subject, "centres").has_leg(
-        side
-    ):
+        has_own = any(side + name in markers for names in OWN_CENTRES.values() for name in names)
+        return "centres" if has_own else "cgm1"
+    has_model = all(side + names[0] in markers for names in OWN_CENTRES.values())
+    if has_model and ModelBody(markers, subject, "centres").has_leg(side):
         return "centres"
     return "landmarks" if ModelBody(markers, subject, "landmarks").has_leg(side) else "cgm1"

@@ -11,9 +11,6 @@ from mcml.motion.landmarks.recognise import MarkerBody
 from mcml.motion.landmarks.tables import key_of
 from mcml.motion.skeleton import Skeleton
 
-CENTRES: Final[Mapping[str, tuple[str, ...]]] = {"hip": ("HJC", "FEP"), "knee": ("KJC", "FEO"), "ankle": ("AJC", "TIO")}
-"""Names, without the side, of joint centres that programs write among the markers."""
-
 _MIDDLE: Final[Mapping[str, str]] = {"SACR": "sacrum", "CLAV": "jugular_notch", "C7": "c7", "STRN": "xiphoid",
                                      "T10": "t10"}  # fmt: skip
 _SIDED: Final[Mapping[str, str]] = {
@@ -34,8 +31,9 @@ _SIDED: Final[Mapping[str, str]] = {
     "WRB": "wrist_ulnar",
     "FIN": "mt3_hand",
 }
-_BY_NAME: Final = ("KAX", "KD1", "KD2", "FEP", "FEO", "TIO")
-"""The alignment device of the knee, and the joint centres of Plug-in Gait itself, which no landmark set has."""
+_BY_NAME: Final = ("KAX", "KD1", "KD2", "FEP", "FEO", "TIO", "HJC", "KJC", "AJC")
+"""The alignment device of the knee, and centres of hip, knee and ankle that programs write among the markers: those of
+Plug-in Gait itself, and those of any model."""
 _PAIRS: Final[Mapping[str, str]] = {
     "KneeLateral": "knee_lateral",
     "KneeMedial": "knee_medial",
@@ -50,9 +48,9 @@ _SIDES: Final = {"L": "left", "R": "right"}
 
 @dataclass(frozen=True)
 class ModelMarkers:
-    """joints: index of each marker in the skeleton, by the name of Plug-in Gait ("LKNE"), of a landmark
-    ("LKneeMedial"), or of a centre ("Lknee"). sources: the names in the file. problem: why there are none, "" where
-    there are, or where the clip has no markers of a body."""
+    """joints: index of each marker in the skeleton, by the name of Plug-in Gait ("LKNE", "LFEO") or of a landmark
+    ("LKneeMedial"). sources: the names in the file. problem: why there are none, "" where there are, or where the clip
+    has no markers of a body."""
 
     joints: Mapping[str, int] = field(default_factory=dict)
     sources: Mapping[str, str] = field(default_factory=dict)
@@ -85,10 +83,6 @@ def find_model_markers(skeleton: Skeleton) -> ModelMarkers:
         for name in _BY_NAME:
             if (index := own.get(key_of(side + name))) is not None:
                 joints[side + name] = index
-        for joint, names in CENTRES.items():
-            index = next((own[key] for name in names if (key := key_of(side + name)) in own), None)
-            if index is not None:
-                joints[side + joint] = index
         for name, landmark in _PAIRS.items():
             if (index := landmarks.get(f"{_SIDES[side]}_{landmark}")) is not None:
                 joints[side + name] = index

@@ -172,8 +172,9 @@ def _find_diameter(measures: Measures, markers: Markers) -> tuple[float, str]:
     told = []
     for side in "LR":
         width = measures.get(f"{side}KneeWidth")
-        if width is not None and {f"{side}KNE", f"{side}knee"} <= markers.keys():
-            away = np.linalg.norm(markers[f"{side}KNE"] - markers[f"{side}knee"], axis=1)
+        centre = next((name for name in (f"{side}FEO", f"{side}KJC") if name in markers), None)
+        if width is not None and centre is not None and f"{side}KNE" in markers:
+            away = np.linalg.norm(markers[f"{side}KNE"] - markers[centre], axis=1)
             away = away[np.isfinite(away)]
             # The model places its centre at one distance from the marker in all frames; other centres are not its own.
             if len(away) and float(np.subtract(*np.percentile(away, [95, 5]))) <= _SAME_DIAMETER:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mcml.errors import DocumentError, FormatError, LimitError, NotFoundError
 from mcml.formats.measurements import Measurements, has_capture_numbers
@@ -13,44 +14,70 @@ from mcml.laboratory.measure_gait import find_walker
 from mcml.language.elements import to_head
 from mcml.motion.bodies.quantities import AskedQuantity
 from mcml.motion.clip import ClipHead
+from mcml.motion.markers import read_marker_positions
 from mcml.motion.skeleton import Array
 from mcml_service.clips.bodies import Body, read_turned
+from mcml_service.clips.read_clip import read_clip
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 
 def is_beside_positions(asked: AskedQuantity) -> bool:
-    """Whether `read_quantity` reads it: it takes rotations, or the file states it."""
+    """Whether `FrameQuantities` reads it: it takes rotations, or the file states it."""
     return asked.of_file or asked.needs_rotations
 
 
-def read_quantity(tx: Transaction, stored: StoredDocument | Listed, asked: AskedQuantity, body: Body) -> Array:
-    """(n,) of all frames, NaN where unknown. body: of the document.
+class FrameQuantities:
+    """Quantities of all frames of a document, which share what they read.
 
-    Raises NotFoundError for a measurement that it has not, DocumentError for forces on feet that are unknown.
+    body: of the document.
     """
-    if not asked.of_file:
-        return read_turned(tx, stored, asked.arguments[0], body)
-    head = to_head(tx.heads.document(stored), stored.frame_time)
-    ids = tx.tracks.frame_ids(stored.key, 1, stored.frames)
-    return _measurements(tx, stored, head).values(asked, ids, partial(find_walker, head.skeleton, body.stretch))
 
+    def __init__(self, tx: Transaction, stored: StoredDocument | Listed, body: Body) -> None:
+        self._tx, self._stored, self._body = tx, stored, body
 
-def read_known_quantity(tx: Transaction, stored: StoredDocument | Listed, asked: AskedQuantity, body: Body) -> Array:
-    """The same, NaN where the file of the document has no such measurement, or cannot be read any more."""
-    try:
-        return read_quantity(tx, stored, asked, body)
-    except (DocumentError, NotFoundError, FormatError, LimitError):
-        return np.full(stored.frames, np.nan)
+    def read(self, asked: AskedQuantity) -> Array:
+        """(n,) of all frames, NaN where unknown.
+
+        Raises NotFoundError for a measurement that it has not, DocumentError for forces on feet that are unknown.
+        """
+        if not asked.of_file:
+            return read_turned(self._tx, self._stored, asked.arguments[0], self._body)
+        walker = partial(find_walker, self._head.skeleton, self._body.stretch)
+        return self._measurements.values(asked, self._ids, walker, self._positions)
+
+    def read_known(self, asked: AskedQuantity) -> Array:
+        """The same, NaN where the file of the document has no such measurement, or cannot be read any more."""
+        try:
+            return self.read(asked)
+        except (DocumentError, NotFoundError, FormatError, LimitError):
+            return np.full(self._stored.frames, np.nan)
+
+    def _positions(self, joints: Sequence[int]) -> Array:
+        return read_marker_positions(read_clip(self._tx, self._stored, labelled=False).clip, joints)
+
+    @cached_property
+    def _head(self) -> ClipHead:
+        return to_head(self._tx.heads.document(self._stored), self._stored.frame_time)
+
+    @cached_property
+    def _measurements(self) -> Measurements:
+        return _measurements(self._tx, self._stored, self._head)
+
+    @cached_property
+    def _ids(self) -> NDArray[np.int64] | list[str]:
+        return self._tx.tracks.frame_ids(self._stored.key, 1, self._stored.frames)
 
 
 def read_units(tx: Transaction, stored: StoredDocument | Listed, asked: Sequence[AskedQuantity]) -> list[str]:
     """The unit of each quantity: where the file decides it, as the file writes it."""
     stated: dict[tuple[str, str], str] = {}
-    if any(each.of_file and not each.unit for each in asked):
-        listed = read_measurements(tx, stored).describe()
-        stated = {(each.function, each.name): each.unit for each in listed}
+    measurements = read_measurements(tx, stored)
+    if any(each.of_file and not each.unit and each.name != "quantity" for each in asked):
+        stated = {(each.function, each.name): each.unit for each in measurements.describe()}
+    stated |= {(each.name, each.arguments[0]): measurements.unit(each.arguments[0]) for each in asked
+               if each.name == "quantity"}  # fmt: skip
     return [each.unit or (stated.get((each.name, each.arguments[0]), "") if each.of_file else "") for each in asked]
 
 

@@ -12,7 +12,7 @@ from mcml.files.read_numbers import Numbers
 from mcml.motion.bodies.quantities import AskedQuantity, compute, halo_of
 from mcml.motion.skeleton import Array
 from mcml_service.clips.bodies import Body
-from mcml_service.clips.frame_quantities import is_beside_positions, read_quantity
+from mcml_service.clips.frame_quantities import FrameQuantities, is_beside_positions
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
@@ -26,10 +26,11 @@ def quantity_columns(
     and measurements that the document has not.
     """
     values = np.empty((max(0, last - first + 1), len(asked)))
+    beside = FrameQuantities(tx, stored, body)
     for place, quantity in enumerate(asked):
         quantity.check_joints(body.names)
         if is_beside_positions(quantity):
-            values[:, place] = read_quantity(tx, stored, quantity, body)[first - 1 : last]
+            values[:, place] = beside.read(quantity)[first - 1 : last]
         else:
             values[:, place] = _stretch(quantity, body, first, last)
     return values

@@ -16,7 +16,7 @@ from mcml.motion.bodies.poses import NEEDS, pose_features
 from mcml.motion.bodies.quantities import AskedQuantity, compute, joints_of
 from mcml.motion.bodies.stretch import Stretch
 from mcml_service.clips.bodies import MADE, Body
-from mcml_service.clips.frame_quantities import is_beside_positions, read_known_quantity
+from mcml_service.clips.frame_quantities import FrameQuantities, is_beside_positions
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.xpath.library.body_facts import BodyFacts
 from mcml_service.xpath.library.forest import Forest
@@ -92,7 +92,7 @@ class Bodies:
         for listed in self._forest.documents:
             self._check()
             (body,) = self._forest.caches.bodies.read(self._forest.tx, [listed])
-            parts.append(read_known_quantity(self._forest.tx, listed, asked, body))
+            parts.append(FrameQuantities(self._forest.tx, listed, body).read_known(asked))
         return np.concatenate(parts)
 
     def asked(self, document: str, first: float, last: float | None) -> Asked:

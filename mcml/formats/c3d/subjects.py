@@ -1,0 +1,82 @@
+"""The subject of a C3D file: its measures, and its markers in frames of the whole recording."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+import numpy as np
+
+from mcml.formats.c3d.analog import Channels
+from mcml.formats.c3d.layout import scales_said
+from mcml.formats.c3d.parameters import Statements
+from mcml.formats.c3d.points import Points
+from mcml.formats.c3d.quantities import decode_text, texts_of
+from mcml.motion.skeleton import Array
+
+_OTHER_GROUPS: Final = frozenset(
+    {"POINT", "ANALOG", "FORCE_PLATFORM", "EVENT", "EVENT_CONTEXT", "TRIAL", "ANALYSIS", "ROTATION", "DATA_BLOCKS",
+     "SEG", "MANUFACTURER", "SUBJECTS"}
+)  # fmt: skip
+_PROCESSING: Final = "PROCESSING"
+_MOST_POSITIONS: Final = 1_000_000
+_MARKS: Final = re.compile(r"[\W_]+")
+
+
+def read_measures(said: Statements, prefix: str = "") -> dict[str, float]:
+    """Numbers that may be measures of a subject, by name: of the group PROCESSING, or of one named after the subject.
+
+    prefix: of its markers. Names may begin with the name of the subject.
+    """
+    subjects = [name for text in said.texts("SUBJECTS:NAMES") if (name := decode_text(text))]
+    subjects += [prefix.strip()] if prefix.strip() else []
+    names = {_bare(name) for name in subjects} - {""}
+    groups: dict[str, dict[str, float]] = {}
+    for key, parameter in said.parameters.items():
+        group, _, name = key.partition(":")
+        numbers = parameter.numbers(signed=True)[:1]
+        if group not in _OTHER_GROUPS and numbers and np.isfinite(numbers[0]):
+            groups.setdefault(group, {})[parameter.spelling.partition(":")[2] or name] = numbers[0]
+    own = [group for group in groups if group != _PROCESSING and _bare(group) in names]
+    others = [group for group in groups if group != _PROCESSING and group not in own]
+    measures: dict[str, float] = {}
+    for group in (*own, _PROCESSING, *others):
+        for name, value in groups.get(group, {}).items():
+            measures.setdefault(_without_subject(name, subjects), value)
+    return measures
+
+
+def read_sample(channels: Channels) -> tuple[list[str], Array]:
+    """(labels of all points, positions (n, points, 3) in the unit of the file, NaN where missing) of frames of a file.
+
+    All frames of a trial of usual length; of long ones evenly spaced frames, with the first and the last one.
+    """
+    layout, said = channels.layout, channels.said
+    labels = [decode_text(text) for text in texts_of(said, "POINT:LABELS")][: layout.points]
+    labels += ["unnamed"] * (layout.points - len(labels))
+    count = max(2, _MOST_POSITIONS // max(1, layout.points))
+    wanted = np.unique(np.linspace(0, layout.frames - 1, min(count, layout.frames)).astype(np.intp))
+    points = Points(channels.stream, layout, said.machine, abs(scales_said(said)[0][0]))
+    positions, residuals = [np.empty((0, layout.points, 3))], [np.empty((0, layout.points))]
+    for first in range(0, layout.frames, points.block):
+        rows = wanted[(wanted >= first) & (wanted < first + points.block)] - first
+        coordinates, own = points.read(first, points.block)
+        rows = rows[rows < len(coordinates)]
+        positions.append(coordinates[rows])
+        residuals.append(own[rows])
+    places, missing = np.concatenate(positions), np.concatenate(residuals) < 0
+    # Files whose residuals are all negative state no residuals; their coordinates count.
+    if not missing.all():
+        places[missing] = np.nan
+    return labels, places
+
+
+def _bare(name: str) -> str:
+    return _MARKS.sub("", name).lower()
+
+
+def _without_subject(name: str, subjects: list[str]) -> str:
+    for subject in subjects:
+        if name.lower().startswith(subject.lower()):
+            return name[len(subject) :].lstrip(":_ ")
+    return name

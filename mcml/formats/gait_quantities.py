@@ -1,0 +1,283 @@
+"""Quantities of the gait model of a clip: which can be computed, from what, and their values.
+
+Measures of the subject are of the kept file, and so are the directions of the laboratory and the offsets of a standing
+trial, which are of the whole recording: trimmed clips have the values of the whole. Markers are those of the clip, so
+that edits of them count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mcml.formats.c3d.analog import Channels
+from mcml.formats.c3d.quantities import decode_text
+from mcml.formats.c3d.subjects import read_measures, read_sample
+from mcml.laboratory.gait_model.dynamics import Ground
+from mcml.laboratory.gait_model.measures import Measures, clean_measures
+from mcml.laboratory.gait_model.model_body import (
+    QUANTITIES,
+    LackError,
+    Method,
+    ModelBody,
+    choose_method,
+    is_load,
+    is_of_leg,
+)
+from mcml.laboratory.gait_model.model_markers import find_model_markers
+from mcml.laboratory.gait_model.subject import Subject, find_subject, has_pelvis
+from mcml.laboratory.gait_model.upper_body import ARM, HEAD, TRUNK
+from mcml.motion.clip import ClipHead
+from mcml.motion.guesses import stated_up, up_of_head
+from mcml.motion.pictures.figures import axis_of
+from mcml.motion.skeleton import Array
+from mcml.motion.units import UNITS, metres_of
+
+Ids: TypeAlias = NDArray[np.int64] | Sequence[str]
+FindPositions: TypeAlias = Callable[[Sequence[int]], Array]
+"""Returns (n, k, 3) positions of joints of the skeleton in the frames asked for, in the unit of the clip."""
+
+FindGround: TypeAlias = Callable[[str, NDArray[np.intp], int], Ground]
+"""Returns the reaction of the ground on "L" or "R" in (count,) frames of the file, of which the clip has these."""
+
+PREFIXES: Final[dict[str, Method]] = {"cgm1:": "cgm1", "landmarks:": "landmarks"}
+"""Beginnings of names that ask for a method, whatever the file has itself."""
+
+_METHODS: Final[dict[Method, str]] = {
+    "cgm1": "computed by the Conventional Gait Model 1 from markers",
+    "centres": "computed by the Conventional Gait Model 1 from markers and the joint centres of the file",
+    "landmarks": "computed from landmarks on both sides of the joints: not comparable with the Conventional Gait Model",
+}
+_KINDS: Final = {"Angles": ("deg", "ANGLES"), "Moment": ("Nmm/kg", "MOMENTS"), "Power": ("W/kg", "POWERS")}
+"""Unit and group by the end of a name; centres have no such end."""
+
+_MILLIMETRES: Final = 1000.0
+
+
+@dataclass(frozen=True)
+class ComputedQuantity:
+    """name: with its prefix. unit, group: of values. reason: why it cannot be computed, "" where it can. notes: how it
+    is computed, and what was assumed."""
+
+    name: str
+    unit: str
+    group: str
+    reason: str
+    notes: tuple[str, ...]
+
+
+class GaitQuantities:
+    """The quantities of the gait model of a clip.
+
+    head: of the clip. file: of its kept C3D file, None without one. has_plates: whether force plates can be used.
+    """
+
+    def __init__(self, head: ClipHead, file: Channels | None, *, has_plates: bool) -> None:
+        self._head, self._file, self._has_plates = head, file, has_plates
+        self._markers = find_model_markers(head.skeleton)
+        self._bodies: dict[Method, ModelBody] = {}
+        self._ids: Ids = []
+
+    @property
+    def are_asked(self) -> bool:
+        """Whether the clip has markers of a pelvis and a knee, so that its quantities are listed."""
+        names = self._markers.joints
+        return bool(self._markers.problem) or (
+            has_pelvis(dict.fromkeys(names, np.empty(0))) and any(f"{side}KNE" in names for side in "LR")
+        )
+
+    def describe(self, stated: Sequence[str]) -> Iterator[ComputedQuantity]:
+        """Every quantity that the file does not state, and those of model 1 beside stated ones. stated: their names."""
+        if not self.are_asked:
+            return
+        for name in QUANTITIES:
+            described = self._describe(name if name not in stated else f"cgm1:{name}")
+            # A clip of legs alone needs no list of everything that arms lack.
+            if not described.reason or is_of_leg(name) or self._has_some_of(name):
+                yield described
+
+    def lacks(self, name: str) -> str | None:
+        """Why a quantity cannot be computed, "" where it can, None for a name that is no quantity of the model."""
+        _, bare = _split(name)
+        if bare not in QUANTITIES or not (self.are_asked or self._markers.joints):
+            return None
+        return self._describe(name).reason
+
+    def values(
+        self, name: str, axis: int, ids: Ids, find_positions: FindPositions, find_ground: FindGround | None
+    ) -> Array:
+        """(n,) of a quantity in frames with these ids; NaN in frames that are not of the file."""
+        places, count = self._timeline(ids)
+        if not np.array_equal(np.asarray(ids), np.asarray(self._ids)) or not self._bodies:
+            self._bodies, self._ids = {}, ids
+        prefix, bare = _split(name)
+        method = self._method(prefix, bare)
+        if method not in self._bodies:
+            self._bodies[method] = self._make_body(method, places, count, find_positions, find_ground)
+        whole = self._bodies[method].quantity(bare)[:, axis]
+        values = np.full(len(places), np.nan)
+        values[places >= 0] = whole[places[places >= 0]]
+        return values
+
+    def _make_body(
+        self,
+        method: Method,
+        places: NDArray[np.intp],
+        count: int,
+        find_positions: FindPositions,
+        find_ground: FindGround | None,
+    ) -> ModelBody:
+        names = list(self._markers.joints)
+        positions = find_positions([self._markers.joints[name] for name in names])
+        metres = metres_of(self._head)
+        whole = np.full((count, len(names), 3), np.nan)
+        known = places >= 0
+        whole[places[known]] = positions[known] * (1.0 if metres is None else metres * _MILLIMETRES)
+        markers = {name: np.ascontiguousarray(whole[:, place]) for place, name in enumerate(names)}
+        seconds = self._head.seconds_per_frame()
+        subject = self._subject if self._file is not None else self._find_subject(markers, positions)
+        ground = None if find_ground is None else lambda side: find_ground(side, places, count)
+        return ModelBody(markers, subject, method, ground, np.nan if seconds is None else 1 / seconds)
+
+    def _timeline(self, ids: Ids) -> tuple[NDArray[np.intp], int]:
+        """(place of each frame in the recording, -1 for others; frames of the recording)."""
+        if self._file is None:
+            return np.arange(len(ids)), len(ids)
+        numbers = np.asarray(ids)
+        if numbers.dtype.kind != "i":
+            return np.full(len(ids), -1), self._file.frames
+        places = numbers - self._file.first
+        return np.where((places >= 0) & (places < self._file.frames), places, -1), self._file.frames
+
+    def unit(self, name: str) -> str:
+        """The unit of a quantity, "" for a name that is no quantity of the model."""
+        bare = _split(name)[1]
+        return _kind_of(bare)[0] if bare in QUANTITIES else ""
+
+    def _describe(self, name: str) -> ComputedQuantity:
+        prefix, bare = _split(name)
+        unit, group = _kind_of(bare)
+        if self._markers.problem:
+            return ComputedQuantity(name, unit, group, self._markers.problem, ())
+        method = self._method(prefix, bare)
+        body = ModelBody(self._instant, self._subject, method, _no_ground if self._has_plates else None)
+        try:
+            body.quantity(bare)
+        except LackError as error:
+            return ComputedQuantity(name, unit, group, f"missing: {', '.join(error.parts)}", ())
+        return ComputedQuantity(name, unit, group, "", tuple(self._notes(bare, method)))
+
+    def _has_some_of(self, name: str) -> bool:
+        """Whether the clip has any marker of a part of the upper body."""
+        part = name[1:].removesuffix("Angles")
+        own = {"Head": HEAD, "Neck": HEAD, "Thorax": TRUNK, "Spine": TRUNK}.get(
+            part, [name[0] + marker for marker in ARM]
+        )
+        return part == "Pelvis" or any(marker in self._markers.joints for marker in own)
+
+    def _notes(self, name: str, method: Method) -> Iterator[str]:
+        subject, part = self._subject, name[1:].removesuffix("Angles")
+        own = {"cgm1": (), "centres": ("FEP", "HJC"), "landmarks": ("HJC",)}[method]
+        has_hip = any(name[0] + centre in self._markers.joints for centre in own)
+        yield _METHODS[method if is_of_leg(name) else "cgm1"]
+        if is_of_leg(name) and method == "landmarks":
+            yield "hips of the file" if has_hip else "hips by Harrington 2007"
+        elif subject.diameter_note and (is_of_leg(name) or part in ("Shoulder", "Elbow", "Wrist", "SJC", "EJC", "WJC")):
+            yield subject.diameter_note
+        if is_of_leg(name) and not has_hip and subject.measures.get("InterAsisDistance") is None:
+            yield f"InterAsisDistance not stated; {subject.width:.0f} mm, the mean distance of the markers"
+        if subject.measures.were_degrees and method != "landmarks" and is_of_leg(name):
+            yield "angles among the measures are taken as degrees: one of them exceeds pi"
+        if subject.measures.unit != "mm" and method != "landmarks" and is_of_leg(name):
+            yield f"lengths among the measures are taken as {subject.measures.unit}: so long are legs of people"
+        if part in ("Pelvis", "Thorax", "Head", "FootProgress"):
+            yield subject.travel_note
+        if part in ("Ankle", "FootProgress") and method != "landmarks":
+            if subject.static_note:
+                yield subject.static_note
+            elif subject.measures.get(f"{name[0]}StaticPlantFlex") is None:
+                yield "the file has no offsets of a standing trial: the foot is the line from ankle to toe"
+        if is_load(name):
+            yield "per kg of the measure Bodymass; known where this foot alone is on force plates"
+
+    def _method(self, prefix: str, name: str) -> Method:
+        if prefix:
+            return PREFIXES[prefix]
+        return self._methods[name[0]] if is_of_leg(name) else "cgm1"
+
+    @cached_property
+    def _methods(self) -> dict[str, Method]:
+        return {side: choose_method(side, self._instant, self._subject) for side in "LR"}
+
+    @cached_property
+    def _instant(self) -> dict[str, Array]:
+        """The sample's first frame, which tells what can be computed as well as all of them."""
+        return {name: places[:1] for name, places in self._sample.items()}
+
+    @cached_property
+    def _sample(self) -> dict[str, Array]:
+        """Markers (n, 3) in millimetres of the kept file; unknown in one frame without a file."""
+        labels, positions = self._read
+        places: dict[str, int] = {}
+        for index, label in enumerate(labels):
+            places.setdefault(label, index)
+        gone = np.full((max(1, len(positions)), 3), np.nan)
+        sources = self._markers.sources
+        return {
+            name: positions[:, places[label]] * self._to_millimetres if (label := sources[name].strip()) in places
+            else gone
+            for name in self._markers.joints
+        }  # fmt: skip
+
+    @cached_property
+    def _read(self) -> tuple[list[str], Array]:
+        return ([], np.empty((0, 0, 3))) if self._file is None else read_sample(self._file)
+
+    @property
+    def _to_millimetres(self) -> float:
+        """Of a unit of the file's points; millimetres where it states none."""
+        texts = [] if self._file is None else self._file.said.texts("POINT:UNITS")
+        return UNITS.get(decode_text(texts[0]).lower() if texts else "", 1 / _MILLIMETRES) * _MILLIMETRES
+
+    @cached_property
+    def _subject(self) -> Subject:
+        labels, read = self._read
+        places = {label: index for index, label in reversed(list(enumerate(labels)))}
+        positions = np.full((len(read), len(self._head.skeleton), 3), np.nan)
+        for index, joint in enumerate(self._head.skeleton.joints):
+            if (place := places.get(joint.source_name.strip())) is not None:
+                positions[:, index] = read[:, place]
+        return self._find_subject(self._sample, positions)
+
+    def _find_subject(self, markers: dict[str, Array], positions: Array) -> Subject:
+        """positions: (n, J, 3) of all joints, or of some, which tell the axis up where the file does not state it."""
+        stated = stated_up(self._head)
+        if stated is None and positions.shape[1] == len(self._head.skeleton) and len(positions):
+            stated = up_of_head(self._head, positions).axis
+        return find_subject(self._measures, markers, axis_of(stated or "Z"))
+
+    @cached_property
+    def _measures(self) -> Measures:
+        stated = {} if self._file is None else read_measures(self._file.said, self._markers.prefix)
+        return clean_measures(stated)
+
+
+def _split(name: str) -> tuple[str, str]:
+    """(prefix, name of the model) of a name."""
+    prefix = next((prefix for prefix in PREFIXES if name.startswith(prefix)), "")
+    return prefix, name.removeprefix(prefix)
+
+
+def _kind_of(name: str) -> tuple[str, str]:
+    """(unit, group) of a quantity of the model."""
+    return next((kind for ending, kind in _KINDS.items() if name.endswith(ending)), ("mm", "CENTRES"))
+
+
+def _no_ground(side: str) -> Ground:
+    gone = np.full((1, 3), np.nan)
+    return Ground(gone, gone, gone)

@@ -1,0 +1,215 @@
+"""Computed quantities of C3D files: kinds of files, what is assumed, what is missing, and what they never do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mcml
+from mcml.errors import NotFoundError
+from mcml.files.motion import Motion
+from mcml.formats.measurements import Measurement
+from mcml.motion.skeleton import Array
+from tests.c3d_writer import texts
+from tests.laboratory.gait_bodies import LegPose, turn
+from tests.laboratory.gait_files import FRAMES, POSES, gait_file, measures_of, walk
+
+KNEE = POSES["L"].knee
+Read = Callable[[bytes], Motion]
+
+
+@pytest.fixture
+def read(tmp_path: Path) -> Read:
+    def read_file(content: bytes) -> Motion:
+        path = tmp_path / "trial.c3d"
+        path.write_bytes(content)
+        return mcml.read(path)
+
+    return read_file
+
+
+def angles(motion: Motion, name: str) -> Array:
+    return np.stack([motion.quantity(name, axis) for axis in "xyz"], axis=1)
+
+
+def listed(motion: Motion) -> dict[str, Measurement]:
+    return {each.name: each for each in motion.measurements}
+
+
+def without(measures: Mapping[str, float], *stems: str) -> dict[str, float]:
+    return {name: value for name, value in measures.items() if not name.endswith(stems)}
+
+
+def test_angles_of_plain_files(read: Read) -> None:
+    motion = read(gait_file(walk(), measures_of()))
+    for name in ("LKneeAngles", "cgm1:LKneeAngles"):
+        np.testing.assert_allclose(angles(motion, name), [KNEE] * FRAMES, atol=2e-3)
+    np.testing.assert_allclose(angles(motion, "LPelvisAngles"), [[10.0, 0, 0]] * FRAMES, atol=2e-3)
+    knee = listed(motion)["LKneeAngles"]
+    assert knee.known
+    assert (knee.unit, knee.group, knee.axes) == ("deg", "ANGLES", ("x", "y", "z"))
+    assert knee.notes[0] == "computed by the Conventional Gait Model 1 from markers"
+    assert "cgm1:LKneeAngles" not in listed(motion)
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        {"group": "ANNA"},
+        {"group": "PROCESSING", "prefix": "Anna:", "subjects": ["Anna"]},
+        {"group": "ANNA", "prefix": "Anna:", "subjects": ["Anna"]},
+        {"group": "PROCESSING", "unit": "m"},
+        {"group": "PROCESSING", "first": 286},
+    ],
+)
+def test_measures_and_markers_of_other_kinds_of_files(read: Read, how: dict[str, object]) -> None:
+    scale = 0.001 if how.get("unit") == "m" else 1.0
+    markers = {name: place * scale for name, place in walk().items()}
+    motion = read(gait_file(markers, measures_of(), **how))  # type: ignore[arg-type]
+    np.testing.assert_allclose(angles(motion, "LKneeAngles"), [KNEE] * FRAMES, atol=5e-3)
+
+
+def test_a_subject_before_the_names_of_measures(read: Read) -> None:
+    measures = {f"Anna{name}": value for name, value in measures_of().items()}
+    motion = read(gait_file(walk(), measures, prefix="Anna:", subjects=["Anna"]))
+    np.testing.assert_allclose(angles(motion, "LKneeAngles"), [KNEE] * FRAMES, atol=2e-3)
+
+
+def test_angles_of_measures_in_degrees(read: Read) -> None:
+    turned = {"L": LegPose(turns={"TibialTorsion": np.radians(-20.0), "ThighRotation": np.radians(8.0)}),
+              "R": LegPose()}  # fmt: skip
+    degrees = measures_of(turned) | {"LTibialTorsion": -20.0, "LThighRotation": 8.0}
+    motion = read(gait_file(walk(poses=turned), degrees))
+    np.testing.assert_allclose(angles(motion, "LKneeAngles"), [KNEE] * FRAMES, atol=5e-3)
+    assert any("degrees" in note for note in listed(motion)["LKneeAngles"].notes)
+
+
+def test_measures_in_metres(read: Read) -> None:
+    lengths = {name: value if name == "Bodymass" else value / 1000 for name, value in measures_of().items()}
+    motion = read(gait_file(walk(), lengths))
+    np.testing.assert_allclose(angles(motion, "LKneeAngles"), [KNEE] * FRAMES, atol=2e-3)
+    assert any("measures are taken as m:" in note for note in listed(motion)["LKneeAngles"].notes)
+
+
+def test_an_unknown_diameter_is_assumed_and_said(read: Read) -> None:
+    motion = read(gait_file(walk(), without(measures_of(), "MarkerDiameter")))
+    np.testing.assert_allclose(angles(motion, "LKneeAngles"), [KNEE] * FRAMES, atol=2e-3)
+    assert "marker diameter not stated, 14 mm assumed" in listed(motion)["LKneeAngles"].notes
+    assert not any("diameter" in note for note in listed(motion)["LPelvisAngles"].notes)
+
+
+@pytest.mark.parametrize("width", [None, 0.0])
+def test_missing_measures_are_named(read: Read, width: float | None) -> None:
+    measures = without(measures_of(), "KneeWidth") | ({} if width is None else {"LKneeWidth": width})
+    motion = read(gait_file(walk(), measures))
+    knee = listed(motion)["LKneeAngles"]
+    assert not knee.known
+    assert "measure LKneeWidth" in knee.reason
+    assert listed(motion)["LPelvisAngles"].known
+    with pytest.raises(NotFoundError, match="LKneeWidth"):
+        motion.quantity("LKneeAngles", "x")
+
+
+def test_missing_markers_leave_gaps_and_are_never_filled(read: Read) -> None:
+    markers = walk()
+    markers["LTIB"][10:13] = np.nan
+    motion = read(gait_file(markers, measures_of()))
+    knee, hip = motion.quantity("LKneeAngles", "x"), motion.quantity("LHipAngles", "x")
+    assert np.flatnonzero(np.isnan(knee)).tolist() == [10, 11, 12]
+    assert np.isfinite(hip).all()
+
+
+@pytest.mark.parametrize("quarter", range(4))
+def test_the_direction_of_the_walk(read: Read, quarter: int) -> None:
+    turned = turn("z", 90.0 * quarter)
+    motion = read(gait_file({name: place @ turned.T for name, place in walk().items()}, measures_of()))
+    np.testing.assert_allclose(angles(motion, "LPelvisAngles"), [[10.0, 0, 0]] * FRAMES, atol=2e-3)
+
+
+def test_a_sacrum_stands_in_for_the_back_spines(read: Read) -> None:
+    markers = walk()
+    markers["SACR"] = (markers.pop("LPSI") + markers.pop("RPSI")) / 2
+    motion = read(gait_file(markers, measures_of()))
+    np.testing.assert_allclose(angles(motion, "LKneeAngles"), [KNEE] * FRAMES, atol=2e-3)
+
+
+def test_other_names_of_the_same_markers(read: Read) -> None:
+    other = {"LASI": "LASIS", "RASI": "RASIS", "LPSI": "LPSIS", "RPSI": "RPSIS"}
+    markers = {other.get(name, name): place for name, place in walk().items()}
+    motion = read(gait_file(markers, measures_of()))
+    np.testing.assert_allclose(angles(motion, "LKneeAngles"), [KNEE] * FRAMES, atol=2e-3)
+
+
+def test_a_foot_without_a_heel_is_known(read: Read) -> None:
+    markers = {name: place for name, place in walk().items() if not name.endswith("HEE")}
+    with_heels, bare = read(gait_file(walk(), measures_of())), read(gait_file(markers, measures_of()))
+    np.testing.assert_array_equal(angles(bare, "LAnkleAngles"), angles(with_heels, "LAnkleAngles"))
+    assert any("no offsets of a standing trial" in note for note in listed(bare)["LAnkleAngles"].notes)
+
+
+def test_a_standing_trial_has_a_level_sole(read: Read) -> None:
+    """In a standing trial the line from heel to toe is the foot, whatever offsets the file has."""
+    motion = read(gait_file(walk(way=0.0, poses={"L": LegPose(toe=(1, 0, -0.6)), "R": LegPose()}), measures_of()))
+    notes = listed(motion)["LFootProgressAngles"].notes
+    assert any("a standing trial" in note for note in notes)
+    assert any("which the file does not tell" in note for note in notes)
+    walking = read(gait_file(walk(poses={"L": LegPose(toe=(1, 0, -0.6)), "R": LegPose()}), measures_of()))
+    assert abs(motion.quantity("LAnkleAngles", "x") - walking.quantity("LAnkleAngles", "x")).min() > 5
+
+
+def test_own_angles_of_the_file_come_first(read: Read) -> None:
+    markers = walk() | {"LKneeAngles": np.full((FRAMES, 3), 77.0)}
+    typed = {"POINT:ANGLES": texts("LKneeAngles")}
+    motion = read(gait_file(markers, measures_of(), more=typed))
+    assert (motion.quantity("LKneeAngles", "x") == 77.0).all()
+    np.testing.assert_allclose(angles(motion, "cgm1:LKneeAngles"), [KNEE] * FRAMES, atol=2e-3)
+    assert listed(motion)["LKneeAngles"].notes == ("as computed by the laboratory",)
+    assert listed(motion)["cgm1:LKneeAngles"].known
+    assert listed(motion)["RKneeAngles"].notes[0].startswith("computed by the Conventional Gait Model 1")
+
+
+def test_own_angles_of_a_file_whose_labels_name_the_subject(read: Read) -> None:
+    markers = walk() | {"LKneeAngles": np.full((FRAMES, 3), 77.0)}
+    typed = {"POINT:ANGLES": texts("Anna:LKneeAngles")}
+    motion = read(gait_file(markers, measures_of(), prefix="Anna:", subjects=["Anna"], more=typed))
+    assert (motion.quantity("LKneeAngles", "x") == 77.0).all()
+    assert (motion.quantity("Anna:LKneeAngles", "x") == 77.0).all()
+
+
+@pytest.mark.parametrize(("size", "unit"), [(1500.0, "Nmm/kg"), (90_000.0, "Nmm")])
+def test_moments_are_per_kilogram_if_they_are_small(read: Read, size: float, unit: str) -> None:
+    values = np.zeros((FRAMES, 3))
+    values[5] = [size, 0.0, 0.0]
+    markers = walk() | {"LAnkleMoment": values, "LNormalisedGRF": values}
+    typed = {"POINT:MOMENTS": texts("LAnkleMoment"), "POINT:MOMENT_UNITS": texts("Nmm"),
+             "POINT:FORCES": texts("LNormalisedGRF"), "POINT:FORCE_UNITS": texts("N")}  # fmt: skip
+    motion = read(gait_file(markers, measures_of(), more=typed))
+    assert listed(motion)["LAnkleMoment"].unit == unit
+    assert any("the file states Nmm" in note for note in listed(motion)["LAnkleMoment"].notes) == ("kg" in unit)
+    assert listed(motion)["LNormalisedGRF"].unit == "N"
+
+
+def test_several_people_are_not_mixed(read: Read) -> None:
+    both = {f"Anna:{name}": place for name, place in walk().items()}
+    both |= {f"Bert:{name}": place + np.array([0.0, 900.0, 0.0]) for name, place in walk().items()}
+    motion = read(gait_file(both, measures_of()))
+    knee = listed(motion)["LKneeAngles"]
+    assert not knee.known
+    assert "several people" in knee.reason
+    with pytest.raises(NotFoundError, match="several people"):
+        motion.quantity("LKneeAngles", "x")
+
+
+def test_names_that_are_no_quantities(read: Read) -> None:
+    motion = read(gait_file(walk(), measures_of()))
+    for name in ("LKneeAngle", "cgm1:Nothing", "cgm2:LKneeAngles", ""):
+        with pytest.raises(NotFoundError):
+            motion.quantity(name, "x")
+
+
+def test_files_without_a_body_list_nothing(read: Read) -> None:
+    motion = read(gait_file({f"M{place}": np.full((FRAMES, 3), 10.0 * place) for place in range(9)}, measures_of()))
+    assert motion.measurements == ()
