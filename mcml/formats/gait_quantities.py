@@ -46,7 +46,7 @@ FindGround: TypeAlias = Callable[[str, NDArray[np.intp], int], Ground]
 """Returns the reaction of the ground on "L" or "R" in (count,) frames of the file, of which the clip has these."""
 
 PREFIXES: Final[dict[str, Method]] = {"cgm1:": "cgm1", "landmarks:": "landmarks"}
-"""Beginnings of names that ask for a method, whatever the file has itself."""
+"""Beginnings of names that ask for a method, also where the file has the quantity itself."""
 
 _METHODS: Final[dict[Method, str]] = {
     "cgm1": "computed by the Conventional Gait Model 1 from markers",
@@ -57,12 +57,14 @@ _KINDS: Final = {"Angles": ("deg", "ANGLES"), "Moment": ("Nmm/kg", "MOMENTS"), "
 """Unit and group by the end of a name; centres have no such end."""
 
 _MILLIMETRES: Final = 1000.0
+_SAMPLE: Final = 2000
+"""Frames of a clip without a file that tell the axis up."""
 
 
 @dataclass(frozen=True)
 class ComputedQuantity:
-    """name: with its prefix. unit, group: of values. reason: why it cannot be computed, "" where it can. notes: how it
-    is computed, and what was assumed."""
+    """name: with its prefix. unit, group: of values. reason: why it cannot be computed, "" where it can. notes: its
+    method and its assumptions."""
 
     name: str
     unit: str
@@ -140,7 +142,7 @@ class GaitQuantities:
         whole[places[known]] = positions[known] * (1.0 if metres is None else metres * _MILLIMETRES)
         markers = {name: np.ascontiguousarray(whole[:, place]) for place, name in enumerate(names)}
         seconds = self._head.seconds_per_frame()
-        subject = self._subject if self._file is not None else self._find_subject(markers, positions)
+        subject = self._subject if self._file is not None else self._subject_of_clip(names, markers, positions)
         ground = None if find_ground is None else lambda side: find_ground(side, places, count)
         return ModelBody(markers, subject, method, ground, np.nan if seconds is None else 1 / seconds)
 
@@ -216,7 +218,7 @@ class GaitQuantities:
 
     @cached_property
     def _instant(self) -> dict[str, Array]:
-        """The sample's first frame, which tells what can be computed as well as all of them."""
+        """The first frame of the sample: enough to try every quantity."""
         return {name: places[:1] for name, places in self._sample.items()}
 
     @cached_property
@@ -254,10 +256,17 @@ class GaitQuantities:
                 positions[:, index] = read[:, place]
         return self._find_subject(self._sample, positions)
 
+    def _subject_of_clip(self, names: Sequence[str], markers: dict[str, Array], positions: Array) -> Subject:
+        """The subject of a clip without a file. positions: (n, k, 3) of the markers of these names."""
+        rows = np.unique(np.linspace(0, len(positions) - 1, min(len(positions), _SAMPLE)).astype(np.intp))
+        sample = np.full((len(rows), len(self._head.skeleton), 3), np.nan)
+        sample[:, [self._markers.joints[name] for name in names]] = positions[rows]
+        return self._find_subject(markers, sample)
+
     def _find_subject(self, markers: dict[str, Array], positions: Array) -> Subject:
-        """positions: (n, J, 3) of all joints, or of some, which tell the axis up where the file does not state it."""
+        """positions: (n, J, 3) of joints in some frames, which tell the axis up where the file does not state it."""
         stated = stated_up(self._head)
-        if stated is None and positions.shape[1] == len(self._head.skeleton) and len(positions):
+        if stated is None and len(positions):
             stated = up_of_head(self._head, positions).axis
         return find_subject(self._measures, markers, axis_of(stated or "Z"))
 

@@ -213,3 +213,23 @@ def test_names_that_are_no_quantities(read: Read) -> None:
 def test_files_without_a_body_list_nothing(read: Read) -> None:
     motion = read(gait_file({f"M{place}": np.full((FRAMES, 3), 10.0 * place) for place in range(9)}, measures_of()))
     assert motion.measurements == ()
+
+
+def test_clips_without_a_file_have_what_needs_no_measures(read: Read, tmp_path: Path) -> None:
+    """A TRC with Y up: the pelvis is known, the knee lacks measures, and landmarks on both sides need none."""
+    upright = turn("x", -90.0)
+    markers = walk(way=-40.0)
+    for side in "LR":
+        for joint, centre in (("KNE", "KNM"), ("ANK", "MED")):
+            markers[side + centre] = markers[side + joint] + np.array([0, -100.0 if side == "L" else 100.0, 0])
+    read(gait_file({name: place @ upright.T for name, place in markers.items()}, {}))
+    path = tmp_path / "walk.trc"
+    mcml.convert(tmp_path / "trial.c3d", path)
+    trc = mcml.read(path)
+    np.testing.assert_allclose(np.abs(angles(trc, "LPelvisAngles")), [[10.0, 0, 180.0]] * FRAMES, atol=2e-3)
+    knee = listed(trc)["LKneeAngles"]
+    assert knee.known
+    assert any("landmarks" in note for note in knee.notes)
+    assert np.isfinite(trc.quantity("LKneeAngles", "x")).all()
+    with pytest.raises(NotFoundError, match="measure LKneeWidth"):
+        trc.quantity("cgm1:LKneeAngles", "x")

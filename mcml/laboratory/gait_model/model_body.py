@@ -1,4 +1,4 @@
-"""The body of the gait model in all frames: every quantity by its name in Plug-in Gait, or what it lacks."""
+"""The body of the gait model in all frames: quantities by their names in Plug-in Gait."""
 
 from __future__ import annotations
 
@@ -219,7 +219,7 @@ class ModelBody:
         return (outer + inner) / 2 if own is None else own, SIGNS[side] * (outer - inner)
 
     def _point(self, name: str) -> Array:
-        """(n, 3) a marker, NaN where it is absent: what does not depend on it is known all the same."""
+        """(n, 3) a marker, NaN where it is absent: other parts are known all the same."""
         return self._markers[name] if name in self._markers else np.full_like(self._pelvis[0], np.nan)
 
     def _arm(self, side: str) -> Arm:

@@ -1,4 +1,4 @@
-"""Markers of a clip by the names of Plug-in Gait, whatever the file calls them."""
+"""Markers of a clip by the names of Plug-in Gait, also if the file has other names for them."""
 
 from __future__ import annotations
 

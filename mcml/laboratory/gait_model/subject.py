@@ -38,7 +38,7 @@ class Subject:
     millimetres between the front spines, and from their middle to that of the back ones, NaN where unknown. laboratory:
     (3, 3) forward, left, up as columns. is_static: whether the trial is a standing one. foot: how it takes the foot.
 
-    travel_note, diameter_note, static_note: what was assumed, "" for nothing.
+    travel_note, diameter_note, static_note: assumptions, "" for none.
     """
 
     measures: Measures
@@ -115,7 +115,7 @@ def is_standing(markers: Markers) -> bool:
         return False
     for name in names:
         seen = markers[name][np.isfinite(markers[name]).all(axis=1)]
-        if not len(seen) or float(np.linalg.norm(np.ptp(seen, axis=0))) > _STILL:
+        if not len(seen) or float(np.linalg.norm(np.subtract(*np.percentile(seen, [95, 5], axis=0)))) > _STILL:
             return False
     return True
 

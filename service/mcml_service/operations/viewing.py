@@ -49,7 +49,8 @@ def get_calibration(call: Call, id: DocumentId, revision: AtRevision = None) -> 
 def list_measurements(call: Call, id: DocumentId, revision: AtRevision = None) -> MeasurementList:
     """`GET /documents/{id}/frames?quantity=quantity:LKneeAngles,x` returns their values, and XPath asks for them.
 
-    The values are the file's own: edits of the motion do not change them.
+    The values are those of the file: edits of the motion do not change them. Quantities of Plug-in Gait that it lacks
+    are computed from the markers of the clip; their notes say how, and their reasons what is missing.
     """
     from mcml_service.clips.frame_quantities import read_measurements
 
