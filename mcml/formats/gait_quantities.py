@@ -30,6 +30,7 @@ from mcml.laboratory.gait_model.model_body import (
     is_of_leg,
 )
 from mcml.laboratory.gait_model.model_markers import find_model_markers
+from mcml.laboratory.gait_model.segment_frames import make_continuous
 from mcml.laboratory.gait_model.subject import Subject, find_subject, has_pelvis
 from mcml.laboratory.gait_model.upper_body import ARM, HEAD, TRUNK
 from mcml.motion.clip import ClipHead
@@ -83,6 +84,7 @@ class GaitQuantities:
         self._head, self._file, self._has_plates = head, file, has_plates
         self._markers = find_model_markers(head.skeleton)
         self._bodies: dict[Method, ModelBody] = {}
+        self._bodies_of_file: dict[Method, ModelBody] = {}
         self._ids: Ids = []
 
     @property
@@ -122,9 +124,32 @@ class GaitQuantities:
         if method not in self._bodies:
             self._bodies[method] = self._make_body(method, places, count, find_positions, find_ground)
         whole = self._bodies[method].quantity(bare)[:, axis]
+        if _kind_of(bare)[1] == "ANGLES":
+            whole = whole + self._whole_turns(bare, method, whole, axis)
         values = np.full(len(places), np.nan)
         values[places >= 0] = whole[places[places >= 0]]
         return values
+
+    def _whole_turns(self, name: str, method: Method, degrees: Array, axis: int) -> Array:
+        """(count,) multiples of 360 that make an angle (count,) continuous, as it is in the whole file.
+
+        Of somebody who turns round, angles grow beyond 180 degrees; in a trimmed clip they are the same.
+        """
+        frames, angles = np.arange(len(degrees)), degrees
+        if self._file is not None:
+            frames = self._read[1]
+            angles = self._body_of_file(method).quantity(name)[:, axis]
+        continuous = make_continuous(angles[:, None])[:, 0]
+        known = np.isfinite(continuous)
+        if not known.any() or np.abs(continuous[known]).max() <= 180.0:
+            return np.zeros(len(degrees))
+        course = np.interp(np.arange(len(degrees)), frames[known], continuous[known])
+        return np.asarray(360.0 * np.rint((course - degrees) / 360.0))
+
+    def _body_of_file(self, method: Method) -> ModelBody:
+        if method not in self._bodies_of_file:
+            self._bodies_of_file[method] = ModelBody(self._sample, self._subject, method)
+        return self._bodies_of_file[method]
 
     def _make_body(
         self,
@@ -224,7 +249,7 @@ class GaitQuantities:
     @cached_property
     def _sample(self) -> dict[str, Array]:
         """Markers (n, 3) in millimetres of the kept file; unknown in one frame without a file."""
-        labels, positions = self._read
+        labels, _, positions = self._read
         places: dict[str, int] = {}
         for index, label in enumerate(labels):
             places.setdefault(label, index)
@@ -237,8 +262,9 @@ class GaitQuantities:
         }  # fmt: skip
 
     @cached_property
-    def _read(self) -> tuple[list[str], Array]:
-        return ([], np.empty((0, 0, 3))) if self._file is None else read_sample(self._file)
+    def _read(self) -> tuple[list[str], NDArray[np.intp], Array]:
+        """Labels, frames and positions of the file, as `read_sample` returns them."""
+        return ([], np.arange(0), np.empty((0, 0, 3))) if self._file is None else read_sample(self._file)
 
     @property
     def _to_millimetres(self) -> float:
@@ -248,7 +274,7 @@ class GaitQuantities:
 
     @cached_property
     def _subject(self) -> Subject:
-        labels, read = self._read
+        labels, _, read = self._read
         places = {label: index for index, label in reversed(list(enumerate(labels)))}
         positions = np.full((len(read), len(self._head.skeleton), 3), np.nan)
         for index, joint in enumerate(self._head.skeleton.joints):

@@ -18,7 +18,7 @@ from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.xpath.queries import Queries
 from tests.builders import store
-from tests.laboratory.gait_bodies import LegPose
+from tests.laboratory.gait_bodies import LegPose, turn
 from tests.laboratory.gait_files import FRAMES, POSES, gait_file, measures_of, walk
 
 NAMES = ("LPelvisAngles,x", "LPelvisAngles,z", "LKneeAngles,x", "RFootProgressAngles,z", "LAJC,x")
@@ -49,6 +49,19 @@ def test_trimmed_documents_have_the_values_of_the_whole(database: Database) -> N
     assert abs(abs(whole[0, 1]) - 180) < 1e-3
     edit(database, uuid, KeepFrames(do="keep", first=8, last=14))
     np.testing.assert_array_equal(values(database, uuid, *NAMES), whole[7:14])
+
+
+def test_angles_of_somebody_who_turns_round_do_not_jump(database: Database) -> None:
+    """Also where the clip begins after the turn."""
+    still, whole_turn = walk(), np.linspace(0.0, 400.0, FRAMES)
+    turned = {name: np.stack([turn("z", degrees) @ place for degrees, place in zip(whole_turn, places, strict=True)])
+              for name, places in still.items()}  # fmt: skip
+    (uuid,) = store(database, {"a.c3d": gait_file(turned, measures_of())})
+    whole = values(database, uuid, "RPelvisAngles,z")[:, 0]
+    assert np.abs(np.diff(whole)).max() < 30
+    assert np.ptp(whole) > 390
+    edit(database, uuid, KeepFrames(do="keep", first=20, last=FRAMES))
+    np.testing.assert_array_equal(values(database, uuid, "RPelvisAngles,z")[:, 0], whole[19:])
 
 
 def test_values_stay_at_their_frames(database: Database) -> None:

@@ -6,6 +6,7 @@ import re
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mcml.formats.c3d.analog import Channels
 from mcml.formats.c3d.layout import scales_said
@@ -46,8 +47,8 @@ def read_measures(said: Statements, prefix: str = "") -> dict[str, float]:
     return measures
 
 
-def read_sample(channels: Channels) -> tuple[list[str], Array]:
-    """(labels of all points, positions (n, points, 3) in the unit of the file, NaN where missing) of frames of a file.
+def read_sample(channels: Channels) -> tuple[list[str], NDArray[np.intp], Array]:
+    """(labels of all points, frames (n,) from 0, positions (n, points, 3) in the unit of the file, NaN where missing).
 
     All frames of a trial of usual length; of long ones evenly spaced frames, with the first and the last one.
     """
@@ -68,7 +69,7 @@ def read_sample(channels: Channels) -> tuple[list[str], Array]:
     # Files whose residuals are all negative state no residuals; their coordinates count.
     if not missing.all():
         places[missing] = np.nan
-    return labels, places
+    return labels, wanted[: len(places)], places
 
 
 def _bare(name: str) -> str:

@@ -24,8 +24,8 @@ _ANGLES: Final = (
     "StaticRotOff",
     "HeadOffset",
 )
-_POSITIVE: Final = ("LegLength", "KneeWidth", "AnkleWidth", "ElbowWidth", "WristWidth", "HandThickness",
-                    "InterAsisDistance", "MarkerDiameter", "Bodymass")  # fmt: skip
+_POSITIVE: Final = ("LegLength", "AsisTrocanterDistance", "KneeWidth", "AnkleWidth", "ElbowWidth", "WristWidth",
+                    "HandThickness", "InterAsisDistance", "MarkerDiameter", "Bodymass")  # fmt: skip
 """Measures that are absent where they are 0: programs write 0 for a measure that nobody took."""
 
 _UNITS: Final = {"mm": 1.0, "cm": 10.0, "m": 1000.0}

@@ -14,7 +14,7 @@ from mcml.laboratory.gait_model.hip_regression import harrington_hip
 from mcml.laboratory.gait_model.lower_body import SIGNS, Leg, Markers
 from mcml.laboratory.gait_model.segment_frames import along_z, column
 from mcml.laboratory.gait_model.static_pass import has_device, stand
-from mcml.laboratory.gait_model.subject import Subject
+from mcml.laboratory.gait_model.subject import Subject, without_medial
 from mcml.laboratory.gait_model.upper_body import Arm
 from mcml.motion.skeleton import Array
 
@@ -75,7 +75,8 @@ class ModelBody:
         rate: float = np.nan,
     ) -> None:
         self.method = method
-        self._markers, self._subject, self._find_ground, self._rate = markers, subject, find_ground, rate
+        self._markers = markers if subject.has_medial else without_medial(markers)
+        self._subject, self._find_ground, self._rate = subject, find_ground, rate
         self._legs: dict[str, Leg] = {}
         self._arms: dict[str, Arm] = {}
         self._loads: dict[str, dict[str, Load]] = {}

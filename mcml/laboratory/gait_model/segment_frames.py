@@ -76,6 +76,15 @@ def wrap(degrees: Array) -> Array:
     return wrapped
 
 
+def make_continuous(degrees: Array) -> Array:
+    """Return angles (n, k) without jumps of whole turns from one known frame to the next."""
+    continuous = np.array(degrees, dtype=np.float64)
+    for column in continuous.T:
+        known = np.isfinite(column)
+        column[known] = np.unwrap(column[known], period=360.0)
+    return continuous
+
+
 def angle_about(axis: Array, begin: Array, end: Array) -> Array:
     """(n,) radians from vectors `begin` to vectors `end` (n, 3), counter-clockwise about `axis` (n, 3)."""
     along = unit(axis)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -29,14 +30,17 @@ _SAME_DIAMETER: Final = 0.5
 """Millimetres between the diameters that both knees tell, at most."""
 _OFFSETS: Final = ("StaticPlantFlex", "StaticRotOff")
 _OPTIONS: Final[tuple[FootOption, ...]] = ("as it stands", "foot flat")
-_SAME_OFFSET: Final = np.radians(0.1)
+_SAME_OFFSET: Final = 0.002
+_DIGITS: Final = 4
+"""Radians to which stored offsets and those of a trial agree: to 0.1 degrees; of equal ones the first counts."""
 
 
 @dataclass(frozen=True, eq=False)
 class Subject:
     """measures: of the file, with those that a standing trial itself tells. diameter: of markers. width, depth:
     millimetres between the front spines, and from their middle to that of the back ones, NaN where unknown. laboratory:
-    (3, 3) forward, left, up as columns. is_static: whether the trial is a standing one. foot: how it takes the foot.
+    (3, 3) forward, left, up as columns. is_static: whether the trial is a standing one; then foot: how it takes the
+    foot, and has_medial: whether it takes the ankle's axis from a medial marker, if there is one.
 
     travel_note, diameter_note, static_note: assumptions, "" for none.
     """
@@ -48,6 +52,7 @@ class Subject:
     laboratory: Array
     is_static: bool = False
     foot: FootOption = "as it stands"
+    has_medial: bool = True
     travel_note: str = ""
     diameter_note: str = ""
     static_note: str = ""
@@ -75,8 +80,8 @@ def find_subject(measures: Measures, markers: Markers, up: Array) -> Subject:
         depth = _middle(np.linalg.norm((markers["LASI"] + markers["RASI"]) / 2 - sacrum_of(markers), axis=1))
         laboratory, travel_note = find_laboratory(markers, up)
     subject = Subject(
-        measures, diameter, np.nan if width is None else width, depth, laboratory, False, "as it stands", travel_note,
-        diameter_note,
+        measures, diameter, np.nan if width is None else width, depth, laboratory, travel_note=travel_note,
+        diameter_note=diameter_note,
     )  # fmt: skip
     return _with_static(subject, markers) if has_pelvis(markers) and is_standing(markers) else subject
 
@@ -121,38 +126,49 @@ def is_standing(markers: Markers) -> bool:
 
 
 def _with_static(subject: Subject, markers: Markers) -> Subject:
-    """The same with offsets of this standing trial, by the option of the foot that the stored offsets tell."""
-    measures, sides = subject.measures, [side for side in "LR" if _can_stand(side, markers, subject)]
-    if not sides:
+    """The same with offsets of this standing trial, in the variant that the stored offsets tell."""
+    measures = subject.measures
+    best, least = None, np.inf
+    for has_medial in (True, False):
+        own = markers if has_medial else without_medial(markers)
+        sides = [side for side in "LR" if _can_stand(side, own, subject)]
+        for option in _OPTIONS if sides else ():
+            offsets = _offsets_of(subject, own, sides, option)
+            errors = [abs(value - stored) for name, value in offsets.items()
+                      if (stored := measures.get(name)) is not None]  # fmt: skip
+            error = round(max(errors, default=0.0), _DIGITS)
+            if error < least:
+                best, least = (has_medial, option, offsets), error
+    if best is None:
         return subject
-    origin, pelvis = pelvis_frame(markers)
-    hips = {
-        side: place_in(origin, pelvis, hip_in_pelvis(side, measures, subject.width, subject.diameter)) for side in sides
-    }
-    offsets = {}
-    for option in _OPTIONS:
-        legs = [
-            stand(side, hips[side], markers, measures, subject.diameter, subject.up, option).offsets for side in sides
-        ]
-        offsets[option] = {name: value for leg in legs for name, value in leg.items() if np.isfinite(value)}
-    errors = {
-        option: [
-            abs(value - stored)
-            for name, value in values.items()
-            if name[1:] in _OFFSETS and (stored := measures.get(name)) is not None
-        ]
-        for option, values in offsets.items()
-    }
-    flat = bool(errors["foot flat"]) and max(errors["foot flat"]) < max(errors["as it stands"])
-    option = "foot flat" if flat else "as it stands"
-    told = bool(errors[option]) and max(errors[option]) < _SAME_OFFSET
-    why = "as the stored offsets tell" if told else "which the file does not tell"
-    how = "with the heel set to the height of the toe" if flat else "with heel and toe as they stand"
-    note = f"a standing trial: offsets of the feet are its own, {how}, {why}"
-    return Subject(
-        measures.with_values(offsets[option]), subject.diameter, subject.width, subject.depth, subject.laboratory,
-        True, option, subject.travel_note, subject.diameter_note, note,
+    has_medial, option, offsets = best
+    is_told = least < _SAME_OFFSET and any(
+        measures.get(f"{side}{name}") is not None for side in "LR" for name in _OFFSETS
+    )
+    how = "with the heel set to the height of the toe" if option == "foot flat" else "with heel and toe as they stand"
+    why = "as the stored offsets tell" if is_told else "which the file does not tell"
+    medial = "" if has_medial else ", without the medial markers of the ankles"
+    note = f"a standing trial: offsets of the feet are its own, {how}{medial}, {why}"
+    return replace(
+        subject, measures=measures.with_values(offsets), is_static=True, foot=option, has_medial=has_medial,
+        static_note=note,
     )  # fmt: skip
+
+
+def without_medial(markers: Markers) -> dict[str, Array]:
+    """Markers without the medial ones of the ankles."""
+    return {name: places for name, places in markers.items() if name[1:] != "MED"}
+
+
+def _offsets_of(subject: Subject, markers: Markers, sides: Sequence[str], option: FootOption) -> dict[str, float]:
+    """The measures that a standing trial tells, in radians, without unknown ones."""
+    measures, diameter = subject.measures, subject.diameter
+    origin, pelvis = pelvis_frame(markers)
+    offsets: dict[str, float] = {}
+    for side in sides:
+        hip = place_in(origin, pelvis, hip_in_pelvis(side, measures, subject.width, diameter))
+        offsets |= stand(side, hip, markers, measures, diameter, subject.up, option).offsets
+    return {name: float(value) for name, value in offsets.items() if np.isfinite(value)}
 
 
 def _can_stand(side: str, markers: Markers, subject: Subject) -> bool:
@@ -178,7 +194,7 @@ def _find_diameter(measures: Measures, markers: Markers) -> tuple[float, str]:
             away = away[np.isfinite(away)]
             # The model places its centre at one distance from the marker in all frames; other centres are not its own.
             if len(away) and float(np.subtract(*np.percentile(away, [95, 5]))) <= _SAME_DIAMETER:
-                told.append(2 * float(away.mean()) - width)
+                told.append(2 * float(np.median(away)) - width)
     is_plausible = all(0 < diameter <= _LARGEST_DIAMETER for diameter in told)
     if told and is_plausible and max(told) - min(told) <= _SAME_DIAMETER:
         diameter = float(np.mean(told))
