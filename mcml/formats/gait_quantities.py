@@ -166,10 +166,9 @@ class GaitQuantities:
         known = places >= 0
         whole[places[known]] = positions[known] * (1.0 if metres is None else metres * _MILLIMETRES)
         markers = {name: np.ascontiguousarray(whole[:, place]) for place, name in enumerate(names)}
-        seconds = self._head.seconds_per_frame()
         subject = self._subject if self._file is not None else self._subject_of_clip(names, markers, positions)
         ground = None if find_ground is None else lambda side: find_ground(side, places, count)
-        return ModelBody(markers, subject, method, ground, np.nan if seconds is None else 1 / seconds)
+        return ModelBody(markers, subject, method, ground, self._rate)
 
     def _timeline(self, ids: Ids) -> tuple[NDArray[np.intp], int]:
         """(place of each frame in the recording, -1 for others; frames of the recording)."""
@@ -192,7 +191,8 @@ class GaitQuantities:
         if self._markers.problem:
             return ComputedQuantity(name, unit, group, self._markers.problem, ())
         method = self._method(prefix, bare)
-        body = ModelBody(self._instant, self._subject, method, _no_ground if self._has_plates else None)
+        ground = _no_ground if self._has_plates else None
+        body = ModelBody(self._instant, self._subject, method, ground, self._rate)
         try:
             body.quantity(bare)
         except LackError as error:
@@ -236,6 +236,12 @@ class GaitQuantities:
         if prefix:
             return PREFIXES[prefix]
         return self._methods[name[0]] if is_of_leg(name) else "cgm1"
+
+    @property
+    def _rate(self) -> float:
+        """Frames a second, NaN where unknown."""
+        seconds = self._head.seconds_per_frame()
+        return float("nan") if seconds is None else 1 / seconds
 
     @cached_property
     def _methods(self) -> dict[str, Method]:

@@ -233,22 +233,23 @@ class Measurements:
         )
         usable = self._usable_plates
         loads = find_loads([self._forces(str(number)) for number in usable], walker)
-        # Forces of the instant of a frame: the means of its samples are half a frame later.
+        # Forces around the instant of a frame: the means of its samples are half a frame later.
         instants = [self._instants(number) for number in usable]
         foot = sum_forces(instants, loads, _LETTERS[letter])
         return Ground(foot.force, foot.centre_of_pressure, foot.free_moment[:, None] * instants[0].vertical)
 
     def _instants(self, number: int) -> PlateForces:
-        """Forces of a plate from the first sample of each frame of the file."""
-        plate = self._plates[number - 1]
-        return plate_forces(plate, self._per_frame(plate.channels, at_instant=True))
+        """Forces of a plate around the instant of each frame of the file."""
+        plate, channels = self._plates[number - 1], self._channels
+        assert channels is not None
+        return plate_forces(plate, channels.means(plate.channels, around_instant=True))
 
     def _channel(self, label: str) -> Array:
         """(frames of the file,) means of the samples of a channel."""
         labels = self._channels.labels if self._channels is not None else ()
         if self._channels is None or label not in labels:
             raise _name_error("analog channel", label, labels, "files with analog channels, whose upload is kept,")
-        return self._per_frame([labels.index(label)])[:, 0]
+        return self._channels.means([labels.index(label)])[:, 0]
 
     def _forces(self, name: str) -> PlateForces:
         names = [str(number + 1) for number in range(len(self._plates))]
@@ -256,20 +257,10 @@ class Measurements:
             raise _name_error("force plate", name, names, "files with force plates, whose upload is kept,")
         if name not in self._plates_read:
             plate = self._plates[names.index(name)]
-            samples = np.zeros((self._channels.frames, 0)) if plate.problems else self._per_frame(plate.channels)
+            samples = np.zeros((self._channels.frames, 0)) if plate.problems else self._channels.means(plate.channels)
             rate = self._channels.rate / self._channels.samples
             self._plates_read[name] = plate_forces(plate, samples, rate)
         return self._plates_read[name]
-
-    def _per_frame(self, places: Sequence[int], *, at_instant: bool = False) -> Array:
-        """(frames of the file, channels) means of the samples of each frame, or the first sample of each."""
-        channels = self._channels
-        assert channels is not None
-        values = np.empty((channels.frames, len(places)))
-        for first in range(0, channels.frames, channels.block):
-            samples = channels.read(first, channels.block, places).reshape(-1, channels.samples, len(places))
-            values[first : first + channels.block] = samples[:, 0] if at_instant else samples.mean(axis=1)
-        return values
 
     def _list_quantities(self) -> list[Measurement]:
         rate = rate_of(self._head)

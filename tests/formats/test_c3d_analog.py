@@ -195,6 +195,20 @@ def test_rates_and_counts_that_contradict_each_other() -> None:
     assert any("2 channels of 2 samples" in notice.what for notice in channels.notices)
 
 
+@pytest.mark.parametrize("samples", [1, 2, 3, 10])
+@pytest.mark.parametrize("block", [1, 3, 100])
+def test_means_around_the_instants_of_frames(samples: int, block: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where frames are read a few at a time; at the ends of the file fewer samples count."""
+    monkeypatch.setattr(Channels, "block", block)
+    values = np.random.default_rng(5).normal(0, 9, 7 * samples).astype(np.float32)
+    points = np.zeros((7, 1, 3))
+    data = c3d_bytes(points, analog=values.reshape(7, samples), samples=samples)
+    channels, half = channels_of(data), samples // 2
+    expected = [values[max(0, at - half) : at + half + 1].mean(dtype=float) for at in range(0, 7 * samples, samples)]
+    np.testing.assert_allclose(channels.means([0], around_instant=True)[:, 0], expected, rtol=1e-12)
+    np.testing.assert_allclose(channels.means([0])[:, 0], values.reshape(7, samples).mean(axis=1, dtype=float))
+
+
 def test_places_outside_of_the_file_are_refused() -> None:
     channels = channels_of(file_of(np.zeros((2, 2))))
     with pytest.raises(ValueError, match="counted from 0"):

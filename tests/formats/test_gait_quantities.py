@@ -14,7 +14,7 @@ from mcml.files.motion import Motion
 from mcml.formats.measurements import Measurement
 from mcml.motion.skeleton import Array
 from tests.c3d_writer import texts
-from tests.laboratory.gait_bodies import LegPose, turn
+from tests.laboratory.gait_bodies import LENGTHS, LegPose, turn
 from tests.laboratory.gait_files import FRAMES, POSES, gait_file, measures_of, walk
 
 KNEE = POSES["L"].knee
@@ -158,6 +158,35 @@ def test_a_standing_trial_has_a_level_sole(read: Read) -> None:
     assert any("which the file does not tell" in note for note in notes)
     walking = read(gait_file(walk(poses={"L": LegPose(toe=(1, 0, -0.6)), "R": LegPose()}), measures_of()))
     assert abs(motion.quantity("LAnkleAngles", "x") - walking.quantity("LAnkleAngles", "x")).min() > 5
+
+
+def test_a_distance_of_0_to_the_trochanter_is_a_missing_one(read: Read) -> None:
+    measures = without(measures_of(), "AsisTrocanterDistance")
+    zero = read(gait_file(walk(), measures | {"LAsisTrocanterDistance": 0.0, "RAsisTrocanterDistance": 0.0}))
+    np.testing.assert_array_equal(angles(zero, "LHJC"), angles(read(gait_file(walk(), measures)), "LHJC"))
+
+
+@pytest.mark.parametrize("is_used", [True, False])
+def test_stored_offsets_tell_whether_medial_markers_were_used(read: Read, is_used: bool) -> None:
+    """A medial marker of the ankle that is 20 degrees off turns the shank, if the laboratory used it."""
+    standing = walk(way=0.0)
+    with_medial = dict(standing)
+    for side, k in (("L", 1), ("R", -1)):
+        with_medial[f"{side}MED"] = standing[f"{side}ANK"] + np.array([-30.0, -80.0 * k, 0.0])
+    plain = read(gait_file(standing, measures_of()))
+    offsets = find_offsets(plain if not is_used else read(gait_file(with_medial, measures_of())))
+    motion = read(gait_file(with_medial, measures_of() | offsets))
+    plain = read(gait_file(standing, measures_of()))
+    away = np.abs(angles(motion, "LAnkleAngles") - angles(plain, "LAnkleAngles")).max()
+    assert away > 5 if is_used else away == 0
+    told = any("without the medial markers" in note for note in listed(motion)["LAnkleAngles"].notes)
+    assert told != is_used
+
+
+def find_offsets(motion: Motion) -> dict[str, float]:
+    """The measures that a standing trial tells, as a laboratory stores them."""
+    values = motion._measurements._gait._subject.measures.values
+    return {name: value for name, value in values.items() if name[1:] not in LENGTHS and name not in LENGTHS}
 
 
 def test_own_angles_of_the_file_come_first(read: Read) -> None:

@@ -234,6 +234,8 @@ def test_angles_are_of_rotations_about_three_axes_in_turn() -> None:
 
 def test_moments_need_force_plates_and_a_mass() -> None:
     markers, measures, _ = make_body({"L": LegPose(), "R": LegPose()})
+    with pytest.raises(LackError, match="frame rate"):
+        ModelBody(markers, subject_of(measures), find_ground=lambda _: None).quantity("LKneeMoment")  # type: ignore[arg-type,return-value]
     for name in filter(is_load, QUANTITIES):
         with pytest.raises(LackError, match="force plates"):
             ModelBody(markers, subject_of(measures)).quantity(name)

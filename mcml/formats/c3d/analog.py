@@ -86,6 +86,27 @@ class Channels:
             raw[start * self.samples :][: len(numbers)] = numbers[:, places]
         return raw
 
+    def means(self, channels: Sequence[int], *, around_instant: bool = False) -> Array:
+        """(frames of the file, channels) means of the samples of each frame.
+
+        around_instant: of the samples within half a frame before and after the first one of each, the instant of its
+        points.
+        """
+        means, half = np.empty((self.frames, len(channels))), self.samples // 2
+        before, count = np.zeros(len(channels)), 0
+        for first in range(0, self.frames, self.block):
+            samples = self.read(first, self.block, channels).reshape(-1, self.samples, len(channels))
+            if not around_instant:
+                means[first : first + self.block] = samples.mean(axis=1)
+                continue
+            late = samples[:, self.samples - half :].sum(axis=1)
+            sums = samples[:, : half + 1].sum(axis=1) + np.concatenate([before[None], late[:-1]])
+            counts = np.full((len(samples), 1), 2 * half + 1)
+            counts[0] = half + 1 + count
+            means[first : first + self.block] = sums / counts
+            before, count = late[-1], half
+        return means
+
     def _places(self, channels: Sequence[int] | None) -> list[int]:
         places = list(range(len(self)) if channels is None else channels)
         if any(not 0 <= place < len(self) for place in places):

@@ -240,6 +240,8 @@ class ModelBody:
             self._need(*self._foot_markers(side), measures=("Bodymass",))
             if self._find_ground is None:
                 raise LackError("force plates")
+            if not np.isfinite(self._rate):
+                raise LackError("frame rate")
             self._loads[side] = joint_loads(
                 side, leg, self._pelvis[1], self._markers[toe], self._find_ground(side),
                 self._subject.measures.of("Bodymass"), self._rate, self._subject.up,
