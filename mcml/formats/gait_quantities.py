@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from mcml.formats.c3d.analog import Channels
 from mcml.formats.c3d.quantities import decode_text
 from mcml.formats.c3d.subjects import read_measures, read_sample
+from mcml.formats.gait_properties import read_properties
 from mcml.laboratory.gait_model.dynamics import Ground
 from mcml.laboratory.gait_model.measures import Measures, clean_measures
 from mcml.laboratory.gait_model.model_body import (
@@ -31,6 +32,7 @@ from mcml.laboratory.gait_model.model_body import (
 )
 from mcml.laboratory.gait_model.model_markers import find_model_markers
 from mcml.laboratory.gait_model.segment_frames import make_continuous
+from mcml.laboratory.gait_model.static_pass import FootOption
 from mcml.laboratory.gait_model.subject import Subject, find_subject, has_pelvis
 from mcml.laboratory.gait_model.upper_body import ARM, HEAD, TRUNK
 from mcml.motion.clip import ClipHead
@@ -222,6 +224,9 @@ class GaitQuantities:
             yield "angles among the measures are taken as degrees: one of them exceeds pi"
         if subject.measures.unit != "mm" and method != "landmarks" and is_of_leg(name):
             yield f"lengths among the measures are taken as {subject.measures.unit}: so long are legs of people"
+        stated = [measure for measure in self._stated_by_people[0] if measure[0] not in "LR" or measure[0] == name[0]]
+        if stated and method != "landmarks" and part != "Pelvis":
+            yield f"measures from properties: {', '.join(stated)}"
         if part in ("Pelvis", "Thorax", "Head", "FootProgress"):
             yield subject.travel_note
         if part in ("Ankle", "FootProgress") and method != "landmarks":
@@ -300,12 +305,16 @@ class GaitQuantities:
         stated = stated_up(self._head)
         if stated is None and len(positions):
             stated = up_of_head(self._head, positions).axis
-        return find_subject(self._measures, markers, axis_of(stated or "Z"))
+        return find_subject(self._measures, markers, axis_of(stated or "Z"), self._stated_by_people[1])
 
     @cached_property
     def _measures(self) -> Measures:
         stated = {} if self._file is None else read_measures(self._file.said, self._markers.prefix)
-        return clean_measures(stated)
+        return clean_measures(stated).with_values(self._stated_by_people[0])
+
+    @cached_property
+    def _stated_by_people(self) -> tuple[dict[str, float], FootOption | None]:
+        return read_properties(self._head.properties)
 
 
 def _split(name: str) -> tuple[str, str]:

@@ -11,6 +11,7 @@ from mcml.motion.skeleton import Array
 from mcml_schemas.frames import AdjustFrames, FrameEdits, InsertFrames, KeepFrames, MirrorFrames, ReverseFrames
 from mcml_schemas.querying.queries import NodeItem, QueryRequest
 from mcml_service.actions.editing.frame_ranges import edit_frames
+from mcml_service.actions.labelling.set_properties import set_properties
 from mcml_service.actions.reading.read_quantities import quantity_columns
 from mcml_service.clips.bodies import read_bodies
 from mcml_service.clips.frame_quantities import read_measurements, read_units
@@ -119,3 +120,26 @@ def test_questions_find_frames_by_them(database: Database) -> None:
         assert any("2 of 2 documents left out" in warning for warning in none.warnings)
     finally:
         queries.close()
+
+
+def test_properties_state_what_a_file_lacks(database: Database) -> None:
+    """Answers of queries follow properties that are set later."""
+    bare = {name: value for name, value in measures_of().items() if "KneeWidth" not in name}
+    (uuid,) = store(database, {"a.c3d": gait_file(walk(), bare)})
+    queries = Queries(database, Settings())
+    question = QueryRequest(q="//frame[mo:quantity('RKneeAngles', 'x') > 30]")
+    try:
+        assert not queries.answer(question).items
+        with pytest.raises(NotFoundError, match="measure LKneeWidth"):
+            values(database, uuid, "LKneeAngles,x")
+        with database.write() as tx:
+            table = f"document,gait LKneeWidth (mm),gait RKneeWidth (cm)\n{uuid},100,10.4\n"
+            set_properties(tx, table.encode())
+        np.testing.assert_allclose(values(database, uuid, "LKneeAngles,x")[:, 0], POSES["L"].knee[0], atol=2e-3)
+        np.testing.assert_allclose(values(database, uuid, "RKneeAngles,x")[:, 0], POSES["R"].knee[0], atol=2e-3)
+        assert len(queries.answer(question).items) == FRAMES
+    finally:
+        queries.close()
+    with database.read() as tx:
+        listed = {each.name: each for each in read_measurements(tx, tx.documents.get(uuid)).describe()}
+    assert "measures from properties: LKneeWidth" in listed["LKneeAngles"].notes

@@ -11,6 +11,7 @@ import pytest
 import mcml
 from mcml.errors import NotFoundError
 from mcml.files.motion import Motion
+from mcml.formats.gait_properties import read_properties
 from mcml.formats.measurements import Measurement
 from mcml.motion.skeleton import Array
 from tests.c3d_writer import texts
@@ -187,6 +188,17 @@ def find_offsets(motion: Motion) -> dict[str, float]:
     """The measures that a standing trial tells, as a laboratory stores them."""
     values = motion._measurements._gait._subject.measures.values
     return {name: value for name, value in values.items() if name[1:] not in LENGTHS and name not in LENGTHS}
+
+
+def test_properties_state_measures_that_a_file_lacks() -> None:
+    stated = [("gait LKneeWidth", "10.4", "cm"), ("gait rkneewidth", "104", ""), ("gait LStaticPlantFlex", "12", "deg"),
+              ("gait RStaticPlantFlex", "0.2", "rad"), ("gait Bodymass", "61", "kg"), ("gait LHatSize", "9", ""),
+              ("gait LAnkleWidth", "wide", ""), ("gait RAnkleWidth", "nan", ""), ("gait foot", "Flat", ""),
+              ("LLegLength", "800", "")]  # fmt: skip
+    measures, foot = read_properties(stated)
+    assert foot == "foot flat"
+    assert measures == pytest.approx({"LKneeWidth": 104.0, "RKneeWidth": 104.0, "LStaticPlantFlex": np.radians(12),
+                                      "RStaticPlantFlex": 0.2, "Bodymass": 61.0})  # fmt: skip
 
 
 def test_own_angles_of_the_file_come_first(read: Read) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 USUAL_DIAMETER: Final = 14.0
 """Millimetres of the markers of most laboratories."""
 
-_ANGLES: Final = (
+ANGLES: Final = (
     "ThighRotation",
     "ShankRotation",
     "TibiaRotation",
@@ -24,6 +24,8 @@ _ANGLES: Final = (
     "StaticRotOff",
     "HeadOffset",
 )
+"""Ends of the names of angles."""
+
 _POSITIVE: Final = ("LegLength", "AsisTrocanterDistance", "KneeWidth", "AnkleWidth", "ElbowWidth", "WristWidth",
                     "HandThickness", "InterAsisDistance", "MarkerDiameter", "Bodymass")  # fmt: skip
 """Measures that are absent where they are 0: programs write 0 for a measure that nobody took."""
@@ -59,14 +61,14 @@ def clean_measures(stated: Mapping[str, float]) -> Measures:
 
     If any angle is larger than pi, all of them are degrees. stated: by name, in any case of letters.
     """
-    by_key = {_key(name): name for name in _NAMES}
+    by_key = {_key(name): name for name in NAMES}
     values = {by_key[_key(name)]: value for name, value in stated.items() if _key(name) in by_key}
     values = {
         name: float(value)
         for name, value in values.items()
         if np.isfinite(value) and not (value <= 0 and _stem(name) in _POSITIVE)
     }
-    angles = [name for name in values if _stem(name) in _ANGLES]
+    angles = [name for name in values if _stem(name) in ANGLES]
     are_degrees = any(abs(values[name]) > np.pi for name in angles)
     if are_degrees:
         values |= {name: float(np.radians(values[name])) for name in angles}
@@ -90,9 +92,9 @@ def _unit_of(values: Mapping[str, float]) -> tuple[str, float]:
 
 _MIDDLE: Final = ("InterAsisDistance", "MarkerDiameter", "Bodymass", "HeadOffset", "Height")
 _SIDED: Final = ("LegLength", "KneeWidth", "AnkleWidth", "AsisTrocanterDistance", "ShoulderOffset", "ElbowWidth",
-                 "WristWidth", "HandThickness", *(name for name in _ANGLES if name != "HeadOffset"))  # fmt: skip
-_LENGTHS: Final = frozenset({*_MIDDLE, *_SIDED}) - {*_ANGLES, "Bodymass"}
-_NAMES: Final = (*_MIDDLE, *(side + name for side in "LR" for name in _SIDED))
+                 "WristWidth", "HandThickness", *(name for name in ANGLES if name != "HeadOffset"))  # fmt: skip
+_LENGTHS: Final = frozenset({*_MIDDLE, *_SIDED}) - {*ANGLES, "Bodymass"}
+NAMES: Final = (*_MIDDLE, *(side + name for side in "LR" for name in _SIDED))
 
 
 def _key(name: str) -> str:

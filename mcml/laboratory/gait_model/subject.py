@@ -64,11 +64,11 @@ class Subject:
         return axis
 
 
-def find_subject(measures: Measures, markers: Markers, up: Array) -> Subject:
+def find_subject(measures: Measures, markers: Markers, up: Array, foot: FootOption | None = None) -> Subject:
     """Find the subject of a trial.
 
     markers: (n, 3) millimetres of the whole recording, or of evenly spaced frames of it with both ends. up: (3,) an
-    axis of the laboratory.
+    axis of the laboratory. foot: how a standing trial takes the foot, None to tell it by stored offsets.
     """
     diameter, diameter_note = _find_diameter(measures, markers)
     width = measures.get("InterAsisDistance")
@@ -83,7 +83,8 @@ def find_subject(measures: Measures, markers: Markers, up: Array) -> Subject:
         measures, diameter, np.nan if width is None else width, depth, laboratory, travel_note=travel_note,
         diameter_note=diameter_note,
     )  # fmt: skip
-    return _with_static(subject, markers) if has_pelvis(markers) and is_standing(markers) else subject
+    options = _OPTIONS if foot is None else (foot,)
+    return _with_static(subject, markers, options) if has_pelvis(markers) and is_standing(markers) else subject
 
 
 def has_pelvis(markers: Markers) -> bool:
@@ -125,14 +126,14 @@ def is_standing(markers: Markers) -> bool:
     return True
 
 
-def _with_static(subject: Subject, markers: Markers) -> Subject:
+def _with_static(subject: Subject, markers: Markers, options: Sequence[FootOption]) -> Subject:
     """The same with offsets of this standing trial, in the variant that the stored offsets tell."""
     measures = subject.measures
     best, least = None, np.inf
     for has_medial in (True, False):
         own = markers if has_medial else without_medial(markers)
         sides = [side for side in "LR" if _can_stand(side, own, subject)]
-        for option in _OPTIONS if sides else ():
+        for option in options if sides else ():
             offsets = _offsets_of(subject, own, sides, option)
             errors = [abs(value - stored) for name, value in offsets.items()
                       if (stored := measures.get(name)) is not None]  # fmt: skip
@@ -147,6 +148,7 @@ def _with_static(subject: Subject, markers: Markers) -> Subject:
     )
     how = "with the heel set to the height of the toe" if option == "foot flat" else "with heel and toe as they stand"
     why = "as the stored offsets tell" if is_told else "which the file does not tell"
+    why = why if len(options) > 1 else "as a property states"
     medial = "" if has_medial else ", without the medial markers of the ankles"
     note = f"a standing trial: offsets of the feet are its own, {how}{medial}, {why}"
     return replace(
