@@ -173,8 +173,12 @@ class Measurements:
         ]
         return usable, plates
 
-    def unit(self, name: str) -> str:
-        """The unit of a quantity, stated by the file or computed; "" where it is unknown."""
+    def unit(self, asked: AskedQuantity) -> str:
+        """The unit of a quantity or a channel, stated by the file or computed; "" where it is unknown."""
+        name = asked.arguments[0]
+        if asked.name != "quantity":
+            units = {each.name: each.unit for each in self._list_channels()}
+            return units.get(name, "")
         quantity = self._stated(name)
         return self._gait.unit(name) if quantity is None else self._unit_of(quantity)[0]
 

@@ -18,7 +18,7 @@ from mcml.laboratory.gait_events import smooth
 from mcml.laboratory.gait_model.lower_body import SIGNS, Leg
 from mcml.laboratory.gait_model.segment_frames import transpose
 from mcml.motion.skeleton import Array
-from mcml.motion.vectors import cross, dot, length
+from mcml.motion.vectors import cross, dot, length, unit
 
 JOINTS: Final = ("Ankle", "Knee", "Hip")
 
@@ -111,7 +111,7 @@ def _balance(
     acceleration = derive(derive(centre, rate), rate)
     force = own * (acceleration + _GRAVITY * up) - load
     size = length(end - begin)
-    axis = (end - begin) / size[:, None]
+    axis = unit(end - begin)
     inertia = own * (share.gyration * float(np.nanmedian(size) if np.isfinite(size).any() else np.nan)) ** 2
     momentum = inertia * (spin - dot(spin, axis)[:, None] * axis)
     moment = derive(momentum, rate) - cross(begin - centre, force) - cross(at - centre, load) - turning

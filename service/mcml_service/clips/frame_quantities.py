@@ -72,13 +72,10 @@ class FrameQuantities:
 
 def read_units(tx: Transaction, stored: StoredDocument | Listed, asked: Sequence[AskedQuantity]) -> list[str]:
     """The unit of each quantity: where the file decides it, as the file writes it."""
-    stated: dict[tuple[str, str], str] = {}
-    measurements = read_measurements(tx, stored)
-    if any(each.of_file and not each.unit and each.name != "quantity" for each in asked):
-        stated = {(each.function, each.name): each.unit for each in measurements.describe()}
-    stated |= {(each.name, each.arguments[0]): measurements.unit(each.arguments[0]) for each in asked
-               if each.name == "quantity"}  # fmt: skip
-    return [each.unit or (stated.get((each.name, each.arguments[0]), "") if each.of_file else "") for each in asked]
+    own = [each for each in asked if each.of_file and not each.unit]
+    measurements = read_measurements(tx, stored) if own else None
+    units = {each: measurements.unit(each) for each in own} if measurements is not None else {}
+    return [each.unit or units.get(each, "") for each in asked]
 
 
 def read_measurements(tx: Transaction, stored: StoredDocument | Listed) -> Measurements:
