@@ -8,7 +8,7 @@ from fractions import Fraction
 from functools import cached_property, partial
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from mcml.files.read_numbers import Space, read_numbers
 from mcml.formats.format import SourceFile
 from mcml.formats.measurements import Measurement, Measurements
 from mcml.frames import Frames
+from mcml.laboratory.gait_events import Side
 from mcml.laboratory.gait_points import find_gait_points
 from mcml.laboratory.measure_gait import EventSource, Gait, find_walker, measure_gait
 from mcml.language.elements import to_head
@@ -125,7 +126,11 @@ class Motion:
         return self._quantity("heading")
 
     def contact(self, joint: str) -> Array:
-        """Return (frames,): 1 where a joint is planted on the ground, else 0."""
+        """Return (frames,): 1 where a joint is planted on the ground, else 0.
+
+        joint: "left" and "right" are the feet of somebody who walks or runs, on the ground or a belt: 1 from strike to
+        off, NaN where no event tells.
+        """
         return self._quantity("contact", joint)
 
     def quantity(self, label: str, axis: str) -> Array:
@@ -191,6 +196,8 @@ class Motion:
         """Return a quantity in every frame. Raises NotFoundError for an unknown joint or measurement."""
         stated = [argument for argument in arguments if argument is not None]
         asked = asked_quantity(f"{name}:{','.join(stated)}" if stated else name)
+        if asked.of_gait:
+            return self.measure_gait().contacts(cast("Side", asked.arguments[0]), len(self))
         if asked.of_file:
             walker = partial(find_walker, self._clip.head.skeleton, lambda names: self._body.stretch(names))
             return self._measurements.values(asked, self._ids, walker, partial(read_marker_positions, self._clip))

@@ -9,6 +9,7 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 
 from mcml.errors import DocumentError
+from mcml.laboratory.gait_contacts import find_contacts
 from mcml.laboratory.gait_cycles import Cycles, MeanCycle, mean_cycle, normalise_cycles
 from mcml.laboratory.gait_events import (
     KINDS,
@@ -101,6 +102,10 @@ class Gait:
         if not self.belt.is_belt or parameter.name not in ("stride_length", "step_length", "speed"):
             return parameter.how
         return f"{parameter.how}; plus the way of the belt, {self.belt.speed:.3f} m/s by planted feet"
+
+    def contacts(self, side: Side, frames: int) -> Array:
+        """(n,) of a foot in each of so many frames: 1 from strike to off, 0 from off to strike, NaN elsewhere."""
+        return find_contacts(self.events, side, self.rate, frames)
 
     def cycles(self, values: Array, side: Side) -> tuple[Cycles, MeanCycle]:
         """Cut a quantity (n,) of all frames into the cycles of a side, 0 to 100 %, from strike to strike.

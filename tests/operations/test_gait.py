@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import io
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 from typer.testing import CliRunner
@@ -121,12 +123,37 @@ def test_an_unknown_unit_leaves_lengths_out(client: TestClient) -> None:
     assert any("because the unit is" in warning for warning in found["warnings"])
 
 
+def test_contacts_of_feet_follow_events_and_labels(client: TestClient) -> None:
+    gait = replace(GAIT, on_belt=True)
+    uuid = stored(client, make_c3d(gait))
+
+    def ask(xpath: str) -> dict[str, Any]:
+        answer = client.get("/api/v1/xpath", params={"q": xpath})
+        assert answer.status_code == 200, answer.text
+        return dict(answer.json())
+
+    planted = ask("count(//frame[mo:contact('left')])")["value"]
+    known = ask("count(//frame[mo:known(mo:contact('left'))])")["value"]
+    assert 0.5 < planted / known < 0.75, "although the feet move on the belt"
+    flight = ask("count(//frame[not(mo:contact('left')) and not(mo:contact('right'))])")["value"]
+    assert flight == 0
+    event = next(item for item in gait_of(client, uuid)["events"] if (item["side"], item["kind"]) == ("left", "strike"))
+    labels = [{"name": "left-foot-strike", "first": event["frame"] - 5, "last": event["frame"] - 5}]
+    assert client.post(f"{API}/{uuid}/labels", json=labels, headers={"if-match": "*"}).status_code == 201
+    assert ask("count(//frame[mo:contact('left')])")["value"] < planted, "one strike is left"
+    stored(client, bvh(5), "arm.bvh")
+    warnings = " ".join(ask("//frame[mo:contact('left')]/@id")["warnings"])
+    assert "1 of 2 documents left out: no step tells mo:contact('left') ('arm')" in warnings
+
+
 def test_python_and_command_say_the_same(database: Database, client: TestClient, tmp_path: Path) -> None:
     content = make_c3d(Gait(seconds=5, on_belt=True), events_of(GAIT))
     uuid = stored(client, content)
     found = gait_of(client, uuid)
     (tmp_path / "walk.c3d").write_bytes(content)
     measured = mcml.read(tmp_path / "walk.c3d").measure_gait()
+    contacts = mcml.read(tmp_path / "walk.c3d").contact("left")
+    assert np.array_equal(contacts, measured.contacts("left", 500), equal_nan=True)
     assert measured.summary("left", "stride_length").mean == found["parameters"][3]["left"]["mean"]
     assert list(measured.warnings) == found["warnings"]
     shown = CliRunner().invoke(app, ["gait", uuid, "--database", str(database.url), "--quantity", "height:LHEE"])

@@ -27,6 +27,8 @@ AXES: Final = ("x", "y", "z", "up", "front", "left")
 AXES_OF_FILE: Final = ("x", "y", "z")
 """Components of the measurements of a file: of its laboratory for forces, of its own model for angles and moments."""
 
+FEET: Final = ("left", "right")
+"""Arguments of contacts that are the feet of a walker, not joints."""
 _GROUND = "_toes"
 """Joints on the ground: the ankle (`*_foot`) stays above it."""
 _THICKEST = 0.15
@@ -139,7 +141,7 @@ def _heading(stretch: Stretch, arguments: Arguments) -> Array:
 
 
 def _contact(stretch: Stretch, arguments: Arguments) -> Array:
-    """Return 1 where a joint is planted, else 0."""
+    """Return 1 where a joint is planted, else 0; NaN for the feet of a walker, which `mcml.laboratory` finds."""
     calibration, joint = stretch.calibration, arguments[0]
     places = stretch.at(joint)
     heights = places @ stretch.up
@@ -174,6 +176,11 @@ def _unit(stretch: Stretch, arguments: Arguments) -> Array:
 
 def _named(arguments: Arguments) -> tuple[str, ...]:
     return tuple(arguments)
+
+
+def _touching(arguments: Arguments) -> tuple[str, ...]:
+    """The joint, none for the foot of a side."""
+    return () if arguments[0] in FEET else tuple(arguments)
 
 
 def _none(arguments: Arguments) -> tuple[str, ...]:
@@ -215,7 +222,7 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {
     "speed": Quantity(("joint", "relative?"), "m/s", _named, _speed, windowed=True),
     "acceleration": Quantity(("joint", "relative?"), "m/s2", _named, _acceleration, windowed=True),
     "heading": Quantity((), "deg", _hips, _heading, whole=True),
-    "contact": Quantity(("joint",), "", _named, _contact, whole=True),
+    "contact": Quantity(("joint or side",), "", _touching, _contact, whole=True),
     "quantity": Quantity(("label", "axis"), "", _axis_of_file, _give_nan, of_file=True),
     "analog": Quantity(("channel",), "", _none, _give_nan, of_file=True),
     "force": Quantity(("plate", "axis"), "N", _axis_of_file, _give_nan, of_file=True),
@@ -279,6 +286,11 @@ class AskedQuantity:
     def needs_rotations(self) -> bool:
         """Whether it is read from the channels of the clip, as a turn from the reference pose."""
         return self.name == "angle" and len(self.arguments) == 1 and turn_named(self.arguments[0]) is not None
+
+    @property
+    def of_gait(self) -> bool:
+        """Whether it is told by the gait events of a walker."""
+        return self.name == "contact" and self.arguments[0] in FEET
 
     @property
     def of_file(self) -> bool:

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property, partial
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mcml.errors import DocumentError, FormatError, LimitError, NotFoundError
+from mcml.files.gait_labels import find_gait_labels
 from mcml.formats.measurements import Measurements, has_capture_numbers
-from mcml.laboratory.measure_gait import find_walker
+from mcml.laboratory.gait_events import Side
+from mcml.laboratory.gait_points import find_gait_points
+from mcml.laboratory.measure_gait import EventSource, Gait, find_walker, measure_gait
 from mcml.language.elements import to_head
 from mcml.motion.bodies.quantities import AskedQuantity
 from mcml.motion.clip import ClipHead
@@ -24,8 +28,8 @@ from mcml_service.storage.transaction import Transaction
 
 
 def is_beside_positions(asked: AskedQuantity) -> bool:
-    """Whether `FrameQuantities` reads it: it takes rotations, or the file states it."""
-    return asked.of_file or asked.needs_rotations
+    """Whether `FrameQuantities` reads it: it takes rotations, the gait of a walker, or the file states it."""
+    return asked.of_file or asked.of_gait or asked.needs_rotations
 
 
 class FrameQuantities:
@@ -40,8 +44,11 @@ class FrameQuantities:
     def read(self, asked: AskedQuantity) -> Array:
         """(n,) of all frames, NaN where unknown.
 
-        Raises NotFoundError for a measurement that it has not, DocumentError for forces on feet that are unknown.
+        Raises NotFoundError for a measurement that it has not, DocumentError for forces on feet and contacts that
+        are unknown.
         """
+        if asked.of_gait:
+            return self.measure_gait().contacts(cast("Side", asked.arguments[0]), self._stored.frames)
         if not asked.of_file:
             return read_turned(self._tx, self._stored, asked.arguments[0], self._body)
         walker = partial(find_walker, self._head.skeleton, self._body.stretch)
@@ -53,6 +60,18 @@ class FrameQuantities:
             return self.read(asked)
         except (DocumentError, NotFoundError, FormatError, LimitError):
             return np.full(self._stored.frames, np.nan)
+
+    def measure_gait(self, source: EventSource = "auto", subject: str | None = None) -> Gait:
+        """Measure the gait of the document.
+
+        source, subject: as for `measure_gait` and `find_gait_points`. Raises DocumentError without a frame time, or if
+        heels, toes or hips are unknown.
+        """
+        points = find_gait_points(self._head.skeleton, subject)
+        spans = self._tx.spans.of(self._stored.key)
+        labels = find_gait_labels([(span.first - 1, span.name) for span in spans], self._head, subject)
+        find_plates = partial(self._measurements.find_events, self._ids)
+        return measure_gait(points, self._body.stretch(points.names), labels, source, find_plates)
 
     def _positions(self, joints: Sequence[int]) -> Array:
         return read_marker_positions(read_clip(self._tx, self._stored, labelled=False).clip, joints)

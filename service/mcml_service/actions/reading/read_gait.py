@@ -4,24 +4,20 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from functools import partial
 from typing import Final
 
 import numpy as np
 
-from mcml.files.gait_labels import find_gait_labels
 from mcml.laboratory.gait_events import SIDES, Side
 from mcml.laboratory.gait_parameters import PARAMETERS, Summary
-from mcml.laboratory.gait_points import find_gait_points
-from mcml.laboratory.measure_gait import EventSource, Gait, measure_gait
-from mcml.language.elements import to_head
+from mcml.laboratory.measure_gait import EventSource, Gait
 from mcml.motion.bodies.quantities import AskedQuantity
 from mcml.motion.skeleton import Array
 from mcml_schemas import gait as wire
 from mcml_service.actions.checking.check_timed import seconds_of
 from mcml_service.actions.reading.read_quantities import quantity_columns
 from mcml_service.clips.bodies import Body
-from mcml_service.clips.frame_quantities import read_measurements, read_units
+from mcml_service.clips.frame_quantities import FrameQuantities, read_units
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
@@ -45,13 +41,7 @@ def read_gait(
     document has not.
     """
     seconds_of(stored)
-    head = to_head(tx.heads.document(stored), stored.frame_time)
-    points = find_gait_points(head.skeleton, subject)
-    spans = tx.spans.of(stored.key)
-    labels = find_gait_labels([(span.first - 1, span.name) for span in spans], head, subject)
-    ids = tx.tracks.frame_ids(stored.key, 1, stored.frames)
-    find_plates = partial(read_measurements(tx, stored).find_events, ids)
-    gait = measure_gait(points, body.stretch(points.names), labels, source, find_plates)
+    gait = FrameQuantities(tx, stored, body).measure_gait(source, subject)
     values = quantity_columns(tx, stored, body, asked, 1, stored.frames)
     cycles = [
         _cycle(gait, quantity, unit, values[:, place], side)

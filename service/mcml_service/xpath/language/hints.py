@@ -8,8 +8,10 @@ from typing import Literal
 
 from mcml.language.content import declarations
 from mcml.language.vocabulary import FRAME, FRAME_BONE, MOTION_NAME, NAME, ROOT
+from mcml.motion.bodies.quantities import FEET
 from mcml_service.xpath.language.motion_functions import (
     ANGLE,
+    JOINT_OR_SIDE,
     JOINTS,
     KNOWN,
     MOTION_FUNCTIONS,
@@ -102,7 +104,9 @@ def _joints_named(call: Call) -> Iterator[str]:
     if call.function == ANGLE and len(call.arguments) == 1:
         return
     for parameter, argument in zip(parameters, call.arguments, strict=False):
-        if isinstance(argument, Text) and isinstance(argument.value, str) and parameter.rstrip("?") in JOINTS:
+        if not isinstance(argument, Text) or not isinstance(argument.value, str) or parameter.rstrip("?") not in JOINTS:
+            continue
+        if parameter != JOINT_OR_SIDE or argument.value not in FEET:
             yield argument.value
 
 

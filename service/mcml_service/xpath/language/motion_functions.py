@@ -52,7 +52,7 @@ _MEANINGS: Mapping[str, str] = {
     "speed": "of a joint, by itself or relative to another one",
     "acceleration": "of a joint, by itself or relative to another one",
     "heading": "where the body faces, without leaps, to the left",
-    "contact": "whether a joint is on the ground and still",
+    "contact": "whether a joint is on the ground and still, or the foot of a side is ('left'), from strike to off",
     "analog": "of an analog channel of the file, the mean of the samples of the frame",
     "force": "of the ground on a force plate ('1') or a foot ('left'), along x, y or z of the laboratory",
     "cop": "of the centre of pressure on a force plate, along x, y or z of the laboratory",
@@ -89,7 +89,8 @@ MOTION_FUNCTIONS: Final[Mapping[str, MotionFunction]] = {
 OF_DOCUMENT: Final = frozenset({"mo:leg", "mo:unit"})
 """Functions whose value is the document's, not the frame's."""
 ANGLE: Final = "mo:angle"
-JOINTS: Final = frozenset({"joint", "name or joint", "relative", "origin"})
+JOINT_OR_SIDE: Final = "joint or side"
+JOINTS: Final = frozenset({"joint", JOINT_OR_SIDE, "name or joint", "relative", "origin"})
 """Parameters that are joints."""
 CONSTANT: Final = frozenset({"from", "to", "'frames'", "least", "gap", "document", "position", "first", "last"})
 """Parameters that are the same in every frame."""

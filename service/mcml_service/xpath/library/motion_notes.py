@@ -11,7 +11,7 @@ import numpy as np
 
 from mcml.errors import McmlError, QueryError
 from mcml.motion.bodies.limb_angles import anatomy_of, clinical_name
-from mcml.motion.bodies.quantities import QUANTITIES, joints_of
+from mcml.motion.bodies.quantities import FEET, QUANTITIES, joints_of
 from mcml.motion.bodies.stretch import known
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
@@ -42,8 +42,8 @@ def motion_calls(tree: Expression) -> list[Call]:
 
 @dataclass(frozen=True, eq=False)
 class GroupFacts:
-    """Facts of the documents of a group. unstated: for calls of measurements, the documents whose files have
-    none of them."""
+    """Facts of the documents of a group. unstated: for calls of measurements and of contacts of a walker's feet, the
+    documents without any value of them."""
 
     body: BodyFacts
     unstated: Mapping[Call, Bools]
@@ -194,13 +194,15 @@ def _reasons(known: GroupFacts, calls: Sequence[Call]) -> Iterator[tuple[str, st
         yield "their unit is not known", "; set it in their header", ~facts.unit
     if units & OF_TIMES or functions & WITH_TIMES:
         yield "their frame time is not known", "", ~facts.times
-    if functions & WITH_FLOOR:
+    if any(call.function in WITH_FLOOR and not _is_of_gait(call) for call in calls):
         yield "their floor is not known", "; mcml calibrate sets it", ~facts.floor
     for call in dict.fromkeys(calls):
         yield f"they lack joints of {_written(call)}", "", _lacking(facts, call)
         if call in known.unstated:
-            remedy = "; GET /documents/{id}/measurements lists what a file has"
-            yield f"their files have no values of {_written(call)}", remedy, known.unstated[call]
+            why, remedy = f"their files have no values of {_written(call)}", "measurements lists what a file has"
+            if _is_of_gait(call):
+                why, remedy = f"no step tells {_written(call)}", "gait says why"
+            yield why, f"; GET /documents/{{id}}/{remedy}", known.unstated[call]
 
 
 NAMED = 3
@@ -263,11 +265,18 @@ def _lacking(facts: BodyFacts, call: Call) -> Bools:
 
 
 def _measurement(call: Call) -> tuple[str, tuple[str, ...]] | None:
-    """(function, arguments) of a call of a measurement of the file with written arguments, otherwise None."""
+    """(function, arguments) of a call with written arguments of a measurement of the file, or of gait, otherwise
+    None."""
     name = call.function.removeprefix(PREFIX)
     texts = tuple(each.value for each in call.arguments if isinstance(each, Literal) and isinstance(each.value, str))
-    stated = name in QUANTITIES and QUANTITIES[name].of_file and len(texts) == len(call.arguments)
-    return (name, texts) if stated else None
+    if name not in QUANTITIES or len(texts) < len(call.arguments):
+        return None
+    return (name, texts) if QUANTITIES[name].of_file or _is_of_gait(call) else None
+
+
+def _is_of_gait(call: Call) -> bool:
+    """Whether it asks for a foot of a walker, not for a joint."""
+    return call.function == CONTACT and any(isinstance(each, Literal) and each.value in FEET for each in call.arguments)
 
 
 def _written(call: Call) -> str:

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.errors import LimitError, QueryError
+from mcml.motion.bodies.quantities import FEET
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.engine.columns import Columns
@@ -28,6 +29,7 @@ from mcml_service.xpath.engine.motion.motions import most_between
 from mcml_service.xpath.language.calls import WrittenCall, written_calls
 from mcml_service.xpath.language.motion_functions import (
     ANGLE,
+    JOINT_OR_SIDE,
     JOINTS,
     MOTION_FUNCTIONS,
     OF_NUMBERS,
@@ -225,7 +227,7 @@ class _Asked:
         """Yield the names in the arguments at some positions: the known ones, or all possible ones."""
         met = self._met.get(call, {})
         chosen = [
-            self._joints if _is_joint(call, place) else list(dict.fromkeys(names[number] for names in met))
+            self._joints(call, place) if _is_joint(call, place) else list(dict.fromkeys(names[number] for names in met))
             for number, place in enumerate(places)
         ]
         if not places:
@@ -233,16 +235,16 @@ class _Asked:
         few = prod(map(len, chosen)) <= FEW
         return product(*chosen) if few or len(met) > ONE_BY_ONE else met
 
-    @property
-    def _joints(self) -> list[str]:
+    def _joints(self, call: Call, place: int) -> list[str]:
         """Return the joints of the document, and an empty name for all others."""
-        return ["", *self._motions.bodies.facts().names[0]]
+        feet = FEET if MOTION_FUNCTIONS[call.function].parameters[place] == JOINT_OR_SIDE else ()
+        return ["", *feet, *self._motions.bodies.facts().names[0]]
 
     def _name(self, found: WrittenCall, place: int) -> str:
         said = f"({self._rewritten(found.arguments[place])})"
         if not _is_joint(found.call, place):
             return f"{self._prefix}name({said})"
-        names = ", ".join(unparse(Literal(name)) for name in self._joints if name)
+        names = ", ".join(unparse(Literal(name)) for name in self._joints(found.call, place) if name)
         return f"{self._prefix}joint({said}, {self._named(f'{_MAPS}merge(({names}) ! {_MAPS}entry(., true()))')})"
 
     def _table(self, columns: dict[str, str]) -> str:

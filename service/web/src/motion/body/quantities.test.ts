@@ -29,6 +29,13 @@ test("another kind keeps the joint where it takes one", () => {
   expect(textOf({ kind: "angle", argument: "left-knee-flexion" })).toBe("angle:left-knee-flexion");
 });
 
+test("contacts are of joints or of the feet of a walker", () => {
+  expect(startOf("contact:left", undefined, bones)).toEqual({ kind: "contact", argument: "left" });
+  expect(argumentOf("contact", { kind: "contact", argument: "Root" }, bones)).toBe("Root");
+  expect(argumentOf("height", { kind: "contact", argument: "right" }, bones)).toBe("left_hand");
+  expect(expression({ kind: "contact", argument: "left" }, 0, true)).toBe("//frame[mo:contact('left')]");
+});
+
 test("a threshold becomes a question", () => {
   expect(expression({ kind: "height", argument: "left_hand" }, 1.5, true)).toBe(
     "//frame[mo:height('left_hand') > 1.5]",

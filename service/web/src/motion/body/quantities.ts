@@ -20,6 +20,8 @@ export interface Asked {
 }
 
 export const JOINT_KINDS: ReadonlySet<Kind> = new Set<Kind>(["height", "speed", "acceleration", "contact"]);
+/** Arguments of contacts that are the feet of a walker, from strike to off. */
+export const FEET = ["left", "right"] as const;
 export const UNITS: Record<Kind, string> = {
   height: "m",
   speed: "m/s",
@@ -61,6 +63,8 @@ export function startOf(text: string, selected: string | undefined, bones: reado
 export function argumentOf(kind: Kind, before: Asked, bones: readonly string[]): string {
   if (kind === "heading") return "";
   if (kind === "angle") return before.kind === "angle" && before.argument ? before.argument : FIRST_ANGLE;
+  if (kind === "contact" && before.kind === kind && FEET.some((side) => side === before.argument))
+    return before.argument;
   return JOINT_KINDS.has(before.kind) && bones.includes(before.argument) ? before.argument : jointOf(bones);
 }
 

@@ -3,6 +3,7 @@ import { get } from "../../../api/client";
 import {
   ANGLE,
   argumentOf,
+  FEET,
   FILE_KINDS,
   isOfFile,
   JOINT_KINDS,
@@ -92,6 +93,12 @@ export function MeasurementChoice({
           value={asked.argument}
           onChange={(event) => choose({ ...asked, argument: event.currentTarget.value })}
         >
+          {asked.kind === "contact" &&
+            FEET.map((side) => (
+              <option key={side} value={side}>
+                {w(side === "left" ? "label.leftFootSteps" : "label.rightFootSteps")}
+              </option>
+            ))}
           {(asked.kind === "angle" ? [...new Set([asked.argument, ...named])] : bones).map((name) => (
             <option key={name} value={name}>
               {asked.kind === "angle" && old.has(name) ? w("label.goniometerAngle", { name }) : name}
