@@ -15,6 +15,7 @@ from mcml.formats.gltf.format import Gltf
 from mcml.formats.htr.format import Htr
 from mcml.formats.mvnx.format import Mvnx
 from mcml.formats.opensim.storage import OpenSim
+from mcml.formats.opensim.trial import OpenSimTrial
 from mcml.formats.recognition import UNSUPPORTED, recognise
 from mcml.formats.scenes.glb import Glb
 from mcml.formats.scenes.usd import Usd
@@ -54,6 +55,7 @@ WRITERS: dict[str, Writer] = {
     "usda": Usd("usda", "USD as text", (".usda",)),
     "mot": OpenSim("mot", "OpenSim motion"),
     "sto": OpenSim("sto", "OpenSim storage"),
+    "opensim": OpenSimTrial(),
     "smpl": SmplWriter(),
 }
 """Every format that is written, by its name."""

@@ -112,6 +112,34 @@ class Measurements:
             return _component(self._on_foot(name, ids, find_walker()), asked.name, axis)
         return self._at(_component(self._forces(name), asked.name, axis), ids)
 
+    def plates_at(self, ids: NDArray[np.int64] | Sequence[str]) -> dict[int, PlateForces]:
+        """Mean forces in the frames with these numbers, by the number of each plate that can be used, from 1."""
+        return {
+            number: replace(
+                forces,
+                force=self._at(forces.force, ids),
+                centre_of_pressure=self._at(forces.centre_of_pressure, ids),
+                free_moment=self._at(forces.free_moment, ids),
+            )
+            for number in self._usable_plates
+            for forces in [self._forces(str(number))]
+        }
+
+    @property
+    def samples(self) -> int:
+        """Samples of a plate in a frame; 0 without analog channels."""
+        return 0 if self._channels is None else self._channels.samples
+
+    def sample_plate(self, number: int, frame: int, count: int) -> PlateForces:
+        """Forces on a usable plate in all samples of so many frames, from the one with this number in the file on.
+
+        There are fewer frames at the end of the file. The sign is that of the whole recording.
+        """
+        assert self._channels is not None
+        plate = self._plates[number - 1]
+        samples = self._channels.read(frame - self._channels.first, count, plate.channels)
+        return plate_forces(plate, samples, is_turned=self._forces(str(number)).is_turned)
+
     def find_events(self, ids: NDArray[np.int64] | Sequence[str], walker: WalkerPaths) -> list[GaitEvent]:
         """Strikes and offs of whole steps on force plates, in seconds from the first of these frames.
 
@@ -120,9 +148,9 @@ class Measurements:
         channels, numbers = self._channels, np.asarray(ids)
         if channels is None or numbers.dtype.kind != "i" or self._rate_of_channels_differs:
             return []
-        usable, plates = self._plates_at(ids)
-        events = []
-        for load in find_loads(plates, walker):
+        plates = self.plates_at(ids)
+        usable, events = list(plates), []
+        for load in find_loads(list(plates.values()), walker):
             plate = self._plates[usable[load.plate] - 1]
             if load.side is None or not is_whole_step(load, plate, walker):
                 continue
@@ -132,10 +160,8 @@ class Measurements:
                 beside = int(numbers[at + (-1 if rising else 1)]) - channels.first
                 if beside != frame + (-1 if rising else 1) or not 0 <= beside < channels.frames:
                     continue
-                samples = channels.read(first, 2, plate.channels)
-                forces = plate_forces(plate, samples)
-                sign = -1.0 if self._forces(str(usable[load.plate])).is_turned else 1.0
-                upward = sign * (1 - 2 * forces.is_turned) * (forces.force @ forces.vertical)
+                forces = self.sample_plate(usable[load.plate], first + channels.first, 2)
+                upward = forces.force @ forces.vertical
                 place = find_crossing(upward, rising=rising)
                 seconds = at / walker.rate + ((first - frame) * channels.samples + place) / channels.rate
                 if np.isfinite(seconds):
@@ -153,25 +179,11 @@ class Measurements:
         return values
 
     def _on_foot(self, side: Side, ids: NDArray[np.int64] | Sequence[str], walker: WalkerPaths) -> FootForces:
-        _, plates = self._plates_at(ids)
+        plates = list(self.plates_at(ids).values())
         if not plates:
             gone = np.full((len(ids), 3), np.nan)
             return FootForces(gone, gone, gone[:, 0])
         return sum_forces(plates, find_loads(plates, walker), side)
-
-    def _plates_at(self, ids: NDArray[np.int64] | Sequence[str]) -> tuple[list[int], list[PlateForces]]:
-        """(numbers, forces in these frames) of the plates that can be used."""
-        usable = self._usable_plates
-        plates = [
-            replace(
-                forces,
-                force=self._at(forces.force, ids),
-                centre_of_pressure=self._at(forces.centre_of_pressure, ids),
-                free_moment=self._at(forces.free_moment, ids),
-            )
-            for forces in (self._forces(str(number)) for number in usable)
-        ]
-        return usable, plates
 
     def unit(self, asked: AskedQuantity) -> str:
         """The unit of a quantity or a channel, stated by the file or computed; "" where it is unknown."""

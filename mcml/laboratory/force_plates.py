@@ -118,11 +118,12 @@ class PlateForces:
     problems: tuple[str, ...]
 
 
-def plate_forces(plate: Plate, samples: Array, rate: float = np.nan) -> PlateForces:
+def plate_forces(plate: Plate, samples: Array, rate: float = np.nan, *, is_turned: bool | None = None) -> PlateForces:
     """Compute force, centre of pressure and free moment.
 
     samples: (n, channels of the plate) in the units of the file, of the whole recording: its largest vertical force
-    decides the sign. rate: samples a second; without it no offset is sought. A plate with problems has NaN.
+    decides the sign, unless `is_turned` does. rate: samples a second; without it no offset is sought. A plate with
+    problems has NaN.
     """
     if plate.problems:
         gone = np.full((len(samples), 3), np.nan)
@@ -130,7 +131,8 @@ def plate_forces(plate: Plate, samples: Array, rate: float = np.nan) -> PlateFor
     force, moment = _at_surface(plate, samples)
     sign = np.sign(plate.axes[:, 2] @ plate.vertical)
     upward = force[:, 2] * sign
-    is_turned = bool(_value_of_largest(upward) <= -LEAST_FORCE)
+    if is_turned is None:
+        is_turned = bool(_value_of_largest(upward) <= -LEAST_FORCE)
     if is_turned:
         force, moment, upward = -force, -moment, -upward
     loaded = upward >= LEAST_FORCE

@@ -129,12 +129,87 @@ def _axes(up: str) -> Array:
 _MARKERS = ("ASI", "PSI", "KNE", "ANK", "HEE", "TOE")
 
 
+@dataclass(frozen=True)
+class Step:
+    """A foot on a plate of its own. times: (n,) seconds of its samples. force, centre_of_pressure: (n, 3) of the ground
+    in the axes of the gait, newtons and metres; 0 and NaN where the foot is in the air. turning: newton metres about
+    the vertical."""
+
+    side: Side
+    times: Array
+    force: Array
+    centre_of_pressure: Array
+    turning: float
+
+
+SAMPLES = 4
+"""Samples of a plate in a frame."""
+
+
+def make_steps(gait: Gait, events: Sequence[tuple[Side, float]]) -> list[Step]:
+    """The first whole stances of feet that begin at these times, with the forces of an even walk."""
+    walker = make_walker(gait)
+    times = np.arange(len(walker) * SAMPLES) / (gait.rate * SAMPLES)
+    steps = []
+    for side, strike in events:
+        share = (times - strike) / (gait.duty * gait.stride_time)
+        down = (share > 0) & (share < 1)
+        frame = round((strike + 0.3 * gait.stride_time) * gait.rate)
+        heel, toe = walker.heels[side][frame], walker.toes[side][frame]
+        heel, toe = (place - (place @ walker.up) * walker.up for place in (heel, toe))
+        ahead = (toe - heel) / np.linalg.norm(toe - heel)
+        force = 800 * np.sin(np.pi * share)[:, None] * walker.up - 90 * np.cos(np.pi * share)[:, None] * ahead
+        pressure = heel + share[:, None] * (toe - heel)
+        steps.append(
+            Step(side, times, np.where(down[:, None], force, 0.0), np.where(down[:, None], pressure, np.nan), 3.0)
+        )
+    return steps
+
+
+def make_plates(gait: Gait, steps: Sequence[Step]) -> tuple[dict[str, Value | None], Array]:
+    """(parameters, (frames, samples × channels)) of a plate of type 2 under each step, in millimetres with z down."""
+    up = axis_of(gait.up)
+    corners, channels = [], []
+    for step in steps:
+        centre = np.nanmean(step.centre_of_pressure, axis=0)
+        x = np.roll(np.abs(up), 1)
+        y = np.cross(-up, x)
+        axes = np.stack([x, y, -up])
+        half = 0.25 * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) @ axes[:2]
+        corners.append(1000 * (centre + half))
+        force = step.force
+        moment = np.cross(np.nan_to_num(step.centre_of_pressure - centre), force)
+        moment += np.where((force @ up > 0)[:, None], step.turning * up, 0.0)
+        channels += [force @ axes.T, 1000 * moment @ axes.T]
+    count = len(steps)
+    analog = np.concatenate(channels, axis=1)
+    names = [f"{name}{number + 1}" for number in range(count) for name in ("Fx", "Fy", "Fz", "Mx", "My", "Mz")]
+    parameters: dict[str, Value | None] = {
+        "ANALOG:USED": (2, (), [6 * count]),
+        "ANALOG:RATE": (4, (), [gait.rate * SAMPLES]),
+        "ANALOG:LABELS": (-1, (4, 6 * count), "".join(name.ljust(4) for name in names).encode()),
+        "ANALOG:UNITS": (-1, (3, 6 * count), count * b"N  N  N  NmmNmmNmm"),
+        "FORCE_PLATFORM:USED": (2, (), [count]),
+        "FORCE_PLATFORM:TYPE": (2, (count,), [2] * count),
+        "FORCE_PLATFORM:CORNERS": (4, (3, 4, count), np.array(corners).reshape(-1).tolist()),
+        "FORCE_PLATFORM:ORIGIN": (4, (3, count), [0] * 3 * count),
+        "FORCE_PLATFORM:CHANNEL": (2, (6, count), list(range(1, 6 * count + 1))),
+    }
+    return parameters, analog.reshape(-1, SAMPLES * 6 * count)
+
+
 def make_c3d(
-    gait: Gait, events: Sequence[GaitEvent] = (), *, unit: str = "mm", first: int = 1, people: Sequence[str] = ("",)
+    gait: Gait,
+    events: Sequence[GaitEvent] = (),
+    *,
+    unit: str = "mm",
+    first: int = 1,
+    people: Sequence[str] = ("",),
+    steps: Sequence[Step] = (),
 ) -> bytes:
     """A C3D file of a walker with markers of Plug-in Gait, up as the gait has it. events: with exact times. first:
     number of the first frame of the file. people: prefixes of the markers of each; all walk alike, and the events are
-    those of the first."""
+    those of the first. steps: on plates."""
     walker = make_walker(gait)
     half = walker.across / 2
     back = 0.15 * np.cross(walker.up, walker.across) / 0.25
@@ -160,4 +235,8 @@ def make_c3d(
         }
     points = 1000 * np.stack([places[name] for _ in people for name in places], axis=1)
     names = [prefix + name for prefix in people for name in places]
-    return c3d_bytes(points, labels=names, rate=gait.rate, first=first, parameters=parameters)
+    plates, analog = make_plates(gait, steps) if steps else ({}, None)
+    return c3d_bytes(
+        points, labels=names, rate=gait.rate, first=first, parameters=parameters | plates, analog=analog,
+        samples=SAMPLES if steps else 1,
+    )  # fmt: skip

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from mcml.errors import Notice
 from mcml.formats.c3d.parameters import Statements
 from mcml.formats.format import note
-from mcml.formats.text.numbers import is_number, is_whole
+from mcml.formats.text.numbers import is_whole, parse_numbers
 from mcml.motion.clip import ClipHead
 from mcml.motion.skeleton import Array
 
@@ -151,21 +151,27 @@ def kept_quantities(sections: Iterable[tuple[str, str]]) -> list[Quantity]:
         facts = lines[0].split(None, 2)
         if not head.startswith(_PREFIX) or not label or len(facts) < 2 or not is_whole(facts[0]):
             continue
-        samples = [_sample(line.split()) for line in lines[1:]]
-        if all(sample is not None for sample in samples):
+        table = _parse_samples(lines[1:])
+        if table is not None:
             unit = facts[2] if len(facts) > 2 else ""
-            table = np.array(samples, dtype=np.float32).astype(np.float64).reshape(-1, 4)
             found.append(Quantity(head.removeprefix(_PREFIX), label, unit, int(facts[0]), facts[1], table))
     return found
 
 
-def _sample(words: list[str]) -> tuple[float, float, float, float] | None:
-    if words == [_MISSING]:
-        return 0.0, 0.0, 0.0, -1.0
-    if len(words) not in (3, 4) or not all(map(is_number, words)):
-        return None
-    x, y, z, *residual = map(float, words)
-    return x, y, z, residual[0] if residual else 0.0
+def _parse_samples(lines: Sequence[str]) -> Array | None:
+    """(n, 4) of lines with three or four numbers, or none; None if a line is another."""
+    words: list[str] = []
+    for line in lines:
+        row = line.split()
+        if row == [_MISSING]:
+            row = ["0", "0", "0", "-1"]
+        if len(row) == 3:
+            row.append("0")
+        if len(row) != 4:
+            return None
+        words += row
+    numbers = parse_numbers(" ".join(words).encode())
+    return None if numbers is None else numbers.astype(np.float32).astype(np.float64).reshape(-1, 4)
 
 
 def samples_at(quantity: Quantity, ids: NDArray[np.int64] | Sequence[int] | Sequence[str]) -> Array:

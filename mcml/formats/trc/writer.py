@@ -62,7 +62,7 @@ def write_trc(clip: ClipStream) -> Iterator[bytes]:
                 f"the times of the frames are beyond the largest number, at {seconds:g} seconds each",
                 remedy="State another frame time first.",
             )
-        yield _rows(block, moving, head.number_style, times, decimals)
+        yield _rows(block, moving, head.number_style, times, decimals, closes=source is None)
         done += len(block)
 
 
@@ -112,7 +112,10 @@ def _time(said: dict[str, str], seconds: float, first: int) -> tuple[int, float]
     return max(3, len(text.partition(".")[2])), (first - 1) * seconds
 
 
-def _rows(block: FrameBlock, moving: list[tuple[int, int]], style: str, times: Array, decimals: int) -> bytes:
+def _rows(
+    block: FrameBlock, moving: list[tuple[int, int]], style: str, times: Array, decimals: int, *, closes: bool
+) -> bytes:
+    """closes: whether an empty cell at the end of a line gets a tab, without which OpenSim does not count it."""
     place = {column: index for index, column in enumerate(block.columns)}
     values = np.full((len(block), len(moving)), np.nan)
     for index, column in enumerate(moving):
@@ -126,5 +129,6 @@ def _rows(block: FrameBlock, moving: list[tuple[int, int]], style: str, times: A
         if missing[row].any():
             cells = text.split(b"\t")
             text = b"\t".join(b"" if gone else cell for cell, gone in zip(cells, missing[row].tolist(), strict=True))
+            text += b"\t" if closes and missing[row, -1] else b""
         lines.append(b"%s\t%.*f\t%s\n" % (str(frame).encode(), decimals, time, text))
     return b"".join(lines)

@@ -26,7 +26,7 @@ from mcml.motion.conventions.plans import (
     plan_listed,
     product_order,
 )
-from mcml.motion.conventions.resizing import scale, turn_up
+from mcml.motion.conventions.resizing import scale, turn_axis, turn_up
 from mcml.motion.conventions.survey import Survey, survey
 from mcml.motion.extremes import within_doubles
 from mcml.motion.hub import HubBlock, HubReader, Rest
@@ -35,7 +35,7 @@ from mcml.motion.rotations import IDENTITY, inverse, multiply, rotate, to_euler
 from mcml.motion.skeleton import CHANNEL_INDEX, Array, Convention, Skeleton
 from mcml.motion.units import DEGREES, Reading, metres_of, reading_of
 
-__all__ = ["convert", "scale", "turn_up", "with_scale_factor"]
+__all__ = ["convert", "scale", "turn_axis", "turn_up", "with_scale_factor"]
 
 _KEPT_FIELDS = ("filename", "skeleton_name", "dataframe_rate", "calibration_unit", "global_axis_of_gravity")
 _SIGNS_OF_FLIP = {"X": 1.0, "Y": -1.0, "Z": -1.0}

@@ -70,6 +70,16 @@ def _scaled(joint: Joint, factor: float) -> Joint:
 
 
 def turn_up(clip: ClipStream, start: str, end: str) -> ClipStream:
+    """Rotate a clip by a quarter turn so that its axis `start` (X, Y or Z), which is up, points where `end` did.
+
+    The head states the new up axis. Otherwise as `turn_axis`.
+    """
+    turned = turn_axis(clip, start, end)
+    fields = turned.head.fields | {"global_axis_of_gravity": end.upper()}
+    return turned if turned is clip else turned.with_head(replace(turned.head, fields=fields))
+
+
+def turn_axis(clip: ClipStream, start: str, end: str) -> ClipStream:
     """Rotate a clip by a quarter turn so that its axis `start` (X, Y or Z) points where `end` did.
 
     Angles of BVH only change axis and sign; those of ASF bones and of HTR stay, their rest axes turn instead.
@@ -86,13 +96,12 @@ def turn_up(clip: ClipStream, start: str, end: str) -> ClipStream:
     reading = reading_of(head)
     joints = tuple(turn.joint(joint, reading) for joint in head.skeleton.joints)
     skeleton = replace(head.skeleton, joints=joints)
-    fields = head.fields | {"global_axis_of_gravity": end.upper()}
 
     def blocks() -> Iterator[FrameBlock]:
         for block in clip.blocks():
             yield turn.block(head.skeleton, block)
 
-    head = replace(head, skeleton=skeleton, fields=fields, number_style="shortest")
+    head = replace(head, skeleton=skeleton, number_style="shortest")
     head = replace_plates(head, turn.points(kept_plates(head)))
     original = None if clip.original is None else clip.original.turn(turn.target, turn.sign)
     return replace(clip, head=head, blocks=blocks, original=original)

@@ -35,6 +35,8 @@ from mcml_service.storage.transaction import Transaction
 
 ORIGINAL = "original"
 """The name of the form in which the uploaded files leave as they came."""
+WITH_ORIGINAL = frozenset({"c3d", "opensim"})
+"""Formats that take data from the uploaded file."""
 WITH_REFERENCE = frozenset({"mot", "sto"})
 """Formats of angles, which start from the reference pose of the skeleton."""
 
@@ -111,7 +113,7 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
         if kept is not None and (name in FORMATS or kept.file_name.lower().endswith(_endings(name))):
             return kept
     source = _add_frame_time(read_clip(tx, stored, first=options.first, last=options.last), options.frame_time)
-    if name == "c3d" and has_capture_numbers(source.clip.head):
+    if name in WITH_ORIGINAL and has_capture_numbers(source.clip.head):
         source = replace(source, clip=_add_original(tx, stored, source.clip))
     if options.reshaping != Reshaping():
         clip = reshape(source.clip, options.reshaping)
