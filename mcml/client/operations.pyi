@@ -34,7 +34,7 @@ from mcml_schemas.documents import (
 from mcml_schemas.elements import ChildPage, ElementChange, ElementEdited, ElementEdits, TextFound
 from mcml_schemas.exports import ExportRequest
 from mcml_schemas.frames import FrameEdits, FramesEdited
-from mcml_schemas.gait import GaitMeasures
+from mcml_schemas.gait import GaitComparison, GaitMeasures
 from mcml_schemas.jobs import (
     AnalysisInfo,
     AnalysisList,
@@ -417,6 +417,29 @@ class Operations:
         progress: FileProgress | None = None,
     ) -> GaitMeasures:
         """Measure gait: events, strides, spatio-temporal parameters and cycles, with their sources."""
+    def compare_gait(
+        self,
+        *,
+        document: list[str],
+        compare: list[str] | None = ...,
+        reference: list[str] | None = ...,
+        quantity: list[str] | None = ...,
+        events: Literal["auto", "labels", "positions"] | None = ...,
+        progress: FileProgress | None = None,
+    ) -> GaitComparison:
+        """Compare the gait of trials: parameters and cycles of several, beside others and a normal band."""
+    def get_gait_report(
+        self,
+        *,
+        document: list[str],
+        compare: list[str] | None = ...,
+        reference: list[str] | None = ...,
+        quantity: list[str] | None = ...,
+        events: Literal["auto", "labels", "positions"] | None = ...,
+        format: Literal["pdf", "csv"] | None = ...,
+        progress: FileProgress | None = None,
+    ) -> Content:
+        """Get a gait report of several trials to print, or all of their cycles as a table."""
     def put_media(
         self,
         *,

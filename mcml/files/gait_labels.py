@@ -9,6 +9,7 @@ from typing import Final
 
 from mcml.formats.c3d.events import kept_events, names_of
 from mcml.laboratory.gait_events import GaitEvent, Kind, Side
+from mcml.laboratory.gait_parameters import Exclusion
 from mcml.motion.clip import ClipHead, FrameBlock
 
 _WORDS: Final[Mapping[Kind, str]] = {
@@ -16,6 +17,7 @@ _WORDS: Final[Mapping[Kind, str]] = {
     "off": "foot-off|toe-off|off|[tf]o",
 }
 """Words of events, without the side."""
+_EXCLUDED: Final = re.compile(r"(?:(?P<side>left|right|l|r)-)?gait-exclude")
 _COMPARED: Final = 1000
 """Labels, and events of one name, that are compared at most."""
 _SIDES: Final[Mapping[str, Side]] = {"left": "left", "l": "left", "right": "right", "r": "right"}
@@ -63,6 +65,31 @@ def _first_number(labels: Sequence[tuple[int, str]], kept: Sequence[tuple[int, s
     if not best or (len(best) > 1 and best[0][1] == best[1][1]):
         return None
     return best[0][0]
+
+
+def find_exclusions(labels: Iterable[tuple[int, int, str]]) -> list[Exclusion]:
+    """Return the frames whose strides people leave out, from labels such as `gait-exclude` or `left-gait-exclude`.
+
+    labels: (first, last) frames from 0, and the name of each.
+    """
+    return [
+        Exclusion(first, last, _SIDES.get(found["side"] or ""))
+        for first, last, name in labels
+        if (found := _EXCLUDED.fullmatch(name.lower())) is not None
+    ]
+
+
+def read_spans(blocks: Iterable[FrameBlock]) -> Iterator[tuple[int, int, str]]:
+    """(first, last) frames from 0, and the name of each label of a clip."""
+    frame = 0
+    begun: dict[str, int] = {}
+    for block in blocks:
+        for names in block.motion_names or [()] * len(block):
+            for name in set(begun).difference(names):
+                yield begun.pop(name), frame - 1, name
+            begun |= {name: frame for name in names if name not in begun}
+            frame += 1
+    yield from ((first, frame - 1, name) for name, first in begun.items())
 
 
 def read_labels(blocks: Iterable[FrameBlock]) -> Iterator[tuple[int, str]]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from mcml.files.check_names import check_frame_time
 from mcml.files.convert_files import Converted, convert_files, result_paths, stated_format
-from mcml.files.gait_labels import find_gait_labels, read_labels
+from mcml.files.gait_labels import find_exclusions, find_gait_labels, read_labels, read_spans
 from mcml.files.gather_files import gathered, several_motions
 from mcml.files.import_options import ImportOptions
 from mcml.files.limits import FileLimits
@@ -181,8 +181,9 @@ class Motion:
         head = self._clip.head
         points = find_gait_points(head.skeleton, subject)
         labels = find_gait_labels(read_labels(self._clip.blocks()), head, subject)
+        exclusions = find_exclusions(read_spans(self._clip.blocks()))
         find_plates = partial(self._measurements.find_events, self._ids)
-        return measure_gait(points, self._body.stretch(points.names), labels, events, find_plates)
+        return measure_gait(points, self._body.stretch(points.names), labels, events, find_plates, exclusions)
 
     @cached_property
     def _ids(self) -> list[Any]:

@@ -41,6 +41,8 @@ _PLANTED = (0.25, 0.55)
 """Part of a stance in which the whole foot is on the ground."""
 _MEDIANS, _LEAST = 3.0, 5
 """A stride is an outlier beyond so many median absolute deviations of stride time, among at least so many strides."""
+EXCLUDED: Final = "excluded by a label"
+"""Why a stride that people leave out is rejected."""
 OUTLIER_RULE: Final = (
     "stride time beyond median ± 3 median absolute deviations (at least two frames; of 5 or more strides)"
 )
@@ -96,6 +98,15 @@ class Stride:
     double_support: float
     single_support: float
     rejected: str = ""
+
+
+@dataclass(frozen=True)
+class Exclusion:
+    """Frames from 0, both included, whose strides people leave out. side: of these alone, None for both."""
+
+    first: int
+    last: int
+    side: Side | None = None
 
 
 @dataclass(frozen=True)
@@ -166,6 +177,20 @@ def reject_outliers(strides: Sequence[Stride], rate: float) -> tuple[Stride, ...
             if abs(marked[place].stride_time - middle) > limit:
                 marked[place] = replace(marked[place], rejected=OUTLIER_RULE)
     return tuple(marked)
+
+
+def exclude_strides(strides: Sequence[Stride], exclusions: Sequence[Exclusion], rate: float) -> tuple[Stride, ...]:
+    """Mark strides that share time with frames that people exclude (EXCLUDED). rate: frames a second."""
+    return tuple(
+        replace(stride, rejected=EXCLUDED)
+        if any(
+            stride.begin * rate < each.last + 0.5 and stride.end * rate > each.first - 0.5
+            for each in exclusions
+            if each.side in (None, stride.side)
+        )
+        else stride
+        for stride in strides
+    )
 
 
 def summarise(strides: Sequence[Stride], side: Side, name: str) -> Summary:

@@ -27,11 +27,14 @@ from mcml.laboratory.gait_events import (
 )
 from mcml.laboratory.gait_parameters import (
     BELT,
+    EXCLUDED,
     OUTLIER_RULE,
     BeltSpeed,
+    Exclusion,
     Parameter,
     Stride,
     Summary,
+    exclude_strides,
     measure_belt,
     measure_strides,
     reject_outliers,
@@ -126,13 +129,14 @@ def measure_gait(
     labels: Sequence[GaitEvent] = (),
     source: EventSource = "auto",
     find_plates: Callable[[WalkerPaths], Sequence[GaitEvent]] | None = None,
+    exclusions: Sequence[Exclusion] = (),
 ) -> Gait:
     """Measure the gait of a body.
 
     stretch: all of its frames, with the joints or markers of the points. labels: events that the clip states. source:
     "auto" takes the strikes, and the offs, of a side from labels if it has any, else from positions, of which those on
-    force plates are replaced. find_plates: returns events of plates for the feet in metres. Raises DocumentError if the
-    frame rate is unknown, or above 10,000 frames a second.
+    force plates are replaced. find_plates: returns events of plates for the feet in metres. exclusions: of strides.
+    Raises DocumentError if the frame rate is unknown, or above 10,000 frames a second.
     """
     if stretch.frame_time is None:
         raise DocumentError("The frame rate is unknown, so gait has no times.", remedy="State the frame time.")
@@ -152,7 +156,7 @@ def measure_gait(
     events = choose_events([*([] if source == "positions" else [trusted]), *([] if source == "labels" else [seen])])
     belt = measure_belt(metric, events)
     measured = measure_strides(metric, events, belt.speed if belt.is_belt else 0.0)
-    strides = reject_outliers(measured.strides, rate)
+    strides = exclude_strides(reject_outliers(measured.strides, rate), exclusions, rate)
     duty = measure_duty(events)
     warnings = [
         *_warn_of_events(events, labels, found, is_moving=is_moving, source=source),
@@ -248,9 +252,9 @@ def _warn_of_strides(
     for side in SIDES:
         if incomplete[side]:
             yield f"{incomplete[side]} {side} strides lack an event, or have them in no order, and are left out"
-    rejected = sum(bool(stride.rejected) for stride in strides)
-    if rejected:
-        yield f"{rejected} strides are left out of means and cycles: {OUTLIER_RULE}"
+    for rule in (OUTLIER_RULE, EXCLUDED):
+        if rejected := sum(stride.rejected == rule for stride in strides):
+            yield f"{rejected} strides are left out of means and cycles: {rule}"
     if belt.speed > BELT and not belt.is_belt:
         yield f"planted feet move at {belt.speed:.3f} m/s although the body travels: feet slide, and lengths include it"
     if belt.is_belt:

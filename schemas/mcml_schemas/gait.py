@@ -6,7 +6,7 @@ from typing import Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from mcml_schemas.examples import shown
+from mcml_schemas.examples import DOCUMENT, shown
 
 Side: TypeAlias = Literal["left", "right"]
 
@@ -52,6 +52,24 @@ _GAIT = {
     "parameters": [_PARAMETER],
     "cycles": [_CYCLE],
     "warnings": [],
+}
+
+
+_TRIAL = {
+    "id": DOCUMENT,
+    "name": "walk",
+    "measured": True,
+    "strides": {"left": 4, "right": 4},
+    "event_sources": ["label"],
+    "warnings": [],
+}
+_GROUP = {"trials": [_TRIAL], "parameters": [_PARAMETER], "cycles": [_CYCLE]}
+_CURVE = {
+    "title": "Knee flexion",
+    "left": "angle:left-knee-flexion",
+    "right": "angle:right-knee-flexion",
+    "positive": "flexion",
+    "negative": "extension",
 }
 
 
@@ -151,3 +169,49 @@ class GaitMeasures(BaseModel):
     parameters: list[GaitParameter]
     cycles: list[GaitCycle] = Field(description="Of the requested quantities, by side")
     warnings: list[str] = Field(description="Reasons why values are less sure, or missing")
+
+
+class GaitTrial(BaseModel):
+    """A trial of a comparison."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_TRIAL))
+
+    id: str
+    name: str
+    measured: bool = Field(description="False if its gait could not be measured; the warnings say why")
+    strides: dict[Side, int] = Field(description="Number of strides in the means")
+    event_sources: list[Literal["label", "plate", "positions"]]
+    warnings: list[str]
+
+
+class GaitGroup(BaseModel):
+    """Trials whose strides count alike, with their parameters and cycles."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_GROUP))
+
+    trials: list[GaitTrial]
+    parameters: list[GaitParameter]
+    cycles: list[GaitCycle]
+
+
+class GaitCurve(BaseModel):
+    """A curve of the report, and the quantities that it shows; empty for a side without one."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_CURVE))
+
+    title: str
+    left: str
+    right: str
+    positive: str = Field(description="Direction of positive values; empty if unknown")
+    negative: str
+
+
+class GaitComparison(BaseModel):
+    """The gait of several trials together, beside other trials and a normal band."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"curves": [_CURVE], "own": _GROUP}))
+
+    curves: list[GaitCurve]
+    own: GaitGroup
+    compare: GaitGroup | None = Field(None, description="The other trials, such as those of another session")
+    reference: GaitGroup | None = Field(None, description="The trials of the normal band")

@@ -14,7 +14,7 @@ from mcml_service.actions.editing.frame_ranges import edit_frames
 from mcml_service.actions.labelling.set_properties import set_properties
 from mcml_service.actions.reading.read_quantities import quantity_columns
 from mcml_service.clips.bodies import read_bodies
-from mcml_service.clips.frame_quantities import read_measurements, read_units
+from mcml_service.clips.frame_quantities import FrameQuantities, read_measurements
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.xpath.queries import Queries
@@ -36,7 +36,7 @@ def values(database: Database, uuid: str, *names: str) -> Array:
         stored = tx.documents.get(uuid)
         body = read_bodies(tx, tx.columns.documents([stored.key]))[stored.key]
         asked = [asked_quantity(f"quantity:{name}") for name in names]
-        return quantity_columns(tx, stored, body, asked, 1, stored.frames)
+        return quantity_columns(FrameQuantities(tx, stored, body), asked, 1, stored.frames)
 
 
 def edit(database: Database, uuid: str, *edits: object) -> None:
@@ -99,7 +99,8 @@ def test_they_are_listed_with_units_and_notes(database: Database) -> None:
         stored = tx.documents.get(uuid)
         listed = {each.name: each for each in read_measurements(tx, stored).describe()}
         asked = [asked_quantity(f"quantity:{name},x") for name in ("LKneeAngles", "cgm1:LAJC", "landmarks:LKneeAngles")]
-        assert read_units(tx, stored, asked) == ["deg", "mm", "deg"]
+        (body,) = read_bodies(tx, [stored]).values()
+        assert FrameQuantities(tx, stored, body).units(asked) == ["deg", "mm", "deg"]
     assert listed["LKneeAngles"].known
     assert not listed["LKneeMoment"].known
     assert "force plates" in listed["LKneeMoment"].reason

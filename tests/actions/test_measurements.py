@@ -30,7 +30,7 @@ from mcml_service.actions.editing.frame_ranges import edit_frames
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
 from mcml_service.actions.reading.read_quantities import quantity_columns
 from mcml_service.clips.bodies import read_bodies
-from mcml_service.clips.frame_quantities import read_measurements
+from mcml_service.clips.frame_quantities import FrameQuantities, read_measurements
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.xpath.queries import Queries
@@ -59,7 +59,7 @@ def knees(database: Database, uuid: str, quantity: str = "quantity:LKneeAngles,x
     with database.read() as tx:
         stored = tx.documents.get(uuid)
         body = read_bodies(tx, tx.columns.documents([stored.key]))[stored.key]
-        return quantity_columns(tx, stored, body, [asked_quantity(quantity)], 1, stored.frames)[:, 0]
+        return quantity_columns(FrameQuantities(tx, stored, body), [asked_quantity(quantity)], 1, stored.frames)[:, 0]
 
 
 def values_of(frames: list[int | None]) -> Array:

@@ -206,6 +206,8 @@ def request_of(operation: Operation, things: Things, word: str) -> Asked | None:
         "complete_query": Asked("all", {}, {"q": "//frame[motion_name='"}, {}),
         "get_query": Asked("all", {}, {"q": "//bone/name | //header/filename | //motion_name"}, {}),
         "get_facets": Asked("all", {}, {}, {}),
+        "compare_gait": Asked("thing", {}, {"document": one}, {}),
+        "get_gait_report": Asked("thing", {}, {"document": one, "format": "csv"}, {}),
     }  # fmt: skip
     if operation.name.startswith("start_"):
         return Asked("thing", {}, {}, {"json": {"inputs": selected}})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import io
 import json
 from dataclasses import replace
@@ -144,6 +145,122 @@ def test_contacts_of_feet_follow_events_and_labels(client: TestClient) -> None:
     stored(client, bvh(5), "arm.bvh")
     warnings = " ".join(ask("//frame[mo:contact('left')]/@id")["warnings"])
     assert "1 of 2 documents left out: no step tells mo:contact('left') ('arm')" in warnings
+
+
+def test_strides_under_a_label_are_left_out(client: TestClient, tmp_path: Path) -> None:
+    uuid = stored(client, make_c3d(GAIT, events_of(GAIT)))
+    before = gait_of(client, uuid, quantity="time")
+    strides = [stride for stride in before["strides"] if stride["side"] == "left"]
+    frame = round((strides[1]["begin"] + 0.3) * 100)
+    label = [{"name": "left-gait-exclude", "first": frame, "last": frame + 3}]
+    assert client.post(f"{API}/{uuid}/labels", json=label, headers={"if-match": "*"}).status_code == 201
+    after = gait_of(client, uuid, quantity="time")
+    rejected = [stride for stride in after["strides"] if stride["rejected"]]
+    assert [(stride["side"], stride["begin"], stride["rejected"]) for stride in rejected] == [
+        ("left", strides[1]["begin"], "excluded by a label")
+    ]
+    assert "1 strides are left out of means and cycles: excluded by a label" in after["warnings"]
+    assert [cycle["n"] for cycle in after["cycles"]] == [len(strides) - 1, before["cycles"][1]["n"]]
+    (tmp_path / "walk.mcml").write_bytes(client.get(f"{API}/{uuid}/mcml").content)
+    again = [stride for stride in mcml.read(tmp_path / "walk.mcml").measure_gait().strides if stride.rejected]
+    assert [(stride.side, stride.rejected) for stride in again] == [("left", "excluded by a label")]
+
+
+def test_trials_are_pooled_beside_others_and_a_normal_band(client: TestClient) -> None:
+    slow, fast = replace(GAIT, stride_time=1.3), replace(GAIT, stride_time=0.95, speed=1.5)
+    first, second = (stored(client, make_c3d(gait, events_of(gait)), f"{gait.speed}.c3d") for gait in (GAIT, slow))
+    other = stored(client, make_c3d(fast, events_of(fast)), "fast.c3d")
+    arm = stored(client, bvh(5), "arm.bvh")
+    kept = client.put("/api/v1/collections/healthy", json={"documents": [first, second, arm]})
+    assert kept.status_code == 201, kept.text
+    query = {"quantity": ["position:LHEE,z", "time"]}
+    alone = [gait_of(client, uuid, **query) for uuid in (first, second, other)]
+
+    def ask(**chosen: Any) -> dict[str, Any]:
+        answer = client.get("/api/v1/gait", params={**query, **chosen})
+        assert answer.status_code == 200, answer.text
+        return dict(answer.json())
+
+    found = ask(document=[first, second], compare=other, reference="collection:healthy")
+    assert found["curves"][0] == {
+        "title": "position:LHEE,z", "left": "position:LHEE,z", "right": "", "positive": "", "negative": ""
+    }  # fmt: skip
+    values = [
+        stride["values"]["stride_length"]
+        for gait in alone[:2]
+        for stride in gait["strides"]
+        if stride["side"] == "left"
+    ]
+    length = next(item for item in found["own"]["parameters"] if item["name"] == "stride_length")["left"]
+    assert length == {
+        "mean": pytest.approx(np.mean(values)), "sd": pytest.approx(np.std(values, ddof=1)), "n": len(values)
+    }  # fmt: skip
+    one, two = (gait["cycles"][0] for gait in alone[:2])
+    heel = found["own"]["cycles"][0]
+    assert (heel["quantity"], heel["side"], heel["n"]) == ("position:LHEE,z", "left", one["n"] + two["n"])
+    mean = (one["n"] * np.array(one["mean"]) + two["n"] * np.array(two["mean"])) / heel["n"]
+    assert heel["mean"] == pytest.approx(mean)
+    assert found["compare"]["cycles"][0]["mean"] == pytest.approx(alone[2]["cycles"][0]["mean"])
+    # The same trials as the band, and one that has no gait.
+    assert found["reference"]["cycles"] == found["own"]["cycles"]
+    *_, unmeasured = found["reference"]["trials"]
+    assert (unmeasured["name"], unmeasured["measured"], unmeasured["strides"]) == (
+        "arm",
+        False,
+        {"left": 0, "right": 0},
+    )
+    assert "heels, toes and hips" in unmeasured["warnings"][0]
+    assert "compare" not in ask(document=first) or ask(document=first)["compare"] is None
+    lacking = client.get("/api/v1/gait", params={"document": first, "quantity": "quantity:LKneeAngles,x"}).json()
+    assert lacking["own"]["trials"][0]["warnings"][-1] == "it lacks quantity:LKneeAngles,x"
+
+
+def test_too_many_trials_and_unknown_ones_are_refused(client: TestClient) -> None:
+    uuid = stored(client, make_c3d(GAIT))
+    many = client.put("/api/v1/collections/many", json={"where": {"project": "default"}})
+    assert many.status_code == 201
+    assert client.get("/api/v1/gait", params={"document": "collection:many"}).status_code == 200
+    for number in range(51):
+        stored(client, bvh(3 + number), f"{number}.bvh")
+    answer = client.get("/api/v1/gait", params={"document": "collection:many"})
+    assert answer.status_code == 422
+    assert "Choose 1 to 50 documents." in answer.text
+    assert client.get("/api/v1/gait", params={"document": [uuid, "nothing"]}).status_code == 404
+
+
+def test_a_report_has_every_stride_as_numbers_and_pages_to_print(
+    database: Database, client: TestClient, tmp_path: Path
+) -> None:
+    uuid = stored(client, make_c3d(GAIT, events_of(GAIT)))
+    query = {"document": uuid, "quantity": ["height:LHEE", "time"]}
+    answer = client.get("/api/v1/gait/report", params={**query, "format": "csv"})
+    assert answer.headers["content-disposition"].startswith('attachment; filename="walk-gait.csv"')
+    rows = list(csv.DictReader(io.StringIO(answer.text)))
+    gait = gait_of(client, uuid, quantity=["height:LHEE", "time"])
+    strides = [stride for stride in gait["strides"] if stride["side"] == "left"]
+    lengths = [row for row in rows if row["quantity"] == "stride_length" and row["side"] == "left"]
+    assert [float(row["value"]) for row in lengths] == [stride["values"]["stride_length"] for stride in strides]
+    assert [row["stride"] for row in lengths] == [str(number) for number in range(1, len(strides) + 1)]
+    heights = np.array([float(row["value"]) for row in rows if row["quantity"] == "height:LHEE"]).reshape(-1, 101)
+    assert heights.mean(axis=0) == pytest.approx(gait["cycles"][0]["mean"])
+    times = [row for row in rows if row["quantity"] == "time" and row["percent"] == "0" and row["side"] == "left"]
+    assert [float(row["value"]) for row in times] == pytest.approx([stride["begin"] for stride in strides], abs=1e-6)
+    pytest.importorskip("matplotlib")
+    pages = client.get("/api/v1/gait/report", params=query)
+    assert pages.headers["content-type"] == "application/pdf"
+    assert pages.content.startswith(b"%PDF-")
+    assert client.get("/api/v1/gait/report", params=query).content == pages.content
+    database_option = ["--database", str(database.url)]
+    path = tmp_path / "report.pdf"
+    asked = ["gait", uuid, "--quantity", "height:LHEE", "--quantity", "time", "--output", str(path), *database_option]
+    made = CliRunner().invoke(app, asked)
+    assert made.exit_code == 0, made.output
+    assert path.read_bytes() == pages.content
+    shown = CliRunner().invoke(app, ["gait", uuid, "--reference", uuid, *database_option])
+    assert shown.exit_code == 0, shown.output
+    assert "reference: walk" in shown.output
+    refused = CliRunner().invoke(app, ["gait", uuid, uuid, "--revision", "1", *database_option])
+    assert refused.exit_code != 0
 
 
 def test_python_and_command_say_the_same(database: Database, client: TestClient, tmp_path: Path) -> None:

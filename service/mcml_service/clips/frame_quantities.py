@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.errors import DocumentError, FormatError, LimitError, NotFoundError
-from mcml.files.gait_labels import find_gait_labels
+from mcml.files.gait_labels import find_exclusions, find_gait_labels
 from mcml.formats.measurements import Measurements, has_capture_numbers
 from mcml.laboratory.gait_events import Side
 from mcml.laboratory.gait_points import find_gait_points
@@ -39,7 +39,7 @@ class FrameQuantities:
     """
 
     def __init__(self, tx: Transaction, stored: StoredDocument | Listed, body: Body) -> None:
-        self._tx, self._stored, self._body = tx, stored, body
+        self._tx, self._stored, self.body = tx, stored, body
 
     def read(self, asked: AskedQuantity) -> Array:
         """(n,) of all frames, NaN where unknown.
@@ -50,9 +50,9 @@ class FrameQuantities:
         if asked.of_gait:
             return self.measure_gait().contacts(cast("Side", asked.arguments[0]), self._stored.frames)
         if not asked.of_file:
-            return read_turned(self._tx, self._stored, asked.arguments[0], self._body)
-        walker = partial(find_walker, self._head.skeleton, self._body.stretch)
-        return self._measurements.values(asked, self._ids, walker, self._positions)
+            return read_turned(self._tx, self._stored, asked.arguments[0], self.body)
+        walker = partial(find_walker, self._head.skeleton, self.body.stretch)
+        return self.measurements.values(asked, self._ids, walker, self._positions)
 
     def read_known(self, asked: AskedQuantity) -> Array:
         """The same, NaN where the file of the document has no such measurement, or cannot be read any more."""
@@ -70,8 +70,13 @@ class FrameQuantities:
         points = find_gait_points(self._head.skeleton, subject)
         spans = self._tx.spans.of(self._stored.key)
         labels = find_gait_labels([(span.first - 1, span.name) for span in spans], self._head, subject)
-        find_plates = partial(self._measurements.find_events, self._ids)
-        return measure_gait(points, self._body.stretch(points.names), labels, source, find_plates)
+        exclusions = find_exclusions((span.first - 1, span.last - 1, span.name) for span in spans)
+        find_plates = partial(self.measurements.find_events, self._ids)
+        return measure_gait(points, self.body.stretch(points.names), labels, source, find_plates, exclusions)
+
+    def units(self, asked: Sequence[AskedQuantity]) -> list[str]:
+        """The unit of each quantity: where the file decides it, as the file writes it."""
+        return [each.unit or (self.measurements.unit(each) if each.of_file else "") for each in asked]
 
     def _positions(self, joints: Sequence[int]) -> Array:
         return read_marker_positions(read_clip(self._tx, self._stored, labelled=False).clip, joints)
@@ -81,26 +86,19 @@ class FrameQuantities:
         return to_head(self._tx.heads.document(self._stored), self._stored.frame_time)
 
     @cached_property
-    def _measurements(self) -> Measurements:
-        return _measurements(self._tx, self._stored, self._head)
+    def measurements(self) -> Measurements:
+        """Of the file of the document, as long as the transaction lasts."""
+        return _open_measurements(self._tx, self._stored, self._head)
 
     @cached_property
     def _ids(self) -> NDArray[np.int64] | list[str]:
         return self._tx.tracks.frame_ids(self._stored.key, 1, self._stored.frames)
 
 
-def read_units(tx: Transaction, stored: StoredDocument | Listed, asked: Sequence[AskedQuantity]) -> list[str]:
-    """The unit of each quantity: where the file decides it, as the file writes it."""
-    own = [each for each in asked if each.of_file and not each.unit]
-    measurements = read_measurements(tx, stored) if own else None
-    units = {each: measurements.unit(each) for each in own} if measurements is not None else {}
-    return [each.unit or units.get(each, "") for each in asked]
-
-
 def read_measurements(tx: Transaction, stored: StoredDocument | Listed) -> Measurements:
     """The measurements of the file of a document, as long as the transaction lasts."""
-    return _measurements(tx, stored, to_head(tx.heads.document(stored), stored.frame_time))
+    return _open_measurements(tx, stored, to_head(tx.heads.document(stored), stored.frame_time))
 
 
-def _measurements(tx: Transaction, stored: StoredDocument | Listed, head: ClipHead) -> Measurements:
+def _open_measurements(tx: Transaction, stored: StoredDocument | Listed, head: ClipHead) -> Measurements:
     return Measurements(head, tx.uploads.open(stored.key, "c3d") if has_capture_numbers(head) else None)

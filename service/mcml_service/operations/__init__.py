@@ -87,9 +87,15 @@ _ROWS = [
     Operation("change_calibration", "PATCH /documents/{id}/calibration", WRITES, EDIT,
               "Set the unit, up axis, floor, leg length or reference pose of a document, as a revision.", "viewing",
               "calibrate ID"),
+    # gait
     Operation("get_gait", "GET /documents/{id}/gait", READS, READ,
-              "Measure gait: events, strides, spatio-temporal parameters and cycles, with their sources.", "viewing",
-              "gait ID", queued=True),
+              "Measure gait: events, strides, spatio-temporal parameters and cycles, with their sources.", "gait",
+              queued=True),
+    Operation("compare_gait", "GET /gait", READS, READ,
+              "Compare the gait of trials: parameters and cycles of several, beside others and a normal band.", "gait",
+              queued=True),
+    Operation("get_gait_report", "GET /gait/report", STREAMS, READ,
+              "Get a gait report of several trials to print, or all of their cycles as a table.", "gait", queued=True),
 
     # reference media
     Operation("put_media", "PUT /documents/{id}/media", WRITES, EDIT,

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated, Literal, cast
-
-from pydantic import Field
+from typing import TYPE_CHECKING
 
 from mcml.answers import Content
 from mcml.errors import NotFoundError
 from mcml_schemas.bodies import Calibration, CalibrationChange
-from mcml_schemas.gait import GaitMeasures
 from mcml_schemas.measurements import MeasurementFacts, MeasurementList
 from mcml_schemas.skeletons import SkeletonView
 from mcml_service.operations.arguments import AtRevision, DocumentId, IfMatch, at_revision, find_for_write, tag
@@ -18,7 +15,7 @@ from mcml_service.operations.call import Call
 from mcml_service.operations.operation import gives
 
 if TYPE_CHECKING:
-    from mcml_service.storage.documents.columns import Listed
+    pass
 
 THUMBNAIL = "application/vnd.mcml.thumbnail"
 
@@ -72,47 +69,6 @@ def change_calibration(call: Call, id: DocumentId, change: CalibrationChange, if
         call.tag = tag(stored)
     with call.database.read() as tx:
         return describe_calibration(tx, tx.documents.get(id))
-
-
-def get_gait(
-    call: Call,
-    id: DocumentId,
-    revision: AtRevision = None,
-    events: Annotated[
-        Literal["auto", "labels", "positions"],
-        Field(description="auto: labels such as left-foot-strike if there are any, else force plates and positions"),
-    ] = "auto",
-    subject: Annotated[
-        str | None,
-        Field(
-            max_length=1024, description="Prefix of a person's markers, if there are several people", examples=["Anna"]
-        ),
-    ] = None,
-    quantity: Annotated[
-        list[str] | None,
-        Field(
-            max_length=40,
-            description="Quantities to cut into cycles: NAME:JOINT,JOINT, angle:NAME or a measurement of the file",
-            examples=[["angle:left-knee-flexion"]],
-        ),
-    ] = None,
-) -> GaitMeasures:
-    """Events of both feet, strides, parameters with mean and standard deviation by side, and warnings
-    (docs/analyses/gait.md). Lengths are in metres, null if the unit is unknown.
-
-    The strikes, and the offs, of a side come from labels of the document if there are any, else from the positions of
-    heels, toes and pelvis; steps on force plates have exact times. A `quantity` (docs/motion.md) is resampled from
-    strike to strike to 101 values; quantities whose joints are of one side have cycles of that side. 422 if heels, toes
-    or hips are unknown.
-    """
-    from mcml.motion.bodies.quantities import asked_quantity
-    from mcml_service.actions.reading.read_gait import read_gait
-
-    asked = [asked_quantity(text) for text in dict.fromkeys(quantity or ())]
-    with call.database.read() as tx:
-        then, stored = at_revision(tx, id, revision)
-        (body,) = call.queries.caches.bodies.read(then, [cast("Listed", stored)])
-        return read_gait(then, stored, body, events, subject, asked)
 
 
 @gives("A moving picture of at most 4 KB, in the form MT1", {THUMBNAIL: None})

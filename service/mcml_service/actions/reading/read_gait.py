@@ -17,7 +17,7 @@ from mcml_schemas import gait as wire
 from mcml_service.actions.checking.check_timed import seconds_of
 from mcml_service.actions.reading.read_quantities import quantity_columns
 from mcml_service.clips.bodies import Body
-from mcml_service.clips.frame_quantities import FrameQuantities, read_units
+from mcml_service.clips.frame_quantities import FrameQuantities
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
@@ -41,17 +41,18 @@ def read_gait(
     document has not.
     """
     seconds_of(stored)
-    gait = FrameQuantities(tx, stored, body).measure_gait(source, subject)
-    values = quantity_columns(tx, stored, body, asked, 1, stored.frames)
+    quantities = FrameQuantities(tx, stored, body)
+    gait = quantities.measure_gait(source, subject)
+    values = quantity_columns(quantities, asked, 1, stored.frames)
     cycles = [
         _cycle(gait, quantity, unit, values[:, place], side)
-        for place, (quantity, unit) in enumerate(zip(asked, read_units(tx, stored, asked), strict=True))
-        for side in _sides_of(quantity)
+        for place, (quantity, unit) in enumerate(zip(asked, quantities.units(asked), strict=True))
+        for side in sides_of(quantity)
     ]
     return _describe(gait, cycles)
 
 
-def _sides_of(asked: AskedQuantity) -> Sequence[Side]:
+def sides_of(asked: AskedQuantity) -> Sequence[Side]:
     """The side of the joints, markers or curves that a quantity names; both where these are of both sides, or none."""
     found = {
         _LETTERS[side[0][0].lower()]
@@ -69,8 +70,8 @@ def _cycle(gait: Gait, asked: AskedQuantity, unit: str, values: Array, side: Sid
         side=side,
         n=mean.n,
         gaps=cycles.gaps,
-        mean=[_value_or_none(value) for value in mean.mean.tolist()],
-        sd=[_value_or_none(value) for value in mean.sd.tolist()],
+        mean=[value_or_none(value) for value in mean.mean.tolist()],
+        sd=[value_or_none(value) for value in mean.sd.tolist()],
     )
 
 
@@ -79,11 +80,11 @@ def _describe(gait: Gait, cycles: list[wire.GaitCycle]) -> wire.GaitMeasures:
         frame_rate=gait.rate,
         clinical=gait.is_clinical,
         running=gait.is_running,
-        duty_factor=_value_or_none(gait.duty_factor),
+        duty_factor=value_or_none(gait.duty_factor),
         belt=wire.GaitBelt(
             is_belt=gait.belt.is_belt,
-            speed=_value_or_none(gait.belt.speed),
-            sd=_value_or_none(gait.belt.sd),
+            speed=value_or_none(gait.belt.speed),
+            sd=value_or_none(gait.belt.sd),
             n=gait.belt.n,
         ),
         points={point: list(names) for point, names in gait.points.items()},
@@ -94,7 +95,7 @@ def _describe(gait: Gait, cycles: list[wire.GaitCycle]) -> wire.GaitMeasures:
                 time=event.seconds,
                 frame=round(event.seconds * gait.rate) + 1,
                 source=event.source,
-                within=_value_or_none(gait.uncertainty(event)),
+                within=value_or_none(gait.uncertainty(event)),
             )
             for event in gait.events
         ],
@@ -106,7 +107,7 @@ def _describe(gait: Gait, cycles: list[wire.GaitCycle]) -> wire.GaitMeasures:
                 off=stride.off,
                 other_off=stride.other_off,
                 other_strike=stride.other_strike,
-                values={parameter.name: _value_or_none(getattr(stride, parameter.name)) for parameter in PARAMETERS},
+                values={parameter.name: value_or_none(getattr(stride, parameter.name)) for parameter in PARAMETERS},
                 rejected=stride.rejected,
             )
             for stride in gait.strides
@@ -117,9 +118,9 @@ def _describe(gait: Gait, cycles: list[wire.GaitCycle]) -> wire.GaitMeasures:
                 name=parameter.name,
                 unit=parameter.unit,
                 how=gait.explain(parameter),
-                left=_summary(gait.summary("left", parameter.name)),
-                right=_summary(gait.summary("right", parameter.name)),
-                symmetry=_value_or_none(gait.symmetry(parameter.name)),
+                left=summary_of(gait.summary("left", parameter.name)),
+                right=summary_of(gait.summary("right", parameter.name)),
+                symmetry=value_or_none(gait.symmetry(parameter.name)),
             )
             for parameter in PARAMETERS
         ],
@@ -128,10 +129,10 @@ def _describe(gait: Gait, cycles: list[wire.GaitCycle]) -> wire.GaitMeasures:
     )
 
 
-def _summary(summary: Summary) -> wire.GaitSummary:
-    return wire.GaitSummary(mean=_value_or_none(summary.mean), sd=_value_or_none(summary.sd), n=summary.n)
+def summary_of(summary: Summary) -> wire.GaitSummary:
+    return wire.GaitSummary(mean=value_or_none(summary.mean), sd=value_or_none(summary.sd), n=summary.n)
 
 
-def _value_or_none(value: float) -> float | None:
+def value_or_none(value: float) -> float | None:
     """A number for JSON: None if it was not measured."""
     return float(value) if np.isfinite(value) else None

@@ -13,26 +13,21 @@ from mcml.motion.bodies.quantities import AskedQuantity, compute, halo_of
 from mcml.motion.skeleton import Array
 from mcml_service.clips.bodies import Body
 from mcml_service.clips.frame_quantities import FrameQuantities, is_beside_positions
-from mcml_service.storage.documents.documents import StoredDocument
-from mcml_service.storage.transaction import Transaction
 
 
-def quantity_columns(
-    tx: Transaction, stored: StoredDocument, body: Body, asked: Sequence[AskedQuantity], first: int, last: int
-) -> Array:
+def quantity_columns(source: FrameQuantities, asked: Sequence[AskedQuantity], first: int, last: int) -> Array:
     """(frames first to last, quantities), positions from 1, float64; NaN where unknown.
 
     Only as many frames around these are looked at as give the values of the whole document. NotFoundError for joints
     and measurements that the document has not.
     """
     values = np.empty((max(0, last - first + 1), len(asked)))
-    beside = FrameQuantities(tx, stored, body)
     for place, quantity in enumerate(asked):
-        quantity.check_joints(body.names)
+        quantity.check_joints(source.body.names)
         if is_beside_positions(quantity):
-            values[:, place] = beside.read(quantity)[first - 1 : last]
+            values[:, place] = source.read(quantity)[first - 1 : last]
         else:
-            values[:, place] = _stretch(quantity, body, first, last)
+            values[:, place] = _stretch(quantity, source.body, first, last)
     return values
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mcml_schemas.documents import ChangedDocuments, DocumentDetail
     from mcml_schemas.elements import ElementEdited
     from mcml_schemas.frames import FramesEdited
-    from mcml_schemas.gait import GaitMeasures
+    from mcml_schemas.gait import GaitComparison, GaitMeasures
     from mcml_schemas.names import AliasTable
     from mcml_schemas.querying.saved import Vocabulary
     from mcml_schemas.retarget import Mapping
@@ -258,6 +258,33 @@ def _gait(found: GaitMeasures) -> None:
         console.print(f"warning: {warning}")
 
 
+def _comparison(found: GaitComparison) -> None:
+    groups = {"own": found.own, "compare": found.compare, "reference": found.reference}
+    named = {name: group for name, group in groups.items() if group is not None}
+    for name, group in named.items():
+        for trial in group.trials:
+            strides = f"{trial.strides['left']} left, {trial.strides['right']} right strides"
+            console.print(f"{name}: {trial.name}, {strides if trial.measured else 'not measured'}")
+    rows = table("parameter", "unit", *(f"{name} {side}#" for name in named for side in ("left", "right")))
+    for place, item in enumerate(found.own.parameters):
+        cells = []
+        for group in named.values():
+            for side in (group.parameters[place].left, group.parameters[place].right):
+                spread = f" ± {_decimal(side.sd, 3)}" if side.sd is not None else ""
+                cells.append(f"{_decimal(side.mean, 3)}{spread}")
+        rows.add_row(item.name.replace("_", " "), item.unit, *cells)
+    console.print(rows)
+    for name, group in named.items():
+        for cycle in group.cycles:
+            known = [value for value in cycle.mean if value is not None]
+            if known:
+                span = f"{min(known):.4g} to {max(known):.4g} {cycle.unit}"
+                console.print(f"{name}: {cycle.quantity}  {cycle.side}  {cycle.n} cycles, mean {span}")
+    for trial in (trial for group in named.values() for trial in group.trials):
+        for warning in trial.warnings:
+            console.print(f"warning: {trial.name}: {warning}")
+
+
 def _decimal(value: float | None, digits: int) -> str:
     return "" if value is None else f"{value:.{digits}f}"
 
@@ -273,6 +300,7 @@ SHOW: dict[str, Callable[[Any], None]] = {
     "Vocabulary": _vocabulary,
     "Calibration": _calibration,
     "GaitMeasures": _gait,
+    "GaitComparison": _comparison,
     "Job": show_job,
     "Result": show_result,
 }

@@ -37,7 +37,7 @@ from mcml_service.actions.exporting.write_tables import (
 from mcml_service.actions.reading.read_origin import origin_of
 from mcml_service.actions.reading.read_quantities import quantity_columns, with_quantities
 from mcml_service.actions.reading.reduce_frames import reduce_frames
-from mcml_service.clips.frame_quantities import read_units
+from mcml_service.clips.frame_quantities import FrameQuantities
 from mcml_service.clips.read_clip import StoredClip, read_clip
 from mcml_service.operations.arguments import (
     MOST,
@@ -160,8 +160,9 @@ def get_frames(
         if asked_for:
             # Cached together with the bodies for queries; a document has all data for reading a body.
             (body,) = call.queries.caches.bodies.read(then, [cast("Listed", stored)])
-            made = quantity_columns(then, stored, body, asked_for, source.first, source.last)[::step]
-            numbers = with_quantities(numbers, asked_for, read_units(then, stored, asked_for), made, alone=not bone)
+            quantities = FrameQuantities(then, stored, body)
+            made = quantity_columns(quantities, asked_for, source.first, source.last)[::step]
+            numbers = with_quantities(numbers, asked_for, quantities.units(asked_for), made, alone=not bone)
         content = _file(source, numbers, first, step, dtype, format, raw=raw)
         if point is not None:
             content.facts["origin"] = ",".join(map(repr, point.tolist()))

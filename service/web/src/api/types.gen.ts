@@ -372,6 +372,38 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/gait": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["compare_gait"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/gait/report": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_gait_report"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/documents/{id}/media": {
         parameters: {
             query?: never;
@@ -2943,6 +2975,19 @@ export interface components {
             sd?: number | null;
             n: number;
         };
+        GaitComparison: {
+            curves: components["schemas"]["GaitCurve"][];
+            own: components["schemas"]["GaitGroup"];
+            compare?: components["schemas"]["GaitGroup"] | null;
+            reference?: components["schemas"]["GaitGroup"] | null;
+        };
+        GaitCurve: {
+            title: string;
+            left: string;
+            right: string;
+            positive: string;
+            negative: string;
+        };
         GaitCycle: {
             quantity: string;
             unit: string;
@@ -2963,6 +3008,11 @@ export interface components {
             /** @enum {string} */
             source: "label" | "plate" | "positions";
             within?: number | null;
+        };
+        GaitGroup: {
+            trials: components["schemas"]["GaitTrial"][];
+            parameters: components["schemas"]["GaitParameter"][];
+            cycles: components["schemas"]["GaitCycle"][];
         };
         GaitMeasures: {
             frame_rate: number;
@@ -3007,6 +3057,16 @@ export interface components {
             mean: number | null;
             sd: number | null;
             n: number;
+        };
+        GaitTrial: {
+            id: string;
+            name: string;
+            measured: boolean;
+            strides: {
+                [key: string]: number;
+            };
+            event_sources: ("label" | "plate" | "positions")[];
+            warnings: string[];
         };
         GraphEdge: {
             first: number;
@@ -5797,6 +5857,106 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["GaitMeasures"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    compare_gait: {
+        parameters: {
+            query: {
+                document: string[];
+                compare?: string[] | null;
+                reference?: string[] | null;
+                quantity?: string[] | null;
+                events?: "auto" | "labels" | "positions";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GaitComparison"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_gait_report: {
+        parameters: {
+            query: {
+                document: string[];
+                compare?: string[] | null;
+                reference?: string[] | null;
+                quantity?: string[] | null;
+                events?: "auto" | "labels" | "positions";
+                format?: "pdf" | "csv";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/pdf": unknown;
+                    "text/csv": unknown;
                 };
             };
             503: {

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { bandOf, csvOf, pairsOf } from "./gait";
+import { bandOf, meanOf, pairsOf } from "./gait";
 
 const named = (name: string) => ({ function: "quantity", name, axes: ["x", "y", "z"], unit: "deg", reason: "" });
 
@@ -18,20 +18,15 @@ test("a missing standard deviation has no band", () => {
   expect(bandOf(cycle, -1)).toEqual([0.5, null, null]);
 });
 
-test("parameters and cycles leave in long form", () => {
-  const parameter = {
-    name: "speed",
-    unit: "m/s",
-    left: { mean: 1.25, sd: null, n: 1 },
-    right: { mean: null, sd: null, n: 0 },
-    symmetry: null,
-  };
-  const cycle = { quantity: "quantity:=K,x", side: "right" as const, unit: "deg", mean: [7.5], sd: [null] };
-  expect(csvOf([parameter], [cycle]).split("\r\n")).toEqual([
-    "name,side,percent,mean,sd,n,unit",
-    "speed,left,,1.25,,1,m/s",
-    "speed,right,,,,0,m/s",
-    '"quantity:=K,x",right,0,7.5,,,deg',
-    "",
-  ]);
+test("a normal band is the mean of both sides, unknown where one is", () => {
+  const [left, right] = (["left", "right"] as const).map((side, at) => ({
+    quantity: side,
+    side,
+    unit: "deg",
+    n: 2 + at,
+    mean: [1 + 2 * at, at ? null : 4],
+    sd: [0.5, 1.5],
+  }));
+  expect(meanOf([left!, right!])).toMatchObject({ n: 5, mean: [2, null], sd: [0.5, 1.5] });
+  expect(meanOf([left!]).mean).toEqual([1, 4]);
 });

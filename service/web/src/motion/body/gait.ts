@@ -14,21 +14,8 @@ interface Cycle {
   mean: (number | null)[];
   sd: (number | null)[];
 }
-interface Summary {
-  mean: number | null;
-  sd: number | null;
-  n: number;
-}
-interface Parameter {
-  name: string;
-  unit: string;
-  left: Summary;
-  right: Summary;
-  symmetry: number | null;
-}
-
 const PARTS = ["Pelvis", "Hip", "Knee", "Ankle"];
-const OF_SKELETON = ["leg-flexion", "knee-flexion", "foot-dorsiflexion"];
+const OF_SKELETON = ["hip-flexion", "knee-flexion", "ankle-dorsiflexion"];
 
 /** Angles of the laboratory's own model where the file has them, else those of the skeleton; markers alone have none. */
 export function pairsOf(measured: readonly Measured[], axis: string, markers: boolean): Pair[] {
@@ -51,24 +38,14 @@ export const bandOf = ({ mean, sd }: Cycle, sign: 1 | -1): (number | null)[] =>
     return value === null || wide === null || wide === undefined ? null : value + sign * wide;
   });
 
-const cell = (value: number | string | null): string => (value === null ? "" : String(value));
-
-/** Parameters, then cycles, in long form. */
-export function csvOf(parameters: readonly Parameter[], cycles: readonly Cycle[]): string {
-  const rows: (number | string | null)[][] = [["name", "side", "percent", "mean", "sd", "n", "unit"]];
-  for (const { name, unit, left, right } of parameters)
-    for (const [side, { mean, sd, n }] of [
-      ["left", left],
-      ["right", right],
-    ] as const)
-      rows.push([name, side, null, mean, sd, n, unit]);
-  for (const { quantity, side, unit, mean, sd } of cycles)
-    mean.forEach((value, percent) => rows.push([quantity, side, percent, value, sd[percent] ?? null, null, unit]));
-  return rows.map((row) => row.map((value) => quoted(cell(value))).join(",")).join("\r\n") + "\r\n";
+/** The mean of curves of both sides, as normal bands are drawn; null where a side is unknown. */
+export function meanOf(cycles: readonly (Cycle & { n: number })[]): Cycle & { n: number } {
+  const [first] = cycles;
+  if (!first) throw new Error("no cycles");
+  const mean = (part: "mean" | "sd") =>
+    first.mean.map((_, at) => {
+      const values = cycles.map((cycle) => cycle[part][at]).filter((value) => typeof value === "number");
+      return values.length < cycles.length ? null : values.reduce((sum, value) => sum + value, 0) / values.length;
+    });
+  return { ...first, mean: mean("mean"), sd: mean("sd"), n: cycles.reduce((sum, cycle) => sum + cycle.n, 0) };
 }
-
-// A text that begins like a formula gets a quote, as in other CSV of the service.
-const quoted = (text: string): string => {
-  const safe = /^[=+@\t\r]/.test(text) ? `'${text}` : text;
-  return /[",\r\n]/.test(safe) ? `"${safe.replaceAll('"', '""')}"` : safe;
-};

@@ -1,9 +1,11 @@
 /** Curves over the gait cycle, from strike to strike: mean and standard deviation of each side. */
 import { useMemo } from "preact/hooks";
 import type { Schemas } from "../../../api/client";
-import { bandOf, type Pair } from "../../../motion/body/gait";
+import { bandOf, meanOf, type Pair } from "../../../motion/body/gait";
 import { Plot, type Curve, type Mark } from "../../../ui/Plot";
 import { w, type Word } from "../../../words";
+
+import type { Compared } from "./Comparing";
 
 type Measures = Schemas["GaitMeasures"];
 const PERCENT = Array.from({ length: 101 }, (_, at) => at);
@@ -15,12 +17,14 @@ const PLANES: [string, Word][] = [
 
 export function Cycles({
   gait,
+  compared,
   pairs,
   axis,
   onAxis,
   ofFile,
 }: {
   gait: Measures;
+  compared: Compared | null;
   pairs: readonly Pair[];
   axis: string;
   onAxis: (axis: string) => void;
@@ -43,26 +47,57 @@ export function Cycles({
       </h3>
       {ofFile && <p class="dim">{w("help.ownAnglesHelp")}</p>}
       {pairs.map((pair) => (
-        <CycleOf key={pair.title} gait={gait} pair={pair} />
+        <CycleOf key={pair.title} gait={gait} compared={compared} pair={pair} />
       ))}
     </section>
   );
 }
 
-function CycleOf({ gait, pair }: { gait: Measures; pair: Pair }) {
-  const [left, right] = [pair.left, pair.right].map((quantity) =>
-    gait.cycles.find((cycle) => cycle.quantity === quantity),
-  );
-  const curves = useMemo(
-    () =>
-      [left, right].flatMap((cycle): Curve[] => {
-        if (!cycle || !cycle.n) return [];
-        const name = w(cycle.side === "left" ? "label.sideLeft" : "label.sideRight");
-        const band = { low: bandOf(cycle, -1), high: bandOf(cycle, 1) };
-        return [{ name: `${name}, n = ${cycle.n}`, values: cycle.mean, ink: cycle.side, band }];
-      }),
-    [left, right],
-  );
+type Cycle = Schemas["GaitCycle"];
+
+const cyclesOf = (cycles: readonly Cycle[] | undefined, { left, right }: Pair): Cycle[] =>
+  [left, right].flatMap((quantity, at) => {
+    const side = at ? "right" : "left";
+    const found = cycles?.find((cycle) => cycle.quantity === quantity && cycle.side === side && cycle.n);
+    return found ? [found] : [];
+  });
+
+const sideOf = (cycle: Cycle) => w(cycle.side === "left" ? "label.sideLeft" : "label.sideRight");
+
+/** The normal band, then both sides, then those of the other trials as dashed lines. */
+function curvesOf(gait: Measures, compared: Compared | null, pair: Pair): Curve[] {
+  const normal = cyclesOf(compared?.reference?.cycles, pair);
+  const middle = normal.length ? meanOf(normal) : null;
+  return [
+    ...(middle
+      ? [
+          {
+            name: `${w("label.normalBand")}, n = ${middle.n}`,
+            values: middle.mean,
+            ink: "text3",
+            width: 0.8,
+            band: { low: bandOf(middle, -1), high: bandOf(middle, 1) },
+          },
+        ]
+      : []),
+    ...cyclesOf(gait.cycles, pair).map((cycle) => ({
+      name: `${sideOf(cycle)}, n = ${cycle.n}`,
+      values: cycle.mean,
+      ink: cycle.side,
+      band: { low: bandOf(cycle, -1), high: bandOf(cycle, 1) },
+    })),
+    ...cyclesOf(compared?.compare?.cycles, pair).map((cycle) => ({
+      name: `${w("label.compared")}: ${sideOf(cycle)}, n = ${cycle.n}`,
+      values: cycle.mean,
+      ink: cycle.side,
+      dash: [5, 3],
+    })),
+  ];
+}
+
+function CycleOf({ gait, compared, pair }: { gait: Measures; compared: Compared | null; pair: Pair }) {
+  const curves = useMemo(() => curvesOf(gait, compared, pair), [gait, compared, pair]);
+  const unit = cyclesOf(gait.cycles, pair)[0]?.unit;
   const stance = gait.parameters.find((each) => each.name === "stance");
   const marks = useMemo(
     () =>
@@ -82,7 +117,7 @@ function CycleOf({ gait, pair }: { gait: Measures; pair: Pair }) {
           marks={marks}
           label={`${w("label.gaitCycles")}: ${pair.title}`}
           xLabel={w("label.percentOfCycle")}
-          yLabel={left?.unit ?? right?.unit}
+          yLabel={unit}
           height={150}
         />
       ) : (

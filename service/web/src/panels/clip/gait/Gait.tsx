@@ -1,15 +1,15 @@
 /** The gait of a clip: parameters by side, cycles of the joints, and the events that they rest on. */
 import { useMemo, useState } from "preact/hooks";
 import { get, type Schemas } from "../../../api/client";
-import { csvOf, pairsOf } from "../../../motion/body/gait";
+import { pairsOf } from "../../../motion/body/gait";
 import type { Clip } from "../../../state/clip/clip";
 import { mayEdit } from "../../../state/session/me";
-import { saveBlob } from "../../../ui/exporting/saveBlob";
 import { Trouble } from "../../../ui/Trouble";
 import { useAsync } from "../../../ui/useAsync";
 import { number, w } from "../../../words";
 import { newSpan } from "../actions";
 import { useMeasurements } from "../body/MeasurementChoice";
+import { Comparing, useCompared, type Others } from "./Comparing";
 import { Cycles } from "./Cycles";
 import { Parameters } from "./Parameters";
 
@@ -19,6 +19,7 @@ export type Measures = Schemas["GaitMeasures"];
 
 export function Gait({ clip }: { clip: Clip }) {
   const [axis, setAxis] = useState("x");
+  const [others, setOthers] = useState<Others>({ compare: "", reference: "" });
   const listed = useMeasurements(clip);
   const items = listed.value?.items;
   const pairs = useMemo(() => items && pairsOf(items, axis, clip.skeleton.view.markers), [items, axis, clip]);
@@ -32,17 +33,20 @@ export function Gait({ clip }: { clip: Clip }) {
     [clip, pairs],
   );
   const gait = loaded.value;
+  const compared = useCompared(clip, others, pairs?.flatMap((pair) => [pair.left, pair.right]) ?? []);
   return (
     <div class="gait">
-      <Trouble error={listed.error ?? loaded.error} retry={loaded.again} />
+      <Trouble error={listed.error ?? loaded.error ?? compared.error} retry={loaded.again} />
       {loaded.busy && !gait && <div class="busy" />}
       {gait && (
         <>
-          <Summary clip={clip} gait={gait} />
-          <Parameters gait={gait} />
+          <Summary gait={gait} />
+          <Comparing clip={clip} others={others} choose={setOthers} />
+          <Parameters gait={gait} compared={compared.value ?? null} />
           {pairs && pairs.length > 0 && (
             <Cycles
               gait={gait}
+              compared={compared.value ?? null}
               pairs={pairs}
               axis={axis}
               onAxis={setAxis}
@@ -56,21 +60,15 @@ export function Gait({ clip }: { clip: Clip }) {
   );
 }
 
-function Summary({ clip, gait }: { clip: Clip; gait: Measures }) {
+function Summary({ gait }: { gait: Measures }) {
   const kind = gait.running === null ? "" : w(gait.running ? "label.running" : "label.walking");
   const belt =
     gait.belt.is_belt && gait.belt.speed !== null ? w("label.onBelt", { speed: number(gait.belt.speed, 3) }) : "";
-  const save = () =>
-    saveBlob(new Blob([csvOf(gait.parameters, gait.cycles)], { type: "text/csv" }), `${clip.detail.name}-gait.csv`);
   return (
     <>
       <div class="row wrap">
         <strong>{[kind, belt].filter(Boolean).join(", ")}</strong>
         <span class="dim">{w("label.strides", { n: gait.strides.length })}</span>
-        <span class="tail" />
-        <button type="button" class="button dense" onClick={save}>
-          {w("button.saveCsv")}
-        </button>
       </div>
       {gait.warnings.length > 0 && (
         <details>

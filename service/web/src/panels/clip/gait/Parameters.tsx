@@ -1,6 +1,13 @@
 /** Spatio-temporal parameters by side. */
 import type { Schemas } from "../../../api/client";
+import { itemAt } from "../../../lists";
 import { number, w, type Word } from "../../../words";
+import type { Compared } from "./Comparing";
+
+const SIDES = [
+  ["left", "label.sideLeft"],
+  ["right", "label.sideRight"],
+] as const;
 
 const WORDS: Record<string, Word> = {
   stride_time: "label.strideTime",
@@ -15,7 +22,16 @@ const WORDS: Record<string, Word> = {
   single_support: "label.singleSupport",
 };
 
-export function Parameters({ gait }: { gait: Schemas["GaitMeasures"] }) {
+const GROUPS = [
+  ["compare", "label.compared"],
+  ["reference", "label.normalBand"],
+] as const;
+
+export function Parameters({ gait, compared }: { gait: Schemas["GaitMeasures"]; compared: Compared | null }) {
+  const groups = GROUPS.flatMap(([name, word]) => {
+    const group = compared?.[name];
+    return group ? [{ name, word, parameters: group.parameters }] : [];
+  });
   return (
     <table class="gait-table">
       <thead>
@@ -30,10 +46,17 @@ export function Parameters({ gait }: { gait: Schemas["GaitMeasures"] }) {
           <th class="n" title={w("help.symmetryHelp")}>
             {w("label.symmetry")}
           </th>
+          {groups.map(({ name, word }) =>
+            SIDES.map(([side, label]) => (
+              <th key={name + side} class="n" data-side={side}>
+                {w(word)}: {w(label)}
+              </th>
+            )),
+          )}
         </tr>
       </thead>
       <tbody>
-        {gait.parameters.map((each) => (
+        {gait.parameters.map((each, at) => (
           <tr key={each.name} title={each.how}>
             <td>
               {WORDS[each.name] ? w(WORDS[each.name] as Word) : each.name} <span class="dim">{each.unit}</span>
@@ -41,6 +64,9 @@ export function Parameters({ gait }: { gait: Schemas["GaitMeasures"] }) {
             <Value {...each.left} />
             <Value {...each.right} />
             <td class="n">{each.symmetry === null ? "–" : `${number(each.symmetry, 2)} %`}</td>
+            {groups.map(({ name, parameters }) =>
+              SIDES.map(([side]) => <Value key={name + side} {...itemAt(parameters, at)[side]} />),
+            )}
           </tr>
         ))}
       </tbody>
