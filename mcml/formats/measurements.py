@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import BinaryIO, Final, cast
+from typing import BinaryIO, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +23,9 @@ from mcml.formats.c3d.quantities import Quantity, kept_quantities, rate_of, samp
 from mcml.formats.gait_quantities import FindPositions, GaitQuantities, Ids
 from mcml.formats.quantity_units import are_per_kilogram, explain_unit
 from mcml.laboratory.force_plates import Plate, PlateForces, plate_forces
-from mcml.laboratory.gait_events import SIDES, GaitEvent, Kind, Side, WalkerPaths
+from mcml.laboratory.gait_events import SIDES, GaitEvent, Side, WalkerPaths
 from mcml.laboratory.gait_model.dynamics import Ground
-from mcml.laboratory.plate_feet import FootForces, find_crossing, find_loads, is_whole_step, sum_forces
+from mcml.laboratory.plate_feet import FootForces, find_loads, find_step_events, sum_forces
 from mcml.motion.bodies.quantities import AXES_OF_FILE, AskedQuantity
 from mcml.motion.clip import ClipHead
 from mcml.motion.skeleton import Array
@@ -149,24 +149,19 @@ class Measurements:
         if channels is None or numbers.dtype.kind != "i" or self._rate_of_channels_differs:
             return []
         plates = self.plates_at(ids)
-        usable, events = list(plates), []
-        for load in find_loads(list(plates.values()), walker):
-            plate = self._plates[usable[load.plate] - 1]
-            if load.side is None or not is_whole_step(load, plate, walker):
-                continue
-            for kind, at, rising in (("strike", load.first, True), ("off", load.end - 1, False)):
-                frame = int(numbers[at]) - channels.first
-                first = frame - 1 if rising else frame
-                beside = int(numbers[at + (-1 if rising else 1)]) - channels.first
-                if beside != frame + (-1 if rising else 1) or not 0 <= beside < channels.frames:
-                    continue
-                forces = self.sample_plate(usable[load.plate], first + channels.first, 2)
-                upward = forces.force @ forces.vertical
-                place = find_crossing(upward, rising=rising)
-                seconds = at / walker.rate + ((first - frame) * channels.samples + place) / channels.rate
-                if np.isfinite(seconds):
-                    events.append(GaitEvent(seconds, load.side, cast("Kind", kind), "plate"))
-        return events
+        usable = list(plates)
+
+        def read_upward(place: int, at: int) -> Array | None:
+            frame = int(numbers[at])
+            if int(numbers[at + 1]) != frame + 1 or not 0 <= frame - channels.first < channels.frames - 1:
+                return None
+            forces = self.sample_plate(usable[place], frame, 2)
+            upward: Array = forces.force @ forces.vertical
+            return upward
+
+        loads = find_loads(list(plates.values()), walker)
+        surfaces = [self._plates[number - 1] for number in usable]
+        return find_step_events(loads, surfaces, walker, (channels.samples, channels.rate), read_upward)
 
     def _at(self, whole: Array, ids: NDArray[np.int64] | Sequence[str]) -> Array:
         """Values of frames (n, …) from those of all frames of the file."""

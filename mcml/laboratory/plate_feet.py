@@ -6,14 +6,14 @@ that is seen, belong to no foot: their forces are unknown, not 0.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from mcml.laboratory.force_plates import LEAST_FORCE, Plate, PlateForces
-from mcml.laboratory.gait_events import SIDES, GaitEvent, Side, WalkerPaths
+from mcml.laboratory.gait_events import SIDES, GaitEvent, Kind, Side, WalkerPaths
 from mcml.motion.skeleton import Array
 
 NEAR: Final = 0.1
@@ -97,6 +97,35 @@ def is_whole_step(load: Load, plate: Plate, paths: WalkerPaths) -> bool:
     heel, toe = paths.heels[load.side][ends[:1]], paths.toes[load.side][ends[1:]]
     own = bool(plate.has_inside(heel).all() and plate.has_inside(toe).all())
     return own and not plate.has_inside(middle).any()
+
+
+def find_step_events(
+    loads: Sequence[Load],
+    plates: Sequence[Plate],
+    paths: WalkerPaths,
+    sampling: tuple[int, float],
+    read_upward: Callable[[int, int], Array | None],
+) -> list[GaitEvent]:
+    """Find the strikes and offs of whole steps, at the rate of the plates, in seconds from the first frame.
+
+    sampling: samples of a plate in a frame, and in a second. read_upward: returns the upward force on a plate (its
+    place among the plates) in all samples of a frame and the following one, None where these do not follow in the file.
+    """
+    samples, rate = sampling
+    events = []
+    for load in loads:
+        if load.side is None or not is_whole_step(load, plates[load.plate], paths):
+            continue
+        kinds: tuple[tuple[Kind, int, int], ...] = (("strike", load.first, 1), ("off", load.end - 1, 0))
+        for kind, at, before in kinds:
+            upward = read_upward(load.plate, at - before)
+            if upward is None:
+                continue
+            place = find_crossing(upward, rising=kind == "strike")
+            seconds = at / paths.rate + (place - before * samples) / rate
+            if np.isfinite(seconds):
+                events.append(GaitEvent(seconds, load.side, kind, "plate"))
+    return events
 
 
 def find_crossing(upward: Array, *, rising: bool) -> float:
