@@ -397,6 +397,20 @@ class Operations:
         progress: FileProgress | None = None,
     ) -> MeasurementList:
         """List the measurements of a document: quantities of its own model, analog channels, force plates."""
+    def get_analog(
+        self,
+        *,
+        id: str,
+        channel: list[str] | None = ...,
+        first: int | None = ...,
+        last: int | None = ...,
+        scaled: bool | None = ...,
+        format: Literal["csv", "arrow", "parquet"] | None = ...,
+        revision: int | None = ...,
+        raw: bool | None = ...,
+        progress: FileProgress | None = None,
+    ) -> Content:
+        """Get the analog channels of a document, such as electromyography, at their own rate."""
     def change_calibration(
         self,
         *,

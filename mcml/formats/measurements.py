@@ -128,16 +128,16 @@ class Measurements:
     @property
     def samples(self) -> int:
         """Samples of a plate in a frame; 0 without analog channels."""
-        return 0 if self._channels is None else self._channels.samples
+        return 0 if self.channels is None else self.channels.samples
 
     def sample_plate(self, number: int, frame: int, count: int) -> PlateForces:
         """Forces on a usable plate in all samples of so many frames, from the one with this number in the file on.
 
         There are fewer frames at the end of the file. The sign is that of the whole recording.
         """
-        assert self._channels is not None
+        assert self.channels is not None
         plate = self._plates[number - 1]
-        samples = self._channels.read(frame - self._channels.first, count, plate.channels)
+        samples = self.channels.read(frame - self.channels.first, count, plate.channels)
         return plate_forces(plate, samples, is_turned=self._forces(str(number)).is_turned)
 
     def find_events(self, ids: NDArray[np.int64] | Sequence[str], walker: WalkerPaths) -> list[GaitEvent]:
@@ -145,8 +145,8 @@ class Measurements:
 
         walker: the feet in these frames, in metres.
         """
-        channels, numbers = self._channels, np.asarray(ids)
-        if channels is None or numbers.dtype.kind != "i" or self._rate_of_channels_differs:
+        channels, numbers = self.channels, np.asarray(ids)
+        if channels is None or numbers.dtype.kind != "i" or self.rate_difference:
             return []
         plates = self.plates_at(ids)
         usable = list(plates)
@@ -167,8 +167,8 @@ class Measurements:
         """Values of frames (n, …) from those of all frames of the file."""
         values = np.full((len(ids), *whole.shape[1:]), np.nan)
         numbers = np.asarray(ids)
-        if self._channels is not None and self._has_rate_of_channels and numbers.dtype.kind == "i":
-            places = numbers - self._channels.first
+        if self.channels is not None and self._has_rate_of_channels and numbers.dtype.kind == "i":
+            places = numbers - self.channels.first
             inside = (places >= 0) & (places < len(whole))
             values[inside] = whole[places[inside]]
         return values
@@ -251,25 +251,25 @@ class Measurements:
 
     def _instants(self, number: int) -> PlateForces:
         """Forces of a plate around the instant of each frame of the file."""
-        plate, channels = self._plates[number - 1], self._channels
+        plate, channels = self._plates[number - 1], self.channels
         assert channels is not None
         return plate_forces(plate, channels.means(plate.channels, around_instant=True))
 
     def _channel(self, label: str) -> Array:
         """(frames of the file,) means of the samples of a channel."""
-        labels = self._channels.labels if self._channels is not None else ()
-        if self._channels is None or label not in labels:
+        labels = self.channels.labels if self.channels is not None else ()
+        if self.channels is None or label not in labels:
             raise _name_error("analog channel", label, labels, "files with analog channels, whose upload is kept,")
-        return self._channels.means([labels.index(label)])[:, 0]
+        return self.channels.means([labels.index(label)])[:, 0]
 
     def _forces(self, name: str) -> PlateForces:
         names = [str(number + 1) for number in range(len(self._plates))]
-        if name not in names or self._channels is None:
+        if name not in names or self.channels is None:
             raise _name_error("force plate", name, names, "files with force plates, whose upload is kept,")
         if name not in self._plates_read:
             plate = self._plates[names.index(name)]
-            samples = np.zeros((self._channels.frames, 0)) if plate.problems else self._channels.means(plate.channels)
-            rate = self._channels.rate / self._channels.samples
+            samples = np.zeros((self.channels.frames, 0)) if plate.problems else self.channels.means(plate.channels)
+            rate = self.channels.rate / self.channels.samples
             self._plates_read[name] = plate_forces(plate, samples, rate)
         return self._plates_read[name]
 
@@ -301,22 +301,20 @@ class Measurements:
         return are_per_kilogram(self._quantities.values())
 
     def _list_channels(self) -> list[Measurement]:
-        channels = self._channels
+        channels = self.channels
         if channels is None:
             return []
         rate = channels.rate if math.isfinite(channels.rate) else None
         return [
-            Measurement(
-                "analog", label, (), unit, "ANALOG", rate, self._has_rate_of_channels, self._rate_of_channels_differs
-            )
+            Measurement("analog", label, (), unit, "ANALOG", rate, self._has_rate_of_channels, self.rate_difference)
             for label, unit in zip(channels.labels, channels.units, strict=True)
         ]
 
     def _list_plates(self) -> list[Measurement]:
-        rate = self._channels.rate if self._channels is not None else None
+        rate = self.channels.rate if self.channels is not None else None
         items = []
         for number, plate in enumerate(self._plates, 1):
-            reason = "; ".join(plate.problems) or self._rate_of_channels_differs
+            reason = "; ".join(plate.problems) or self.rate_difference
             items += [
                 Measurement(
                     function, str(number), axes, unit, f"FORCE_PLATFORM type {plate.type}", rate, not reason, reason,
@@ -351,8 +349,8 @@ class Measurements:
         return None if self._original is None else read_channels(self._original)
 
     @property
-    def _channels(self) -> Channels | None:
-        """The file, if it has analog channels."""
+    def channels(self) -> Channels | None:
+        """The analog channels of the file, None where it has none."""
         return self._file if self._file is not None and len(self._file) else None
 
     @property
@@ -362,16 +360,16 @@ class Measurements:
 
     @cached_property
     def _plates(self) -> list[Plate]:
-        return [] if self._channels is None else plates_of(self._channels)
+        return [] if self.channels is None else plates_of(self.channels)
 
     @cached_property
     def _has_rate_of_channels(self) -> bool:
-        return not self._rate_of_channels_differs
+        return not self.rate_difference
 
     @cached_property
-    def _rate_of_channels_differs(self) -> str:
-        """Why frames of the clip are not those of the channels, "" where they may be."""
-        seconds, channels = self._head.seconds_per_frame(), self._channels
+    def rate_difference(self) -> str:
+        """Why frames of the clip are not those of the analog channels, "" where they may be."""
+        seconds, channels = self._head.seconds_per_frame(), self.channels
         if channels is None or seconds is None or not math.isfinite(channels.rate):
             return ""
         rate = channels.rate / channels.samples

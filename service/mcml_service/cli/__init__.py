@@ -35,6 +35,7 @@ BY_HAND = {
     "purge": "edits.purging:purge",
     "frames": "edits.frames:frames",
     "numbers": "numbers:numbers",
+    "analog": "numbers:analog",
     "gait": "gait:gait",
     "compose": "edits.composing:compose",
     "retarget": "edits.composing:retarget",

@@ -1,4 +1,4 @@
-"""`mcml numbers`: frames of a document as a table or arrays."""
+"""`mcml numbers` and `mcml analog`: frames and analog channels of a document as tables or arrays."""
 
 from __future__ import annotations
 
@@ -58,6 +58,36 @@ def numbers(
         first=first,
         last=last,
         step=step,
+        format=form,
+        raw=raw,
+    )
+    write_blocks(answer.blocks, output, force=force)
+
+
+def analog(
+    id: Annotated[str, typer.Argument(help="Document")],
+    output: Annotated[Path | None, typer.Argument(help=".csv, .arrow or .parquet; default CSV to the terminal")] = None,
+    channel: Annotated[list[str] | None, typer.Option(help="Only this channel; may be repeated; default all")] = None,
+    first: Annotated[int, typer.Option(help="First frame, a position from 1")] = 1,
+    last: Annotated[int | None, typer.Option(help="Last frame, included")] = None,
+    scaled: Annotated[bool, typer.Option(help="In the unit of the channel, or as the file stores the numbers")] = True,
+    raw: RawOption = False,
+    force: ForceOption = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Export the analog channels of a document at their own rate, such as electromyography."""
+    form = "csv" if output is None else output.suffix.removeprefix(".")
+    if form not in ("csv", "arrow", "parquet"):
+        raise RequestError(f"{output} is no table by its name.", remedy="End it in .csv, .arrow or .parquet.")
+    client = open_client(database, server)
+    answer = client.call(
+        "get_analog",
+        id=id_of(client, id),
+        channel=channel or None,
+        first=first,
+        last=last,
+        scaled=scaled,
         format=form,
         raw=raw,
     )

@@ -2,21 +2,39 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from typing import TYPE_CHECKING
+from dataclasses import asdict, replace
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from pydantic import Field
 
 from mcml.answers import Content
 from mcml.errors import NotFoundError
 from mcml_schemas.bodies import Calibration, CalibrationChange
 from mcml_schemas.measurements import MeasurementFacts, MeasurementList
 from mcml_schemas.skeletons import SkeletonView
-from mcml_service.operations.arguments import AtRevision, DocumentId, IfMatch, at_revision, find_for_write, tag
+from mcml_service.operations.arguments import (
+    AtRevision,
+    DocumentId,
+    First,
+    IfMatch,
+    Last,
+    Raw,
+    at_revision,
+    find_for_write,
+    tag,
+)
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import gives
 
 if TYPE_CHECKING:
     pass
 
+ANALOG_TYPES = {
+    "csv": "text/csv",
+    "arrow": "application/vnd.apache.arrow.stream",
+    "parquet": "application/vnd.apache.parquet",
+}
+"""Media types of tables of analog channels, by form."""
 THUMBNAIL = "application/vnd.mcml.thumbnail"
 
 
@@ -57,6 +75,40 @@ def list_measurements(call: Call, id: DocumentId, revision: AtRevision = None) -
         return MeasurementList(
             items=[MeasurementFacts(**asdict(each)) for each in read_measurements(then, stored).describe()]
         )
+
+
+@gives("The samples, as a table", dict.fromkeys(ANALOG_TYPES.values()))
+def get_analog(
+    call: Call,
+    id: DocumentId,
+    channel: Annotated[
+        list[str] | None,
+        Field(max_length=1000, description="Only these channels; may be repeated; default all", examples=[["EMG1"]]),
+    ] = None,
+    first: First = 1,
+    last: Last = None,
+    scaled: Annotated[
+        bool, Field(description="In the unit of the channel; false: numbers as the file stores them", examples=[True])
+    ] = True,
+    format: Annotated[
+        Literal["csv", "arrow", "parquet"],
+        Field(description="arrow (an IPC stream) and parquet need the extra `arrow`", examples=["csv"]),
+    ] = "csv",
+    revision: AtRevision = None,
+    raw: Raw = False,
+) -> Content:
+    """Columns: frame (a position from 1), time (seconds from the first frame), then a column for each channel. A frame
+    has as many rows as samples. Samples follow the frames of the document; they are empty in frames that are not of
+    the file. Units of columns are `unit` of the fields of `arrow` and `parquet`.
+    """
+    from mcml_service.actions.exporting.write_tables import write_table
+    from mcml_service.actions.reading.read_analog import read_analog
+
+    then, stored = at_revision(call.read(), id, revision)
+    end = stored.frames if last is None else min(last, stored.frames)
+    batches, about = read_analog(then, stored, channel, first, end, scaled=scaled)
+    content = write_table(format, batches, replace(about, raw=raw))
+    return Content(content, ANALOG_TYPES[format], f"{stored.name}-analog.{format}")
 
 
 def change_calibration(call: Call, id: DocumentId, change: CalibrationChange, if_match: IfMatch = None) -> Calibration:
