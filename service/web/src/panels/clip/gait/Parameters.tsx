@@ -33,44 +33,46 @@ export function Parameters({ gait, compared }: { gait: Schemas["GaitMeasures"]; 
     return group ? [{ name, word, parameters: group.parameters }] : [];
   });
   return (
-    <table class="gait-table">
-      <thead>
-        <tr>
-          <th>{w("label.gaitParameter")}</th>
-          <th class="n" data-side="left">
-            {w("label.sideLeft")}
-          </th>
-          <th class="n" data-side="right">
-            {w("label.sideRight")}
-          </th>
-          <th class="n" title={w("help.symmetryHelp")}>
-            {w("label.symmetry")}
-          </th>
-          {groups.map(({ name, word }) =>
-            SIDES.map(([side, label]) => (
-              <th key={name + side} class="n" data-side={side}>
-                {w(word)}: {w(label)}
-              </th>
-            )),
-          )}
-        </tr>
-      </thead>
-      <tbody>
-        {gait.parameters.map((each, at) => (
-          <tr key={each.name} title={each.how}>
-            <td>
-              {WORDS[each.name] ? w(WORDS[each.name] as Word) : each.name} <span class="dim">{each.unit}</span>
-            </td>
-            <Value {...each.left} />
-            <Value {...each.right} />
-            <td class="n">{each.symmetry === null ? "–" : `${number(each.symmetry, 2)} %`}</td>
-            {groups.map(({ name, parameters }) =>
-              SIDES.map(([side]) => <Value key={name + side} {...itemAt(parameters, at)[side]} />),
+    <div class="gait-scroll">
+      <table class="gait-table">
+        <thead>
+          <tr>
+            <th>{w("label.gaitParameter")}</th>
+            <th class="n" data-side="left">
+              {w("label.sideLeft")}
+            </th>
+            <th class="n" data-side="right">
+              {w("label.sideRight")}
+            </th>
+            <th class="n" title={w("help.symmetryHelp")}>
+              {w("label.symmetry")}
+            </th>
+            {groups.map(({ name, word }) =>
+              SIDES.map(([side, label]) => (
+                <th key={name + side} class="n" data-side={side}>
+                  {w(word)}: {w(label)}
+                </th>
+              )),
             )}
           </tr>
-        ))}
-      </tbody>
-    </table>
+        </thead>
+        <tbody>
+          {gait.parameters.map((each, at) => (
+            <tr key={each.name} title={each.how}>
+              <td>
+                {WORDS[each.name] ? w(WORDS[each.name] as Word) : each.name} <span class="dim">{each.unit}</span>
+              </td>
+              <Value {...each.left} />
+              <Value {...each.right} />
+              <td class="n">{each.symmetry === null ? "–" : `${number(each.symmetry, 2)} %`}</td>
+              {groups.map(({ name, parameters }) =>
+                SIDES.map(([side]) => <Value key={name + side} {...itemAt(parameters, at)[side]} />),
+              )}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
   );
 }
 
