@@ -37,6 +37,27 @@ def test_events_of_positions_become_labels_with_undo(visit: Visit, studio: Serve
 
 
 @one_door
+def test_a_clip_is_compared_with_a_collection(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("walk.c3d", make_c3d(GAIT, []))
+    other = studio.upload("other.c3d", make_c3d(Gait(seconds=5, speed=1.6), []))
+    with studio.client() as client:
+        client.put("/collections/healthy", json={"documents": [other]}).raise_for_status()
+    page = visit.open(f"/clips/{uuid}?tab=gait")
+    ready(page)
+    panel = page.get_by_role("tabpanel")
+    speed = panel.get_by_role("row").filter(has_text="Speed")
+    expect(speed.get_by_role("cell")).to_have_count(4)
+    panel.get_by_label("Normal band").select_option(label="default/healthy")
+    expect(speed.get_by_role("cell")).to_have_count(6)
+    expect(speed.get_by_role("cell").nth(4)).to_contain_text("1.6")
+    panel.get_by_label("Normal band").select_option(label="None")
+    expect(speed.get_by_role("cell")).to_have_count(4)
+    with page.expect_download() as download:
+        panel.get_by_role("link", name="Save numbers (CSV)").click()
+    assert download.value.suggested_filename == "walk-gait.csv"
+
+
+@one_door
 def test_a_clip_without_feet_says_why_it_has_no_gait(visit: Visit, studio: Served) -> None:
     visit.wanted = {422}
     uuid = studio.upload("chain.bvh", bvh(20))

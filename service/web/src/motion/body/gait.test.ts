@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { bandOf, meanOf, pairsOf } from "./gait";
+import { bandOf, howComputed, meanOf, pairsOf } from "./gait";
 
 const named = (name: string) => ({ function: "quantity", name, axes: ["x", "y", "z"], unit: "deg", reason: "" });
 
@@ -10,6 +10,15 @@ test("angles of the laboratory's own model come first, with both sides", () => {
   ]);
   expect(pairsOf([], "x", true)).toEqual([]);
   expect(pairsOf([], "x", false).map((pair) => pair.left)).toContain("angle:left-knee-flexion");
+});
+
+test("quantities that cannot be computed are no curves, and computed ones say how", () => {
+  const known = ["LHipAngles", "RHipAngles"].map((name) => ({ ...named(name), notes: ["computed by a model"] }));
+  const unknown = ["LKneeAngles", "RKneeAngles"].map((name) => ({ ...named(name), reason: "missing: LKneeWidth" }));
+  const pairs = pairsOf([...known, ...unknown], "x", true);
+  expect(pairs.map((pair) => pair.title)).toEqual(["Hip"]);
+  expect(howComputed(known, pairs)).toBe("computed by a model");
+  expect(howComputed([{ ...named("LHipAngles"), notes: ["as computed by the laboratory"] }], pairs)).toBe("");
 });
 
 test("a missing standard deviation has no band", () => {

@@ -17,9 +17,9 @@ interface Cycle {
 const PARTS = ["Pelvis", "Hip", "Knee", "Ankle"];
 const OF_SKELETON = ["hip-flexion", "knee-flexion", "ankle-dorsiflexion"];
 
-/** Angles of the laboratory's own model where the file has them, else those of the skeleton; markers alone have none. */
+/** Angles of the laboratory's own model or of a computed one, else those of the skeleton; markers alone have none. */
 export function pairsOf(measured: readonly Measured[], axis: string, markers: boolean): Pair[] {
-  const names = measured.filter((each) => each.function === "quantity").map((each) => each.name);
+  const names = measured.filter((each) => each.function === "quantity" && !each.reason).map((each) => each.name);
   const own = PARTS.flatMap((part) => {
     const left = names.find((name) => (name.split(":").pop() ?? "") === `L${part}Angles`);
     const right = left?.replace(/L(\w+)$/, "R$1");
@@ -29,6 +29,13 @@ export function pairsOf(measured: readonly Measured[], axis: string, markers: bo
   });
   if (own.length || markers) return own;
   return OF_SKELETON.map((name) => ({ title: name, left: `angle:left-${name}`, right: `angle:right-${name}` }));
+}
+
+/** How the angles were computed, "" where the laboratory did it. */
+export function howComputed(measured: readonly (Measured & { notes?: string[] })[], pairs: readonly Pair[]): string {
+  const names = pairs.map((pair) => pair.left.replace(/^quantity:(.*),\w$/, "$1"));
+  const notes = measured.filter((each) => names.includes(each.name)).flatMap((each) => each.notes ?? []);
+  return notes.some((note) => note.startsWith("computed by")) ? [...new Set(notes)].join("; ") : "";
 }
 
 /** Lines of mean and standard deviation for every percent of the cycle. */

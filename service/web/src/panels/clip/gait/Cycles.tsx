@@ -21,6 +21,7 @@ export function Cycles({
   pairs,
   axis,
   onAxis,
+  how,
   ofFile,
 }: {
   gait: Measures;
@@ -28,6 +29,7 @@ export function Cycles({
   pairs: readonly Pair[];
   axis: string;
   onAxis: (axis: string) => void;
+  how: string;
   ofFile: boolean;
 }) {
   return (
@@ -45,7 +47,7 @@ export function Cycles({
           </div>
         )}
       </h3>
-      {ofFile && <p class="dim">{w("help.ownAnglesHelp")}</p>}
+      {ofFile && <p class="dim">{how ? w("help.computedAnglesHelp", { how }) : w("help.ownAnglesHelp")}</p>}
       {pairs.map((pair) => (
         <CycleOf key={pair.title} gait={gait} compared={compared} pair={pair} />
       ))}

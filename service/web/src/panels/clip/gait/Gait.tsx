@@ -1,7 +1,7 @@
 /** The gait of a clip: parameters by side, cycles of the joints, and the events that they rest on. */
 import { useMemo, useState } from "preact/hooks";
 import { get, type Schemas } from "../../../api/client";
-import { pairsOf } from "../../../motion/body/gait";
+import { howComputed, pairsOf } from "../../../motion/body/gait";
 import type { Clip } from "../../../state/clip/clip";
 import { mayEdit } from "../../../state/session/me";
 import { Trouble } from "../../../ui/Trouble";
@@ -50,6 +50,7 @@ export function Gait({ clip }: { clip: Clip }) {
               pairs={pairs}
               axis={axis}
               onAxis={setAxis}
+              how={howComputed(items ?? [], pairs)}
               ofFile={Boolean(pairs[0]?.left.startsWith("quantity:"))}
             />
           )}
