@@ -101,8 +101,8 @@ def get_analog(
     has as many rows as samples. Samples follow the frames of the document; they are empty in frames that are not of
     the file. Units of columns are `unit` of the fields of `arrow` and `parquet`.
     """
+    from mcml_service.actions.exporting.read_analog import read_analog
     from mcml_service.actions.exporting.write_tables import write_table
-    from mcml_service.actions.reading.read_analog import read_analog
 
     then, stored = at_revision(call.read(), id, revision)
     end = stored.frames if last is None else min(last, stored.frames)
