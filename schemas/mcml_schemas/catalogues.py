@@ -55,7 +55,9 @@ class FormatInfo(BaseModel):
     convention: str
     bodies: bool = Field(description="Whether it can hold bodies")
     markers: bool = Field(description="Whether it can hold markers")
-    needs: list[str] = Field(description="Facts that a document must state to be exported: frame_time, unit")
+    needs: list[str] = Field(
+        description="Facts that a document must state to be exported: frame_time, unit, force_plates"
+    )
     assumes: str = Field(
         description="Unit that programs take its numbers for where the document states none; empty: they take none"
     )

@@ -72,7 +72,16 @@ OWN = {
 }
 """Operations that ask nothing of any project."""
 
-UNFIT = {"start_", "use_", "get_result_picture", "cancel_job", "apply_names", "undo_revision", "suggest_labels"}
+UNFIT = {
+    "start_",
+    "use_",
+    "get_result_picture",
+    "cancel_job",
+    "apply_names",
+    "undo_revision",
+    "suggest_labels",
+    "get_analog",
+}
 """Those whose example cannot be done even by who may: short clips, a result without a model."""
 
 

@@ -53,7 +53,7 @@ class OpenSimTrial:
     convention = Convention.MARKER
     media_type = "text/plain"
     bodies, markers = False, True
-    needs = frozenset({"frame_time", "unit"})
+    needs = frozenset({"frame_time", "unit", "force_plates"})
     assumes = ""
 
     def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:

@@ -30,6 +30,7 @@ const METRES: Record<string, number> = { mm: 0.001, cm: 0.01, m: 1, inch: 0.0254
 /** A fact that a format needs and the document does not state: nothing is written without it. */
 const factLacking = (one: Exported, needs: readonly string[]): string | null => {
   if (needs.includes("frame_time") && !one.hasRate) return w("label.needsRate");
+  if (needs.includes("force_plates") && one.format !== "c3d") return w("label.needsPlates");
   return needs.includes("unit") && !one.unit ? w("label.needsUnit") : null;
 };
 
