@@ -128,7 +128,7 @@ class Motion:
     def contact(self, joint: str) -> Array:
         """Return (frames,): 1 where a joint is planted on the ground, else 0.
 
-        joint: "left" and "right" are the feet of somebody who walks or runs, on the ground or a belt: 1 from strike to
+        joint: "left" and "right" are the feet of a walker or runner, on the ground or a belt: 1 from strike to
         off, NaN where no event tells.
         """
         return self._quantity("contact", joint)

@@ -98,7 +98,7 @@ class GaitQuantities:
         )
 
     def describe(self, stated: Sequence[str]) -> Iterator[ComputedQuantity]:
-        """Every quantity that the file does not state, and those of model 1 beside stated ones. stated: their names."""
+        """Every quantity that the file lacks, and model 1 beside stated quantities. stated: names in the file."""
         if not self.are_asked:
             return
         for name in QUANTITIES:

@@ -186,7 +186,7 @@ class Measurements:
         if asked.name != "quantity":
             units = {each.name: each.unit for each in self._list_channels()}
             return units.get(name, "")
-        quantity = self._stated(name)
+        quantity = self._find_stated(name)
         return self._gait.unit(name) if quantity is None else self._unit_of(quantity)[0]
 
     def _quantity(
@@ -197,7 +197,7 @@ class Measurements:
         find_walker: Callable[[], WalkerPaths] | None,
         find_positions: FindPositions | None,
     ) -> Array:
-        quantity = self._stated(label)
+        quantity = self._find_stated(label)
         if quantity is None:
             lacks = self._gait.lacks(label)
             if lacks or find_positions is None:
@@ -215,7 +215,7 @@ class Measurements:
         values: Array = np.where(samples[:, 3] < 0, np.nan, samples[:, axis])
         return values
 
-    def _stated(self, label: str) -> Quantity | None:
+    def _find_stated(self, label: str) -> Quantity | None:
         """A quantity of the file, by its label or, if only one has it, by the label without the subject."""
         if label in self._quantities:
             return self._quantities[label]

@@ -128,7 +128,7 @@ class BodyAngles:
         walker, rest = Walker(skeleton, self._reading), rest_of(skeleton, self._reading)
         if not self.columns:
             return
-        for block, values, positions in self._placed():
+        for block, values, positions in self._place_blocks():
             steps = rounded(positions, self._calibration.step)
             places = {joint.name: steps[:, index] for index, joint in enumerate(skeleton.joints)}
             lines, sides = line_steps(skeleton, self._calibration.bones, positions, values, self._reading)
@@ -141,7 +141,7 @@ class BodyAngles:
                 found += [turned_angle(name, skeleton, rest, self._stance, rotations, gaps) for name in turned]
             yield np.stack(found, axis=1)
 
-    def _placed(self) -> Iterator[tuple[FrameBlock, Array, Array]]:
+    def _place_blocks(self) -> Iterator[tuple[FrameBlock, Array, Array]]:
         """Blocks with values (n, D), and positions (n, J, 3), NaN where a sample is missing."""
         skeleton = self._clip.head.skeleton
         held = Held(skeleton)

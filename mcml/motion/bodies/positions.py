@@ -86,7 +86,7 @@ def world_directions(
         axes: dict[int, _Axes] = {}
         for joint in sorted(needed):
             turn = turns[joint]
-            carried = _carried(turn, axes.get(turn.parent), len(part))
+            carried = _carry(turn, axes.get(turn.parent), len(part))
             rows = tuple((axis, row_of[place]) for axis, place in turn.angles)
             axes[joint] = _turned(carried, rows, sines, cosines)
         for place, (joint, (x, y, z)) in enumerate(own):
@@ -115,14 +115,14 @@ def _walk(skeleton: Skeleton, values: Array, reading: Reading, found: Array) -> 
         if not turn.turns:
             axes.append(None)
             continue
-        axes.append(_turned(_carried(turn, carrier, len(values)), turn.angles, sines, cosines))
+        axes.append(_turned(_carry(turn, carrier, len(values)), turn.angles, sines, cosines))
 
 
 _Axes: TypeAlias = tuple[Array, ...]
 """The three axes of a joint in the world: (3, n) components of each."""
 
 
-def _carried(turn: _Turn, carrier: _Axes | None, frames: int) -> _Axes:
+def _carry(turn: _Turn, carrier: _Axes | None, frames: int) -> _Axes:
     """Axes of a joint before its own rotation: those of its parent, turned as at rest."""
     own = carrier or tuple(np.repeat(np.eye(3)[:, :, None], frames, axis=2))
     if turn.on is None:
