@@ -61,6 +61,9 @@ class FormatInfo(BaseModel):
     assumes: str = Field(
         description="Unit that programs take its numbers for where the document states none; empty: they take none"
     )
+    states: list[str] = Field(
+        [], description="Facts that its files hold: frame_time, unit, up, force_plates; empty where it is not read"
+    )
     reads: bool = Field(True, description="Whether it can be uploaded")
     takes: bool = Field(False, description="Whether one of its files may hold several clips")
     extensions: list[str] = Field([], description="How files end that are read; a file is recognised by its content")

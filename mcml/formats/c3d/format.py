@@ -50,7 +50,7 @@ class C3d:
     bodies, markers = False, True
     needs = frozenset({"frame_time"})
     assumes = ""
-    states = frozenset({"unit", "up", "frame_time"})
+    states = frozenset({"unit", "up", "frame_time", "force_plates"})
 
     def sniff(self, name: str, first_bytes: bytes) -> str | None:
         # Byte 2 is the mark, byte 1 the block of the parameters. A text file has no NUL.

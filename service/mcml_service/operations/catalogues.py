@@ -61,6 +61,7 @@ def _describe_format(name: str) -> FormatInfo:
         markers=writer is not None and writer.markers,
         needs=[] if writer is None else sorted(writer.needs),
         assumes="" if writer is None else writer.assumes,
+        states=[] if reader is None else sorted(reader.states),
         reads=reader is not None,
         takes=isinstance(reader, TakesReader),
         extensions=endings,

@@ -2928,6 +2928,8 @@ export interface components {
             markers: boolean;
             needs: string[];
             assumes: string;
+            /** @default [] */
+            states: string[];
             /** @default true */
             reads: boolean;
             /** @default false */

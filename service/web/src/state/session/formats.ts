@@ -53,6 +53,10 @@ export const extensionOf = (format: Format): string =>
 export const labelOf = (name: string): string =>
   formats().find((one) => one.name === name)?.label ?? name.toUpperCase();
 
+/** Whether files of a format hold a fact. */
+export const holds = (name: string, fact: string): boolean =>
+  formats().some((one) => one.name === name && one.states.includes(fact));
+
 const extensionsOf = (some: readonly Format[]): string[] =>
   some.filter((one) => one.reads).flatMap((one) => one.extensions);
 

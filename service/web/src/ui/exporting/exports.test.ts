@@ -22,7 +22,18 @@ describe("what a document can be exported as", () => {
       "CSV",
       "NumPy",
     ]);
-    expect(texts(true)).toEqual(["For Blender", "For Lab", "MCML", "C3D", "TRC", "glTF", "Tomorrow's", "CSV", "NumPy"]);
+    expect(texts(true)).toEqual([
+      "For Blender",
+      "For Lab",
+      "MCML",
+      "C3D",
+      "Trial",
+      "TRC",
+      "glTF",
+      "Tomorrow's",
+      "CSV",
+      "NumPy",
+    ]);
     expect(exportItems({ ...known, markers: true, format: "" }).find((item) => item.text === "glTF")!.href).toContain(
       "/documents/x/export?format=glb",
     );
@@ -65,5 +76,9 @@ describe("what a document can be exported as", () => {
     expect(items.find((item) => item.text === "ASF/AMC")!.href).toBeTruthy();
     expect(lacking({ ...bare, format: "trc", original: true }, of("trc"))).toBe(null);
     expect(lacking({ ...bare, hasRate: true }, of("trc"))).toMatchObject({ refused: true, text: "needs a unit" });
+    const trial = (format: string) =>
+      exportItems({ ...known, markers: true, format }).find((item) => item.text === "Trial");
+    expect(trial("trc")).toMatchObject({ disabled: true, detail: "needs force plates of a C3D file" });
+    expect(trial("c3d")!.href).toBeTruthy();
   });
 });

@@ -1,6 +1,6 @@
 /** What a document can be exported as, as items of a menu. */
 import { address } from "../../api/client";
-import { LANGUAGE, presets, writtenFormats, type Format } from "../../state/session/formats";
+import { holds, LANGUAGE, presets, writtenFormats, type Format } from "../../state/session/formats";
 import type { Item } from "../Menu";
 import { number, w } from "../../words";
 
@@ -30,7 +30,7 @@ const METRES: Record<string, number> = { mm: 0.001, cm: 0.01, m: 1, inch: 0.0254
 /** A fact that a format needs and the document does not state: nothing is written without it. */
 const factLacking = (one: Exported, needs: readonly string[]): string | null => {
   if (needs.includes("frame_time") && !one.hasRate) return w("label.needsRate");
-  if (needs.includes("force_plates") && one.format !== "c3d") return w("label.needsPlates");
+  if (needs.includes("force_plates") && !holds(one.format, "force_plates")) return w("label.needsPlates");
   return needs.includes("unit") && !one.unit ? w("label.needsUnit") : null;
 };
 
