@@ -126,7 +126,7 @@ def _told_of_markers(skeleton: Skeleton) -> tuple[tuple[str, ...], tuple[tuple[s
         told.append(f"{whose}{len(body.landmarks)} of {body.markers} are landmarks {by}")
         landmarks += [(skeleton.joints[index].source_name, name) for index, name in sorted(body.landmarks.items())]
     for centre in centres_of(skeleton):
-        told.append(f"the centre {centre.name} is made from {' and '.join(dict.fromkeys(centre.landmarks))}")
+        told.append(f"the centre {centre.name} is {centre.describe()}")
     return tuple(told), tuple(landmarks)
 
 

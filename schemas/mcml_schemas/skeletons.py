@@ -111,4 +111,10 @@ class SkeletonView(BaseModel):
     radians: float = Field(description="Radians per unit of the frames' angles")
     bones: list[SkeletonBone] = Field(description="Parents before their children")
     tips: list[Tip]
+    centres: list[str] = Field(
+        [], description="Joints whose centres markers tell: quantities know them as they know bones"
+    )
+    lines: list[tuple[int, int]] = Field(
+        [], description="Pairs of bones that lines connect in a drawing: markers of a person that is recognised"
+    )
     columns: list[str] = Field(description="BONE.CHANNEL of each number of a frame, in their order: that of the file")

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 
 from mcml.laboratory.gait_model.measures import Measures, clean_measures
 from mcml.laboratory.gait_model.model_body import QUANTITIES, LackError, ModelBody, choose_method, is_load
-from mcml.laboratory.gait_model.segment_frames import joint_angles, place_centre, wrap
+from mcml.laboratory.gait_model.segment_frames import joint_angles, wrap
 from mcml.laboratory.gait_model.subject import Subject, find_laboratory, find_subject
+from mcml.motion.landmarks.construction import place_centre
 from mcml.motion.skeleton import Array
 from tests.fuzz import examples
 from tests.laboratory.gait_bodies import LENGTHS, LegPose, make_body, mirror, turn

@@ -6,11 +6,15 @@ import numpy as np
 import pytest
 
 from mcml.motion.hub import rest_of
+from mcml.motion.landmarks.centres import body_names, centres_of, with_centres
+from mcml.motion.markers import marker_skeleton
 from mcml.motion.pictures import thumbnails
-from mcml.motion.pictures.figures import Figure, farthest, figure_of, finite, view_of
+from mcml.motion.pictures.figures import Figure, farthest, figure_of, finite, marker_body_figure, view_of
 from mcml.motion.pictures.thumbnails import busiest, draw, loop_times, poses_at, scrub_times
 from mcml.motion.skeleton import Array, Convention, EndSite, Joint, Skeleton
 from tests import thumbnails as mt1
+from tests.motion.landmarks.standing import PLACES, STANDING
+from tests.motion.landmarks.standing import SKELETON as MARKERS
 
 FRONT = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1]])
 STICK = Figure((0, 1, 2), ((0, 1), (1, 2)), (0, 1, 2), 0)
@@ -126,3 +130,34 @@ def test_any_numbers_make_a_picture(size: float) -> None:
     with np.errstate(all="raise", under="ignore"):
         assert mt1.read(draw(STICK, poses, poses, 1.0, FRONT)).loop.shape == (4, 3, 2)
     assert thumbnails.MAGIC == b"MT1"
+
+
+def test_markers_of_a_person_are_drawn_as_a_figure() -> None:
+    points = with_centres(centres_of(MARKERS), PLACES.repeat(4, axis=0), 0.001)
+    figure = marker_body_figure(MARKERS, points)
+    assert figure is not None
+    names = body_names(MARKERS)
+    lines = {(names[figure.points[start]], names[figure.points[end]]) for start, end in figure.bones}
+    assert {("Root", "left_up_leg"), ("left_low_leg", "left_foot"), ("left_up_arm", "left_low_arm")} <= lines
+    assert ("right_low_arm", "right_hand") not in lines, "that arm has no markers"
+    assert (figure.markers, figure.root) == (False, 0)
+    sides = dict(zip((names[point] for point in figure.points), figure.sides, strict=True))
+    assert (sides["left_foot"], sides["right_foot"], sides["Root"]) == (1, 2, 0)
+    # It is seen from its left front, as skeletons are.
+    toward = view_of(MARKERS, figure, points[0], np.array([0.0, 0.0, 1.0]))[2]
+    assert (toward[:2] > 0).all()
+    # A leg that is not seen in most poses leaves points alone.
+    points[:3, names.index("left_foot")] = np.nan
+    assert marker_body_figure(MARKERS, points) is None
+
+
+def test_two_people_are_two_figures() -> None:
+    skeleton = marker_skeleton([f"{who}:{name}" for who in ("Anna", "Bea") for name in STANDING])
+    places = np.concatenate([PLACES, PLACES + np.array([1000, 0, 0])], axis=1)
+    figure = marker_body_figure(skeleton, with_centres(centres_of(skeleton), places, 0.001))
+    assert figure is not None
+    assert figure.root is None
+    names = body_names(skeleton)
+    whose = [{names[figure.points[place]].partition(":")[0] for place in bone} for bone in figure.bones]
+    assert all(len(each) == 1 for each in whose)
+    assert {"Anna", "Bea"} == set.union(*whose)

@@ -15,16 +15,16 @@ import numpy as np
 
 from mcml.laboratory.gait_model.measures import Measures
 from mcml.laboratory.gait_model.segment_frames import (
-    Sign,
     along_z,
     column,
     frame_of,
     joint_angles,
-    place_centre,
     turn_y,
     turn_z,
     wrap,
 )
+from mcml.motion.landmarks import construction
+from mcml.motion.landmarks.construction import Sign, place_centre
 from mcml.motion.skeleton import Array
 from mcml.motion.vectors import cross, unit
 
@@ -55,12 +55,8 @@ class Leg:
 
 
 def pelvis_frame(markers: Markers) -> tuple[Array, Array]:
-    """(origin, frame) of the pelvis: the middle of the front spines, y along them, x in their plane with the sacrum."""
-    left, right = markers["LASI"], markers["RASI"]
-    origin = (left + right) / 2
-    y = unit(left - right)
-    z = unit(cross(origin - sacrum_of(markers), y))
-    return origin, frame_of(cross(y, z), y, z)
+    """(origin, frame) of the pelvis, see `construction.pelvis_frame`."""
+    return construction.pelvis_frame(markers["LASI"], markers["RASI"], sacrum_of(markers))
 
 
 def sacrum_of(markers: Markers) -> Array:

@@ -10,12 +10,12 @@ import numpy as np
 
 from mcml.laboratory.gait_model import lower_body, upper_body
 from mcml.laboratory.gait_model.dynamics import JOINTS, Ground, Load, joint_loads
-from mcml.laboratory.gait_model.hip_regression import harrington_hip
 from mcml.laboratory.gait_model.lower_body import SIGNS, Leg, Markers
 from mcml.laboratory.gait_model.segment_frames import along_z, column
 from mcml.laboratory.gait_model.static_pass import has_device, stand
 from mcml.laboratory.gait_model.subject import Subject, without_medial
 from mcml.laboratory.gait_model.upper_body import Arm
+from mcml.motion.landmarks.construction import harrington_hip
 from mcml.motion.skeleton import Array
 
 Method: TypeAlias = Literal["cgm1", "centres", "landmarks"]
@@ -162,7 +162,8 @@ class ModelBody:
         if (own := self._own(side, "hip")) is not None:
             return own
         if self.method == "landmarks":
-            point = harrington_hip(side, self._subject.width, self._subject.depth)
+            sizes = np.array(self._subject.width), np.array(self._subject.depth)
+            point = harrington_hip(SIGNS[side], *sizes)
             return lower_body.place_in(*self._pelvis, point)
         measures = self._subject.measures
         if all(measures.get(f"{each}LegLength") is None for each in "LR"):

@@ -1,4 +1,4 @@
-"""Frames of body segments, the angles between them, and the construction of a joint centre beside a marker.
+"""Frames of body segments, and the angles between them.
 
 A frame is (n, 3, 3): its columns are x forward, y left and z up, in the laboratory. Everything is NaN where a point of
 it is unknown.
@@ -6,18 +6,10 @@ it is unknown.
 
 from __future__ import annotations
 
-from typing import Final, Literal, TypeAlias
-
 import numpy as np
 
 from mcml.motion.skeleton import Array
-from mcml.motion.vectors import cross, dot, length, unit
-
-Sign: TypeAlias = Literal[1, -1]
-"""1 on the left, -1 on the right."""
-
-_ROUNDS: Final = 12
-"""Steps of the search for a turned joint centre: each one divides the error by five or more."""
+from mcml.motion.vectors import cross, dot, unit
 
 
 def frame_of(x: Array, y: Array, z: Array) -> Array:
@@ -83,43 +75,3 @@ def make_continuous(degrees: Array) -> Array:
         known = np.isfinite(column)
         column[known] = np.unwrap(column[known], period=360.0)
     return continuous
-
-
-def angle_about(axis: Array, begin: Array, end: Array) -> Array:
-    """(n,) radians from vectors `begin` to vectors `end` (n, 3), counter-clockwise about `axis` (n, 3)."""
-    along = unit(axis)
-    flat = begin - dot(begin, along)[:, None] * along
-    angle: Array = np.arctan2(dot(along, cross(flat, end)), dot(flat, end))
-    return angle
-
-
-def place_centre(
-    proximal: Array, marker: Array, wand: Array, radius: float, turn: float = 0.0, tilt: float = 0.0
-) -> Array:
-    """(n, 3) the centre of a joint beside a marker on its side, as Davis et al. 1991 construct knee and ankle.
-
-    The centre is `radius` from the marker, and the angle at it between the marker and the proximal joint is 90 degrees
-    + tilt. The wand, a marker of the segment between both, tells the plane: seen along the segment from the centre, the
-    angle from the marker to the wand is `turn`, counter-clockwise. proximal, marker, wand: (n, 3) of one unit, which
-    `radius` has too. turn, tilt: radians. NaN where the marker is nearer to the proximal joint than the centre can be.
-    """
-    upward = unit(proximal - marker)
-    away = wand - marker
-    away = unit(away - dot(away, upward)[:, None] * upward)
-    across = cross(upward, away)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        open_angle = np.pi / 2 - tilt - np.arcsin(radius * np.cos(tilt) / length(proximal - marker))
-    on = (radius * np.cos(open_angle))[:, None] * upward
-    beside = (radius * np.sin(open_angle))[:, None]
-
-    def at(phi: Array) -> Array:
-        place: Array = marker + on - beside * (np.cos(phi)[:, None] * away + np.sin(phi)[:, None] * across)
-        return place
-
-    if turn == 0.0:
-        return at(np.zeros(len(marker)))
-    phi = np.full(len(marker), -turn)
-    for _ in range(_ROUNDS):
-        centre = at(phi)
-        phi = phi + angle_about(proximal - centre, marker - centre, wand - centre) - turn
-    return at(phi)

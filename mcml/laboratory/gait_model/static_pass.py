@@ -24,7 +24,8 @@ from mcml.laboratory.gait_model.lower_body import (
     thigh_frame,
 )
 from mcml.laboratory.gait_model.measures import Measures
-from mcml.laboratory.gait_model.segment_frames import angle_about, column, place_centre, transpose
+from mcml.laboratory.gait_model.segment_frames import column, transpose
+from mcml.motion.landmarks.construction import angle_about, place_centre
 from mcml.motion.skeleton import Array
 from mcml.motion.vectors import angle_between, dot, unit
 

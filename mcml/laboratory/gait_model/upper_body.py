@@ -16,11 +16,11 @@ from mcml.laboratory.gait_model.segment_frames import (
     column,
     frame_of,
     joint_angles,
-    place_centre,
     transpose,
     turn_y,
     wrap,
 )
+from mcml.motion.landmarks.construction import place_centre
 from mcml.motion.skeleton import Array
 from mcml.motion.vectors import cross, unit
 

@@ -35,6 +35,13 @@ def pelvis_frames(left_hip: Array, right_hip: Array, spine: Array) -> Frames:
     return Frames(cross(y, z), y, z)
 
 
+def frames_between(left: Array, forward: Array) -> Frames:
+    """Return the frames whose y is along one line (n, 3), and whose x is as near to another as possible."""
+    y = unit(left)
+    z = unit(cross(forward, y))
+    return Frames(cross(y, z), y, z)
+
+
 def bone_frames(bone: Array, left: Array) -> Frames:
     """Return the frames of a bone of a leg: z against the bone (n, 3), y as near to its left (n, 3) as possible."""
     z = -unit(bone)

@@ -3,7 +3,8 @@
 It comes from the reference pose of the skeleton, if that is a rest pose in which a body could stand, or a person chose
 it. Otherwise the knee itself tells: most rigs bend it about one axis, which any stretch of any clip shows. That axis is
 pooled over clips of the skeleton and kept with its reference, so that all of them, and all cuts, have the same zero. A
-knee without one axis leaves the most upright frame. Of markers, the medial and the lateral one of a knee tell.
+knee without one axis leaves the most upright frame. Of markers, the lateral one of a knee and its centre tell; those of
+the pelvis and of a foot also tell where they point forwards.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from mcml.motion.anatomy.axes import Stance
 from mcml.motion.bodies.positions import Steps, rounded, world_directions
 from mcml.motion.bodies.reference import DECIMALS, stance_of
 from mcml.motion.clip import Reference
-from mcml.motion.landmarks.centres import bodies_of
+from mcml.motion.landmarks.centres import bodies_of, body_names, centres_of
 from mcml.motion.rotations import inverse, multiply, rotate, to_matrix
 from mcml.motion.skeleton import Array, Skeleton
 from mcml.motion.units import Reading
@@ -34,6 +35,22 @@ BONES: Final[Mapping[str, tuple[str, str]]] = {
     for bone, end, landmark in (("up_leg", "low_leg", "knee"), ("low_leg", "foot", "ankle"))
 }
 """Joint at the upper end of a bone: joint at its lower end, and the beginning of the names of landmarks there."""
+PELVIS: Final = "Root"
+FORWARD: Final = " forward"
+"""End of the name of a line forwards, of markers: "Root forward", "left_foot forward"."""
+
+_SPINES: Final = ("left_asis", "right_asis")
+_MARKER_LINES: Final[Mapping[str, tuple[tuple[str, ...], ...]]] = {
+    PELVIS: (_SPINES,),
+    f"{PELVIS}{FORWARD}": ((*_SPINES, "left_psis", "right_psis"), (*_SPINES, "sacrum", "sacrum")),
+    **{f"{side}_foot{FORWARD}": ((f"{side}_mt2", f"{side}_heel"),) for side in SIDES},
+}
+"""Lines of landmarks: the ways to make each, as `BoneAxis.across` has them, the best first."""
+
+MARKER_ZEROS: Final[Mapping[str, str]] = {"pelvis": f"{PELVIS}{FORWARD}"} | {
+    f"{side}_foot": f"{side}_foot{FORWARD}" for side in SIDES
+}
+"""Constants of a standing body, by their names in a calibration, that are 0 where a line of landmarks is known."""
 
 BENT: Final = 20.0
 """Degrees of flexion from which a knee shows its axis."""
@@ -51,14 +68,14 @@ class BoneAxis:
 
     origin: "rest" (pose in which a body could stand), "hinge", "pose" (most upright frame, or a frame that people
     chose) or "markers". left, along: (3,) unit vectors to the left and along the bone, in the bone, in the axes of
-    rest; (0, 0, 0) of markers. across: lateral marker, and the medial one or the centre of the
-    joint; "" of others.
+    rest; (0, 0, 0) of markers. across: points of a body; the line is from the middle of the second half of them to that
+    of the first half; none of others.
     """
 
     origin: str
     left: tuple[float, ...] = (0.0, 0.0, 0.0)
     along: tuple[float, ...] = (0.0, 0.0, 0.0)
-    across: tuple[str, str] = ("", "")
+    across: tuple[str, ...] = ()
 
     def to_json(self) -> list[Any]:
         """Plain values for JSON."""
@@ -67,8 +84,8 @@ class BoneAxis:
     @classmethod
     def from_json(cls, values: list[Any]) -> BoneAxis:
         """Read the output of `to_json`."""
-        origin, left, along, (lateral, medial) = values
-        return cls(origin, tuple(left), tuple(along), (lateral, medial))
+        origin, left, along, across = values
+        return cls(origin, tuple(left), tuple(along), tuple(across))
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,16 +218,23 @@ def _of_markers(skeleton: Skeleton) -> dict[str, BoneAxis]:
         return {}
     markers = {landmark: skeleton.names[index] for index, landmark in bodies[0].landmarks.items()}
     found: dict[str, BoneAxis] = {}
-    for bone, (_, landmark) in BONES.items():
-        inner = next((name for end in ("medial", "centre") if (name := f"{landmark}_{end}") in markers), None)
+    guesses = {centre.name for centre in centres_of(skeleton) if centre.is_guess}
+    for bone, (end, landmark) in BONES.items():
+        centre = end if end in body_names(skeleton) and end not in guesses else None
+        inner = markers.get(f"{landmark}_medial", centre)
         if inner is not None and f"{landmark}_lateral" in markers:
-            found[bone] = BoneAxis("markers", across=(markers[f"{landmark}_lateral"], markers[inner]))
+            outer = markers[f"{landmark}_lateral"]
+            found[bone] = BoneAxis("markers", across=(outer, inner) if bone.startswith("left") else (inner, outer))
+    for bone, ways in _MARKER_LINES.items():
+        way = next((way for way in ways if all(landmark in markers for landmark in way)), None)
+        if way is not None:
+            found[bone] = BoneAxis("markers", across=tuple(markers[landmark] for landmark in way))
     return found
 
 
 def line_of(bone: str) -> str:
-    """The name under which a body has a bone's line to the left, beside positions of joints."""
-    return f"{bone} left"
+    """The name under which a body has a bone's line to the left, or a line forwards, beside positions of joints."""
+    return bone if bone.endswith(FORWARD) else f"{bone} left"
 
 
 def line_steps(
@@ -218,11 +242,11 @@ def line_steps(
 ) -> tuple[tuple[str, ...], Steps]:
     """Names and unit vectors in the world (n, bones, 3) of lines to the left of bones, as whole numbers of 1 / LINE.
 
-    positions: (n, J, 3) of joints or markers, NaN where unknown. values: (n, D) of the skeleton's columns, None for
-    positions alone. UNSEEN where a sample that a line depends on is missing, or rotations and positions of a bone
-    contradict each other.
+    positions: (n, J + C, 3) of the points of `body_names`, NaN where unknown. values: (n, D) of the skeleton's columns,
+    None for positions alone. UNSEEN where a sample that a line depends on is missing, or rotations and positions of a
+    bone contradict each other.
     """
-    at = {name: index for index, name in enumerate(skeleton.names)}
+    at = {name: index for index, name in enumerate(body_names(skeleton))}
     known = {bone: axis for bone, axis in bones.items() if axis.origin == "markers" or values is not None}
     found = np.empty((len(positions), len(known), 3))
     turned = [(place, bone, axis) for place, (bone, axis) in enumerate(known.items()) if axis.origin != "markers"]
@@ -234,8 +258,9 @@ def line_steps(
             along = unit(positions[:, at[BONES[bone][0]]] - positions[:, at[bone]])
             # NaN is not above anything either.
             found[~(dot(directions[:, 2 * row + 1], along) > FIRM), place] = np.nan
-    for place, (bone, axis) in enumerate(known.items()):
+    for place, axis in enumerate(known.values()):
         if axis.origin == "markers":
-            lateral, medial = (positions[:, at[marker]] for marker in axis.across)
-            found[:, place] = unit(lateral - medial if bone.startswith("left") else medial - lateral)
+            ends = positions[:, [at[marker] for marker in axis.across]]
+            half = len(axis.across) // 2
+            found[:, place] = unit(ends[:, :half].mean(axis=1) - ends[:, half:].mean(axis=1))
     return tuple(map(line_of, known)), rounded(found, 1.0 / LINE)

@@ -16,7 +16,7 @@ import orjson
 from mcml.errors import RequestError
 from mcml.motion.anatomy.axes import uprightness
 from mcml.motion.bodies.beginnings import LOOKED_AT, frames_before_motion
-from mcml.motion.bodies.bone_axes import BoneAxis, HingeSums, bone_axes, pool_hinges
+from mcml.motion.bodies.bone_axes import MARKER_ZEROS, BoneAxis, HingeSums, bone_axes, pool_hinges
 from mcml.motion.bodies.floors import find_floor
 from mcml.motion.bodies.origins import Origin
 from mcml.motion.bodies.reference import could_stand, standing_zeros
@@ -169,7 +169,8 @@ def calibrate(
             values[name], origins[name] = found
 
     centres, names = centres_of(skeleton), body_names(skeleton)
-    settle("leg", _leg(names, with_centres(centres, positions if len(positions) else rest)))
+    metres = overrides.get("metres", metres_of(head))
+    settle("leg", _leg(names, with_centres(centres, positions if len(positions) else rest, metres)))
     skipped, origin = frames_before_motion(skeleton, positions, places, values["leg"], head.seconds_per_frame())
     settle("leaps", (skipped > 0, origin))
     # A person who sets this where no such pose is detected means the first frame.
@@ -181,7 +182,7 @@ def calibrate(
     settle("metres", _metres(head, values["leg"]))
     settle("up", _up(head, poses))
     up = axis_of(values["up"])
-    settle("floor", find_floor(head, names, with_centres(centres, poses), up, values["metres"]))
+    settle("floor", find_floor(head, names, with_centres(centres, poses, values["metres"]), up, values["metres"]))
     origins["reference"] = Origin("set")
     if reference is None or isinstance(reference, int):
         if kept is None and reference is not None and pose_at is not None:
@@ -220,7 +221,10 @@ def _anatomy(skeleton: Skeleton, reading: Reading, start: Reference, origin: Ori
         zeros = standing_zeros(skeleton, np.array(start.pose.positions), axis_of(start.up))
     elif could_stand(skeleton, reading, start.up):
         zeros = standing_zeros(skeleton, _rest(skeleton, reading)[0], axis_of(start.up))
-    return {"zeros": zeros, "bones": bone_axes(skeleton, reading, start, chosen=chosen)}
+    bones = bone_axes(skeleton, reading, start, chosen=chosen)
+    # Frames of markers do not lean.
+    zeros |= {zero: 0.0 for zero, line in MARKER_ZEROS.items() if line in bones}
+    return {"zeros": zeros, "bones": bones}
 
 
 def overrides_of(head: ClipHead) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from mcml.motion.bodies.turned_angles import turned_angle
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, ReferencePose
 from mcml.motion.hub import rest_of
 from mcml.motion.kinematics import Walker, unseen
-from mcml.motion.landmarks.centres import body_names, centres_of, with_centres
+from mcml.motion.landmarks.centres import body_names, centres_of, doubtful_names, with_centres
 from mcml.motion.layout import Held
 from mcml.motion.skeleton import Array
 from mcml.motion.units import reading_of
@@ -70,7 +70,7 @@ def body_at(head: ClipHead, positions: Array, values: Array | None = None, share
     hinges_of = None if values is None else lambda: _hinges_in(head, sample, values[frames])
     calibration = calibrate(head, sample, frames=frames, pose_at=pose_at, shared=shared, hinges_of=hinges_of)
     lines, steps = _steps(head, calibration, positions, values)
-    names, doubtful = body_names(head.skeleton), head.skeleton.doubtful
+    names, doubtful = body_names(head.skeleton), doubtful_names(head.skeleton)
     return ClipBody(names, steps, calibration, head.seconds_per_frame(), doubtful, lines)
 
 
@@ -78,8 +78,9 @@ def _steps(
     head: ClipHead, calibration: Calibration, positions: Array, values: Array | None
 ) -> tuple[tuple[str, ...], Steps]:
     """The names of lines to the left, and positions and lines as whole steps."""
-    lines, sides = line_steps(head.skeleton, calibration.bones, positions, values, reading_of(head))
-    steps = rounded(with_centres(centres_of(head.skeleton), positions), calibration.step)
+    points = with_centres(centres_of(head.skeleton), positions, calibration.metres)
+    lines, sides = line_steps(head.skeleton, calibration.bones, points, values, reading_of(head))
+    steps = rounded(points, calibration.step)
     return lines, np.concatenate([steps, sides], axis=1) if lines else steps
 
 

@@ -25,18 +25,20 @@ from mcml.motion.bodies.bone_angles import (
     measure_knee_rotation,
     measure_knee_varus,
 )
-from mcml.motion.bodies.bone_axes import line_of
+from mcml.motion.bodies.bone_axes import FORWARD, line_of
 from mcml.motion.bodies.pelvis_angles import (
+    PELVIS_BONES,
     PELVIS_NEEDS,
     measure_ankle,
     measure_hip_adduction,
     measure_hip_flexion,
+    measure_pelvis_obliquity,
     measure_pelvis_tilt,
 )
 from mcml.motion.bodies.reference import PELVIS, dorsiflexion_of
 from mcml.motion.bodies.stretch import HIPS, NECK, SHOULDERS, Stretch
 from mcml.motion.skeleton import Array
-from mcml.motion.vectors import angle_between, cross, dot, length, unit
+from mcml.motion.vectors import angle_between, cross, dot, length
 
 AWAY = 0.35
 """Sine of a bone's angle to an axis below which it has no angle about that axis."""
@@ -54,7 +56,8 @@ class Angle:
     """An angle of a limb.
 
     needs: joints, `{side}` for the side, alternatives with `|`. sign: -1 for the opposite movement. bones: whose line
-    to the left it takes where the body has one. zero: of a standing body, by its name in a calibration.
+    to the left it takes where the body has one. zero: of a standing body, by its name in a calibration. markers: lines
+    that only markers tell, which it takes where the body has them.
     """
 
     needs: tuple[str, ...]
@@ -62,14 +65,15 @@ class Angle:
     sign: float = 1.0
     bones: tuple[str, ...] = ()
     zero: str = ""
+    markers: tuple[str, ...] = ()
 
     def joints(self, side: str) -> tuple[str, ...]:
         """The joints that it is measured from."""
         return tuple(one.format(side=side) for one in self.needs)
 
     def lines(self, side: str) -> tuple[str, ...]:
-        """The names of the lines to the left that it takes."""
-        return tuple(line_of(bone.format(side=side)) for bone in self.bones)
+        """The names of the lines that it takes."""
+        return tuple(line_of(bone.format(side=side)) for bone in (*self.bones, *self.markers))
 
     def anatomy(self, side: str) -> tuple[str, ...]:
         """The bones and the zero that it takes, by their names in a calibration."""
@@ -166,13 +170,6 @@ def _within_half_a_turn(degrees: Array) -> Array:
     return np.where(degrees > 180.0, degrees - 360.0, degrees)
 
 
-def _pelvis_to_the_right(stretch: Stretch, side: str) -> Array:
-    """How far the line through the hips rises to the left."""
-    sine = unit(stretch.between(HIPS[1], HIPS[0])) @ stretch.up
-    degrees: Array = np.degrees(np.arcsin(np.clip(sine, -1.0, 1.0)))
-    return degrees
-
-
 def _both_ways(
     part: str,
     movement: str,
@@ -181,8 +178,9 @@ def _both_ways(
     measured: Measured,
     bones: tuple[str, ...] = (),
     zero: str = "",
+    markers: tuple[str, ...] = (),
 ) -> dict[tuple[str, str], Angle]:
-    angle = Angle(needs, measured, 1.0, bones, zero)
+    angle = Angle(needs, measured, 1.0, bones, zero, markers)
     return {(part, movement): angle, (part, opposite): replace(angle, sign=-1.0)}
 
 
@@ -205,22 +203,24 @@ ANGLES: Final[Mapping[tuple[str, str], Angle]] = {
     **_both_ways(
         "trunk", "left-rotation", "right-rotation", (*_TRUNK, *SHOULDERS), _trunk_to_the_left_about_itself
     ),
-    **_both_ways("pelvis", "right-lateral-flexion", "left-lateral-flexion", HIPS, _pelvis_to_the_right),
+    **_both_ways("pelvis", "right-lateral-flexion", "left-lateral-flexion", HIPS, measure_pelvis_obliquity),
 }  # fmt: skip
 """(part, movement): angles that positions of joints tell, in the vocabulary of motion names."""
 
-_THIGHS = (*HIPS, "{side}_low_leg")
+_ROTATION = ("internal-rotation", "external-rotation")
+_THIGHS, _HIP = (*HIPS, "{side}_low_leg"), (*PELVIS_NEEDS, "{side}_low_leg")
+_FOOT_LINE = (f"{{side}}_foot{FORWARD}",)
 _FOOT = ("{side}_low_leg", "{side}_foot", "{side}_toes")
 
 CLINICAL: Final[Mapping[tuple[str, str], Angle]] = {
-    **_both_ways("hip", "flexion", "extension", (*PELVIS_NEEDS, "{side}_low_leg"), measure_hip_flexion, zero=PELVIS),
-    **_both_ways("hip", "adduction", "abduction", _THIGHS, measure_hip_adduction),
-    **_both_ways("hip", "internal-rotation", "external-rotation", _THIGHS, measure_hip_rotation, _THIGH),
+    **_both_ways("hip", "flexion", "extension", _HIP, measure_hip_flexion, (), PELVIS, PELVIS_BONES),
+    **_both_ways("hip", "adduction", "abduction", _THIGHS, measure_hip_adduction, markers=PELVIS_BONES),
+    **_both_ways("hip", *_ROTATION, _THIGHS, measure_hip_rotation, _THIGH, "", PELVIS_BONES),
     **_both_ways("knee", "varus", "valgus", _KNEE, measure_knee_varus, _THIGH),
-    **_both_ways("knee", "internal-rotation", "external-rotation", _KNEE, measure_knee_rotation, _SHANK),
-    **_both_ways("ankle", "dorsiflexion", "plantarflexion", _FOOT, measure_ankle, zero="{side}_foot"),
-    ("pelvis", "tilt"): Angle(PELVIS_NEEDS, measure_pelvis_tilt, zero=PELVIS),
-    ("pelvis", "obliquity"): Angle(HIPS, _pelvis_to_the_right),
+    **_both_ways("knee", *_ROTATION, _KNEE, measure_knee_rotation, _SHANK),
+    **_both_ways("ankle", "dorsiflexion", "plantarflexion", _FOOT, measure_ankle, (), "{side}_foot", _FOOT_LINE),
+    ("pelvis", "tilt"): Angle(PELVIS_NEEDS, measure_pelvis_tilt, zero=PELVIS, markers=PELVIS_BONES),
+    ("pelvis", "obliquity"): Angle(HIPS, measure_pelvis_obliquity, markers=PELVIS_BONES),
 }  # fmt: skip
 """(part, movement): clinical angles beside the vocabulary of motion names."""
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from mcml.errors import ConversionError
 from mcml.motion.hub import Rest
+from mcml.motion.landmarks.centres import body_names
 from mcml.motion.sides import is_left, partners, sagittal
 from mcml.motion.skeleton import Array, Convention, Skeleton, once_a_skeleton
 
@@ -24,6 +25,20 @@ TURN = np.radians(35.0)
 """Angle from the facing direction to the view direction, towards the left: so both sides and their movements are
 visible.
 """
+
+MOSTLY = 0.5
+"""Of the poses in which a centre is known at least, to be drawn."""
+_LEGS = tuple(f"{side}_{joint}" for side in ("left", "right") for joint in ("up_leg", "low_leg", "foot"))
+_LINES = {
+    "Root": ("left_up_leg", "right_up_leg", "neck1"),
+    "neck1": ("Head", "left_up_arm", "right_up_arm"),
+} | {
+    f"{side}_{start}": (f"{side}_{end}",)
+    for side in ("left", "right")
+    for start, end in (("up_leg", "low_leg"), ("low_leg", "foot"), ("foot", "toes"), ("up_arm", "low_arm"),
+                       ("low_arm", "hand"))
+}  # fmt: skip
+"""Lines between centres of joints, each once: from the middle of the body outwards."""
 
 _DIGIT = re.compile(r"finger|thumb|toe|index|pinky|(?:^|[_ ])(?:mid|middle|ring)(?:[_ \d]|$)", re.I)
 _OF_FACE = re.compile(r"brow|lip|mouth|cheek|nose|eye|jaw|chin|fore_?head", re.I)
@@ -96,6 +111,29 @@ def marker_figure(skeleton: Skeleton, pose: Array) -> Figure:
     return Figure(points, (), tuple(sides[p] for p in points), None, True, 5 * faces >= 2 * max(1, len(skeleton)))
 
 
+def marker_body_figure(skeleton: Skeleton, points: Array) -> Figure | None:
+    """The figure of the people that markers tell: lines between centres of joints; None without legs and head.
+
+    points: (n, P, 3) of `body_names` in some poses, NaN where unknown. A centre that is unknown in most is left out.
+    """
+    names = body_names(skeleton)
+    known = np.isfinite(points).all(axis=2).mean(axis=0) >= MOSTLY
+    places: dict[str, int] = {name: index for index, name in enumerate(names) if known[index]}
+    prefixes = [name.removesuffix(_LEGS[0]) for name in places if name.endswith(_LEGS[0])]
+    people = [prefix for prefix in prefixes if all(prefix + joint in places for joint in (*_LEGS, "Head"))]
+    pairs = [
+        (prefix + start, prefix + end) for prefix in people for start, ends in _LINES.items() for end in ends
+        if prefix + start in places and prefix + end in places
+    ]  # fmt: skip
+    if not pairs:
+        return None
+    used = list(dict.fromkeys(name for pair in pairs for name in pair))[:MOST_MARKERS]
+    at = {name: index for index, name in enumerate(used)}
+    bones = tuple((at[start], at[end]) for start, end in pairs if start in at and end in at)
+    sides = tuple(LEFT if "left_" in name else RIGHT if "right_" in name else CENTRE for name in used)
+    return Figure(tuple(places[name] for name in used), bones, sides, 0 if len(people) == 1 else None)
+
+
 def farthest(points: Array, count: int) -> list[int]:
     """Return a number of the points (n, 3), each the farthest from the previous ones; all if there are fewer."""
     if len(points) <= count:
@@ -129,11 +167,31 @@ def axis_of(name: str) -> Array:
     return vector
 
 
+def left_of(skeleton: Skeleton, figure: Figure, pose: Array, up: Array) -> Array:
+    """(3,) the level unit vector to the left of a figure. pose: (J, 3) of joints, or more points of a body of markers.
+
+    Raises ConversionError if left and right are unknown.
+    """
+    if not is_markers(skeleton):
+        return sagittal(skeleton, pose, up).normal
+    names = body_names(skeleton)
+    hips = [[names.index(name) for name in names if name.endswith(leg)][:1] for leg in (_LEGS[0], _LEGS[3])]
+    if figure.markers or not all(hips):
+        raise ConversionError("points do not face anywhere")
+    across = pose[hips[0][0]] - pose[hips[1][0]]
+    level = across - (across @ up) * up
+    size = float(np.linalg.norm(level))
+    if not size > 0:
+        raise ConversionError("left and right of the hips are unknown")
+    return np.asarray(level / size)
+
+
 def view_of(skeleton: Skeleton, figure: Figure, pose: Array, up: Array) -> Array:
     """(3, 3) unit vectors of the picture: to its right, up, and towards who looks.
 
-    pose: (J, 3) positions of the joints. Bodies are seen from TURN off where they face; those whose names tell no
-    sides, and points, from TURN off across their widest extent; faces from the front.
+    pose: (J, 3) positions of the joints, or of the points of a body of markers. Bodies are seen from TURN off where
+    they face; those whose names tell no sides, and points, from TURN off across their widest extent; faces from the
+    front.
     """
     if figure.face:
         front = -_narrowest(pose, up)
@@ -142,9 +200,7 @@ def view_of(skeleton: Skeleton, figure: Figure, pose: Array, up: Array) -> Array
             front = -front
         return np.stack([np.cross(up, front), up, front])
     try:
-        if figure.markers:
-            raise ConversionError("points do not face anywhere")
-        left = sagittal(skeleton, pose, up).normal
+        left = left_of(skeleton, figure, pose, up)
         front = np.cross(left, up)
     except ConversionError:
         front = _narrowest(pose, up)

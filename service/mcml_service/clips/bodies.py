@@ -23,7 +23,7 @@ from mcml.motion.bodies.clip_body import (
 from mcml.motion.bodies.positions import clip_positions, filled
 from mcml.motion.bodies.stretch import Stretch
 from mcml.motion.clip import Reference
-from mcml.motion.landmarks.centres import body_names
+from mcml.motion.landmarks.centres import body_names, doubtful_names
 from mcml.motion.skeleton import Array
 from mcml.motion.units import Reading, reading_of
 from mcml_service.clips.read_clip import Skeletons, read_clip
@@ -39,7 +39,7 @@ LONG = 65_536
 """Frames of a document from which on some of it is in memory at a time."""
 MOST_LOOKED_AT = 8
 """Clips of a skeleton, where a reference pose is looked for."""
-MADE = 5
+MADE = 6
 """Version of bodies: increased when the computation of positions or calibrations changes, so that stored bodies are
 derived again.
 """
@@ -135,7 +135,7 @@ def _derive_in_parts(tx: Transaction, listed: Listed, skeletons: Skeletons) -> B
     blocks = tuple(pack_parts(steps_of(clip, calibration)))
     skeleton, seconds = clip.head.skeleton, clip.head.seconds_per_frame()
     names, lines = body_names(skeleton), lines_of(calibration)
-    return Body(names, listed.frames, calibration, seconds, blocks, skeleton.doubtful, lines)
+    return Body(names, listed.frames, calibration, seconds, blocks, doubtful_names(skeleton), lines)
 
 
 class References:

@@ -16,6 +16,7 @@ from mcml.motion.bodies.reference import stance_of
 from mcml.motion.bodies.stretch import Stretch
 from mcml.motion.clip import ClipStream, Reference, ReferencePose
 from mcml.motion.conventions.convert import convert
+from mcml.motion.landmarks.centres import body_names, centres_of, with_centres
 from mcml.motion.skeleton import Array, Convention, Skeleton
 from mcml.motion.units import DEGREES, Reading, reading_of
 from mcml.testing import read, written
@@ -108,9 +109,10 @@ def stretch_of(clip: ClipStream, calibration: Calibration | None = None) -> Stre
     skeleton, reading = clip.head.skeleton, reading_of(clip.head)
     positions, values = positions_of(clip), filled(skeleton, clip.blocks()).values
     calibration = calibration or calibrate(clip.head, positions)
-    steps = rounded(positions, calibration.step)
-    places = {joint.name: steps[:, index] for index, joint in enumerate(skeleton.joints)}
-    lines, sides = line_steps(skeleton, calibration.bones, positions, values, reading)
+    points = with_centres(centres_of(skeleton), positions, calibration.metres)
+    steps = rounded(points, calibration.step)
+    places = {name: steps[:, index] for index, name in enumerate(body_names(skeleton))}
+    lines, sides = line_steps(skeleton, calibration.bones, points, values, reading)
     places |= {line: sides[:, index] for index, line in enumerate(lines)}
     return Stretch(places, len(steps), clip.head.seconds_per_frame(), calibration)
 

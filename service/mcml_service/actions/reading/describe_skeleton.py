@@ -11,6 +11,8 @@ from mcml.motion.bodies.positions import clip_positions, filled
 from mcml.motion.guesses import likely_unit, up_of_head
 from mcml.motion.hub import rest_of
 from mcml.motion.kinematics import rest_positions
+from mcml.motion.landmarks.centres import centres_of
+from mcml.motion.landmarks.lines import marker_lines
 from mcml.motion.pictures.figures import is_markers
 from mcml.motion.sides import is_left, partners
 from mcml.motion.skeleton import CHANNELS, Array, Convention, Skeleton
@@ -77,6 +79,8 @@ def describe_skeleton(tx: Transaction, stored: StoredDocument) -> SkeletonView:
             for index, joint in enumerate(head.skeleton.joints)
         ],
         tips=_tips(head.skeleton, rest.tips),
+        centres=[centre.name for centre in centres_of(head.skeleton)],
+        lines=list(marker_lines(head.skeleton)),
         columns=[f"{head.skeleton.joints[joint].name}.{CHANNELS[part]}" for joint, part in head.skeleton.columns()],
     )
 

@@ -13,12 +13,22 @@ from mcml.motion.clip import ClipHead, FrameBlock, full_shape
 from mcml.motion.guesses import likely_unit, up_of_head
 from mcml.motion.hub import HubReader, rest_of, walked
 from mcml.motion.kinematics import rest_positions, unseen
+from mcml.motion.landmarks.centres import centres_of, with_centres
 from mcml.motion.layout import Held
-from mcml.motion.pictures.figures import Figure, axis_of, figure_of, finite, is_markers, marker_figure, view_of
+from mcml.motion.pictures.figures import (
+    Figure,
+    axis_of,
+    figure_of,
+    finite,
+    is_markers,
+    marker_body_figure,
+    marker_figure,
+    view_of,
+)
 from mcml.motion.pictures.thumbnails import busiest, carried, draw, loop_times, poses_at, scrub_times
 from mcml.motion.rotations import rotate
 from mcml.motion.skeleton import Array
-from mcml.motion.units import reading_of
+from mcml.motion.units import metres_of, reading_of
 from mcml_service.clips.read_clip import read_clip
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
@@ -82,8 +92,8 @@ class Poses:
         self._values.append(self._held.values(chosen).copy())
 
     def positions(self) -> tuple[Array, Array, int]:
-        """(n, J + T, 3) of joints and tips, NaN for points that were not seen; (n, J, 3) of the joints alone; and which
-        of them moves the body."""
+        """(n, P, 3) of joints and tips, or of markers and the centres that they tell, NaN for points that were not
+        seen; (n, J, 3) of the joints alone; and which of them moves the body."""
         skeleton = self.head.skeleton
         reader = HubReader(skeleton, reading_of(self.head))
         if not self._values:
@@ -93,13 +103,13 @@ class Poses:
         values = np.concatenate(self._values)
         hub = reader.read(FrameBlock(values, columns, (full_shape(columns),), np.arange(len(values))))
         joints, turned = walked(skeleton, hub.translations, hub.rotations)
-        if self._gaps:
+        if self._markers:
             joints[np.concatenate(self._gaps)] = np.nan
+            return with_centres(centres_of(skeleton), joints, metres_of(self.head)), joints, 0
         ends = [joint for joint, _ in reader.rest.tips]
         along = np.array([vector for _, vector in reader.rest.tips]).reshape(-1, 3) * hub.scales[:, ends, None]
         tips = joints[:, ends] + rotate(turned[:, ends], along)
-        carrier = 0 if self._markers else carriers(skeleton, hub.translations)[0]
-        return np.concatenate([joints, tips], axis=1), joints, carrier
+        return np.concatenate([joints, tips], axis=1), joints, carriers(skeleton, hub.translations)[0]
 
 
 def most_poses(head: ClipHead) -> int:
@@ -169,17 +179,19 @@ class _Drawing:
         self.spacing = spacing
         self.whole = (len(points) - 1) * spacing
         self.facts = _facts(poses.head, joints)
-        self.figure = self._figure(poses.head, joints, carrier)
+        self.figure = self._figure(poses.head, points, joints, carrier)
         self.positions = finite(points[:, self.figure.points])
-        self.joints = finite(joints)
+        self.points = finite(points if is_markers(self.skeleton) else joints)
         way = carried(self.figure, self.positions)
         up = axis_of(self.facts["up"])
         level = way - (way @ up)[:, None] * up
         self.window = busiest(self.positions - level[:, None], spacing)
 
-    def _figure(self, head: ClipHead, joints: Array, carrier: int) -> Figure:
+    def _figure(self, head: ClipHead, points: Array, joints: Array, carrier: int) -> Figure:
         if not is_markers(self.skeleton):
             return figure_of(self.skeleton, rest_of(self.skeleton, reading_of(head)), carrier)
+        if (body := marker_body_figure(self.skeleton, points)) is not None:
+            return body
         with np.errstate(all="ignore"):
             seen = np.isfinite(joints).all(axis=2)
             first = np.take_along_axis(joints, seen.argmax(axis=0)[None, :, None], axis=0)[0]
@@ -194,7 +206,7 @@ class _Drawing:
         times = loop_times(self.figure, start, end)
         poses = poses_at(self.positions, self.spacing, times) if loop is None else loop
         scrub = poses_at(self.positions, self.spacing, scrub_times(self.figure, len(self.positions), self.whole))
-        middle = poses_at(self.joints, self.spacing, times[len(times) // 2 : len(times) // 2 + 1])[0]
+        middle = poses_at(self.points, self.spacing, times[len(times) // 2 : len(times) // 2 + 1])[0]
         view = view_of(self.skeleton, self.figure, middle, axis_of(self.facts["up"]))
         return Thumbnail(draw(self.figure, poses, scrub, end - start, view), self.facts)
 

@@ -4358,6 +4358,13 @@ export interface components {
             radians: number;
             bones: components["schemas"]["SkeletonBone"][];
             tips: components["schemas"]["Tip"][];
+            /** @default [] */
+            centres: string[];
+            /** @default [] */
+            lines: [
+                number,
+                number
+            ][];
             columns: string[];
         };
         SmoothFrames: {

@@ -7,6 +7,7 @@ const LIMB = 0.016; // radius of a bone in body heights
 const JOINT = 0.019;
 const HEAD = 0.052;
 const MARKER = 0.007;
+const LINE = 0.003;
 
 /** A bone of length 1 along +Y, slimmer at its end. */
 const boneShape = new THREE.CylinderGeometry(0.62, 1, 1, 10, 1).translate(0, 0.5, 0);
@@ -45,7 +46,7 @@ export class Body {
     }
     this.bones.count = edges;
     // A person of few large bones and one of many small ones look alike.
-    this.radius = LIMB * skeleton.height;
+    this.radius = (skeleton.view.markers ? LINE : LIMB) * skeleton.height;
     this.sizes = new Float32Array(skeleton.points).fill(JOINT * skeleton.height);
     if (skeleton.view.markers) this.sizes.fill(MARKER * skeleton.height);
     const children = new Int32Array(skeleton.points);

@@ -27,6 +27,8 @@ function pose(values: number[], elbow: Partial<Bone> = {}, root: Partial<Bone> =
       bone("Elbow", 0, { offset: [0, 2, 0], channels: ["Rz"], ...elbow }),
     ],
     tips: [{ bone: 1, offset: [0, 1, 0] }],
+    centres: [],
+    lines: [],
     columns: ["Root.Tx", "Root.Ty", "Root.Tz", "Root.Rz", "Elbow.Rz", "Elbow.SF"],
     likely_up: "+Y",
     radians: Math.PI / 180,

@@ -36,6 +36,7 @@ function chain(convention: "listed" | "base" | "fixed" | "marker", seed = 1): Sk
   return skeletonOf({
     bones,
     tips,
+    lines: [],
     metres: 0.01,
     unit: "cm",
     origin: [0, 0, 0],

@@ -10,7 +10,7 @@ export interface Skeleton {
   view: SkeletonView;
   /** Joints, then tips: the points whose positions frames hold. */
   points: number;
-  /** Pairs of points: bones, and ends of chains. */
+  /** Pairs of points: bones, ends of chains, and lines between markers. */
   edges: Int32Array;
   sides: Uint8Array; // of points
   parents: Int32Array; // of points, -1 at roots
@@ -52,6 +52,7 @@ export function skeletonOf(view: SkeletonView): Skeleton {
   for (let point = 0; point < points; point++)
     if (numberAt(parents, point) >= 0 && view.bones[point]?.convention !== "shape")
       edges.push(numberAt(parents, point), point);
+  for (const [start, end] of view.lines) edges.push(start, end);
   let extent = 0;
   for (let axis = 0; axis < 3; axis++) {
     let [least, most] = [Infinity, -Infinity];

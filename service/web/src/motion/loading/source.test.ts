@@ -18,6 +18,8 @@ it("keeps what is shown, however many clips a page shows", async () => {
       seconds_per_frame: 0.01,
       bones: [bone],
       tips: [],
+      centres: [],
+      lines: [],
       columns: ["Root.Tx"],
       likely_up: "Y",
       origin: [0, 0, 0],

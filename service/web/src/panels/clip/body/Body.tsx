@@ -23,7 +23,8 @@ import { MeasurementChoice, useMeasured } from "./MeasurementChoice";
 import { NoMeasurement, Unknown } from "./UnknownMeasure";
 
 export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
-  const bones = clip.skeleton.view.bones.map((bone) => bone.name);
+  const { centres, bones: joints } = clip.skeleton.view;
+  const bones = [...centres, ...joints.map((bone) => bone.name)];
   const asked = startOf(param("quantity"), clip.selection.value.bones[0], bones);
   const text = textOf(asked);
   const choose = (next: Asked) => setParams({ quantity: textOf(next) });
