@@ -24,6 +24,9 @@ from mcml.language.reader import read_document
 from mcml.language.vocabulary import SKELETON
 from mcml.motion.clip import ClipHead, ClipStream, Shape
 
+Property = tuple[str, str, str]
+"""(name, value, unit)."""
+
 
 @dataclass
 class OpenClip:
@@ -105,9 +108,16 @@ def _opened(clip: Clip, options: ImportOptions, limits: FileLimits) -> OpenClip:
         skeleton=shared.skeleton,
         fields=fields,
         description=options.description.strip(),
-        properties=(*stream.head.properties, *(checked_property(*item) for item in options.properties)),
+        properties=_merge_properties(stream.head.properties, options.properties),
     )
     return OpenClip(mcml_element(write_header(head), shared.elements), stream.with_head(head), shared)
+
+
+def _merge_properties(of_file: Iterable[Property], stated: Iterable[Property]) -> tuple[Property, ...]:
+    """The properties that a reader gives, unless the user states another value of them, and those of the user."""
+    checked = [checked_property(*item) for item in stated]
+    names = {item[0].casefold() for item in checked}
+    return (*(item for item in of_file if item[0].casefold() not in names), *checked)
 
 
 def _mcml_limits(limits: FileLimits) -> McmlLimits:

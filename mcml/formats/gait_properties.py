@@ -1,15 +1,15 @@
-"""Properties of a header that state a subject for the gait model: measures that the file lacks, or has wrong."""
+"""Properties of a header that state a subject for the gait model: measures of the file, or stated by people."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Final
 
 import numpy as np
 
 from mcml.formats.text.numbers import is_number
-from mcml.laboratory.gait_model.measures import ANGLES, NAMES
+from mcml.laboratory.gait_model.measures import ANGLES, BODY_MEASURES, NAMES, Measures, has_known_lengths
 from mcml.laboratory.gait_model.static_pass import FootOption
 from mcml.motion.units import UNITS
 
@@ -19,6 +19,31 @@ PREFIX: Final = "gait "
 _FOOT: Final = "foot"
 _OPTIONS: Final[dict[str, FootOption]] = {"flat": "foot flat", "as it stands": "as it stands"}
 _MILLIMETRES: Final = 1000.0
+_MASS: Final = "Bodymass"
+_DIGITS: Final = 1e-6
+
+
+def state_measures(measures: Measures, subject: str = "") -> Iterator[tuple[str, str, str]]:
+    """Yield (name, value, unit) of properties for the measures of a body: "gait LKneeWidth", "104", "mm".
+
+    subject: its name, where the file has several: "gait Anna LKneeWidth". Angles and the diameter of markers are no
+    measures of the body. Lengths whose unit is not sure are left out. Values have the 7 digits of single precision.
+    """
+    # Lists of documents take the text before the first colon as the name of a property.
+    whose = "".join(letter if letter.isprintable() and letter != ":" else "_" for letter in subject)
+    names = BODY_MEASURES if has_known_lengths(measures) else [_MASS]
+    for name in names:
+        if (value := measures.get(name)) is not None:
+            yield f"{PREFIX}{whose} {name}" if whose else PREFIX + name, f"{value:.7g}", "kg" if name == _MASS else "mm"
+
+
+def leave_out_equal(stated: Mapping[str, float], measures: Measures) -> dict[str, float]:
+    """Stated measures without those that a file has itself, up to the digits that `state_measures` writes."""
+    return {
+        name: value
+        for name, value in stated.items()
+        if not math.isclose(value, measures.of(name, math.nan), rel_tol=_DIGITS)
+    }
 
 
 def read_properties(properties: Iterable[tuple[str, str, str]]) -> tuple[dict[str, float], FootOption | None]:
@@ -44,4 +69,4 @@ def read_properties(properties: Iterable[tuple[str, str, str]]) -> tuple[dict[st
 def _to_own_unit(name: str, value: float, unit: str) -> float:
     if name.endswith(ANGLES):
         return value if unit.startswith("rad") else float(np.radians(value))
-    return value if name == "Bodymass" else value * UNITS.get(unit, 1 / _MILLIMETRES) * _MILLIMETRES
+    return value if name == _MASS else value * UNITS.get(unit, 1 / _MILLIMETRES) * _MILLIMETRES

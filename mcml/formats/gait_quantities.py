@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from mcml.formats.c3d.analog import Channels
 from mcml.formats.c3d.quantities import decode_text
 from mcml.formats.c3d.subjects import read_measures, read_sample
-from mcml.formats.gait_properties import read_properties
+from mcml.formats.gait_properties import leave_out_equal, read_properties
 from mcml.laboratory.gait_model.dynamics import Ground
 from mcml.laboratory.gait_model.measures import Measures, clean_measures
 from mcml.laboratory.gait_model.model_body import (
@@ -309,12 +309,16 @@ class GaitQuantities:
 
     @cached_property
     def _measures(self) -> Measures:
-        stated = {} if self._file is None else read_measures(self._file.said, self._markers.prefix)
-        return clean_measures(stated).with_values(self._stated_by_people[0])
+        return self._measures_of_file.with_values(self._stated_by_people[0])
+
+    @cached_property
+    def _measures_of_file(self) -> Measures:
+        return clean_measures({} if self._file is None else read_measures(self._file.said, self._markers.prefix))
 
     @cached_property
     def _stated_by_people(self) -> tuple[dict[str, float], FootOption | None]:
-        return read_properties(self._head.properties)
+        measures, foot = read_properties(self._head.properties)
+        return leave_out_equal(measures, self._measures_of_file), foot
 
 
 def _split(name: str) -> tuple[str, str]:

@@ -201,6 +201,13 @@ def test_properties_state_measures_that_a_file_lacks() -> None:
                                       "RStaticPlantFlex": 0.2, "Bodymass": 61.0})  # fmt: skip
 
 
+def test_measures_of_the_file_as_properties_change_no_note(read: Read) -> None:
+    """Only measures that people state are named, though those of the file are properties, too."""
+    motion = read(gait_file(walk(), measures_of() | {"LKneeWidth": 100.1234567}))
+    assert "gait LKneeWidth" in {name for name, _, _ in motion._clip.head.properties}
+    assert not any("properties" in note for note in listed(motion)["LKneeAngles"].notes)
+
+
 def test_own_angles_of_the_file_come_first(read: Read) -> None:
     markers = walk() | {"LKneeAngles": np.full((FRAMES, 3), 77.0)}
     typed = {"POINT:ANGLES": texts("LKneeAngles")}

@@ -26,8 +26,11 @@ from mcml.formats.c3d.plates import corners_of
 from mcml.formats.c3d.points import Points
 from mcml.formats.c3d.quantities import Quantity, quantities_of, sections_of, texts_of
 from mcml.formats.c3d.rotations import count_rotations, read_rotations
+from mcml.formats.c3d.subjects import read_measures_by_subject
 from mcml.formats.c3d.writer import write_c3d
 from mcml.formats.format import FileKind, ReadOptions, SourceFile, need_convention, note
+from mcml.formats.gait_properties import state_measures
+from mcml.laboratory.gait_model.measures import clean_measures
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, Shape, SourcePart, full_shape
 from mcml.motion.floor_plates import section_of_plates
 from mcml.motion.guesses import LikelyUp, told_up
@@ -36,6 +39,10 @@ from mcml.motion.skeleton import Array, Convention, Skeleton
 
 _SAMPLE = 200_000
 """Positions, about, from which the up axis is told."""
+
+_MOST_SUBJECTS = 20
+_NAMED = 4
+"""Properties that a notice names."""
 
 
 class C3d:
@@ -110,7 +117,8 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
     sections = (("POINT:SCALE", repr(scale)), ("processor", said.machine.name), *sections_of(read, notices))
     sections += (section_of(events),) if events else ()
     sections += (section_of_plates(plates),) if len(plates) else ()
-    head = ClipHead("c3d", skeleton, fields, sources=(SourcePart(part="c3d", name=name, sections=sections),))
+    sources = (SourcePart(part="c3d", name=name, sections=sections),)
+    head = ClipHead("c3d", skeleton, fields, sources=sources, properties=_properties(said, notices))
 
     def blocks() -> Iterator[FrameBlock]:
         for first in range(0, layout.frames, points.block):
@@ -183,6 +191,22 @@ def _say_what_stays(said: Statements, analog_values: int, notices: list[Notice])
         note(notices, "note", what)
     if rotations:
         note(notices, "warning", f"{rotations} rotations are not in the document; the kept file has them")
+
+
+def _properties(said: Statements, notices: list[Notice]) -> tuple[tuple[str, str, str], ...]:
+    """The measures of the subjects of a file as properties, with a notice."""
+    by_subject = read_measures_by_subject(said)
+    if len(by_subject) > _MOST_SUBJECTS:
+        note(notices, "warning", f"the file has {len(by_subject)} subjects: their measures are only in the file")
+        return ()
+    properties = [
+        item for subject, measures in by_subject.items() for item in state_measures(clean_measures(measures), subject)
+    ]
+    if properties:
+        names = ", ".join(name for name, _, _ in properties[:_NAMED])
+        more = f" and {len(properties) - _NAMED} more" if len(properties) > _NAMED else ""
+        note(notices, "note", f"measures of the subject are properties of the document: {names}{more}")
+    return tuple(properties)
 
 
 def _label_frames(

@@ -29,15 +29,9 @@ def read_measures(said: Statements, prefix: str = "") -> dict[str, float]:
 
     prefix: of its markers. Names may begin with the name of the subject.
     """
-    subjects = [name for text in said.texts("SUBJECTS:NAMES") if (name := decode_text(text))]
-    subjects += [prefix.strip()] if prefix.strip() else []
+    subjects = subjects_of(said) + ([prefix.strip()] if prefix.strip() else [])
     names = {_bare(name) for name in subjects} - {""}
-    groups: dict[str, dict[str, float]] = {}
-    for key, parameter in said.parameters.items():
-        group, _, name = key.partition(":")
-        numbers = parameter.numbers(signed=True)[:1]
-        if group not in _OTHER_GROUPS and numbers and np.isfinite(numbers[0]):
-            groups.setdefault(group, {})[parameter.spelling.partition(":")[2] or name] = numbers[0]
+    groups = _numbers_by_group(said)
     own = [group for group in groups if group != _PROCESSING and _bare(group) in names]
     others = [group for group in groups if group != _PROCESSING and group not in own]
     measures: dict[str, float] = {}
@@ -45,6 +39,45 @@ def read_measures(said: Statements, prefix: str = "") -> dict[str, float]:
         for name, value in groups.get(group, {}).items():
             measures.setdefault(_without_subject(name, subjects), value)
     return measures
+
+
+def read_measures_by_subject(said: Statements) -> dict[str, dict[str, float]]:
+    """Numbers that may be measures, by subject and name; "" is the only subject of a file.
+
+    Of several subjects, those in a group named after the subject, or with names that begin with the subject's name.
+    """
+    subjects = subjects_of(said)
+    if len(subjects) < 2:
+        return {"": read_measures(said)}
+    # "Anna" must not take the measures of "Annabel".
+    longest_first = sorted(subjects, key=len, reverse=True)
+    of_group = {_bare(subject): subject for subject in subjects}
+    measures: dict[str, dict[str, float]] = {subject: {} for subject in subjects}
+    for group, numbers in _numbers_by_group(said).items():
+        for name, value in numbers.items():
+            subject = of_group.get(_bare(group))
+            if subject is None:
+                subject = next((each for each in longest_first if name.lower().startswith(each.lower())), None)
+            if subject is not None:
+                measures[subject].setdefault(_without_subject(name, [subject]), value)
+    return measures
+
+
+def subjects_of(said: Statements) -> list[str]:
+    """The names of the subjects of a file, each once."""
+    names = (decode_text(text) for text in said.texts("SUBJECTS:NAMES"))
+    return list(dict.fromkeys(name for name in names if name))
+
+
+def _numbers_by_group(said: Statements) -> dict[str, dict[str, float]]:
+    """The first number of each parameter that may be a measure, by group and name."""
+    groups: dict[str, dict[str, float]] = {}
+    for key, parameter in said.parameters.items():
+        group, _, name = key.partition(":")
+        numbers = parameter.numbers(signed=True)[:1]
+        if group not in _OTHER_GROUPS and numbers and np.isfinite(numbers[0]):
+            groups.setdefault(group, {})[parameter.spelling.partition(":")[2] or name] = numbers[0]
+    return groups
 
 
 def read_sample(channels: Channels) -> tuple[list[str], NDArray[np.intp], Array]:

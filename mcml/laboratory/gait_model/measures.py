@@ -27,11 +27,12 @@ ANGLES: Final = (
 """Ends of the names of angles."""
 
 _POSITIVE: Final = ("LegLength", "AsisTrocanterDistance", "KneeWidth", "AnkleWidth", "ElbowWidth", "WristWidth",
-                    "HandThickness", "InterAsisDistance", "MarkerDiameter", "Bodymass")  # fmt: skip
+                    "HandThickness", "InterAsisDistance", "MarkerDiameter", "Bodymass", "Height")  # fmt: skip
 """Measures that are absent where they are 0: programs write 0 for a measure that nobody took."""
 
 _UNITS: Final = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
-_SHORTEST_LEG, _LONGEST_LEG = 250.0, 1400.0
+_PLAUSIBLE: Final = {"LLegLength": (250.0, 1400.0), "RLegLength": (250.0, 1400.0), "Height": (400.0, 2500.0)}
+"""Least and largest millimetres of people, which tell the unit of a file."""
 
 
 @dataclass(frozen=True)
@@ -81,12 +82,17 @@ def clean_measures(stated: Mapping[str, float]) -> Measures:
     return Measures(values, are_degrees, unit)
 
 
+def has_known_lengths(measures: Measures) -> bool:
+    """Whether a leg or the height is that of people, so that the unit of the lengths is sure."""
+    return any(least <= measures.of(name, np.nan) <= most for name, (least, most) in _PLAUSIBLE.items())
+
+
 def _unit_of(values: Mapping[str, float]) -> tuple[str, float]:
-    """(unit, its millimetres) in which a leg is as long as those of people; millimetres without a leg."""
-    legs = [values[name] for name in ("LLegLength", "RLegLength") if name in values]
-    for unit, factor in _UNITS.items():
-        if legs and _SHORTEST_LEG <= factor * legs[0] <= _LONGEST_LEG:
-            return unit, factor
+    """(unit, its millimetres) in which a leg, else the height, is that of people; millimetres if neither tells."""
+    for name, (least, most) in _PLAUSIBLE.items():
+        for unit, factor in _UNITS.items():
+            if name in values and least <= factor * values[name] <= most:
+                return unit, factor
     return "mm", 1.0
 
 
@@ -95,6 +101,8 @@ _SIDED: Final = ("LegLength", "KneeWidth", "AnkleWidth", "AsisTrocanterDistance"
                  "WristWidth", "HandThickness", *(name for name in ANGLES if name != "HeadOffset"))  # fmt: skip
 _LENGTHS: Final = frozenset({*_MIDDLE, *_SIDED}) - {*ANGLES, "Bodymass"}
 NAMES: Final = (*_MIDDLE, *(side + name for side in "LR" for name in _SIDED))
+BODY_MEASURES: Final = tuple(name for name in NAMES if not name.endswith((*ANGLES, "MarkerDiameter")))
+"""Measures of a person. The others describe how markers were placed."""
 
 
 def _key(name: str) -> str:
