@@ -1139,8 +1139,9 @@ class Operations:
         *,
         id: str,
         part: str,
+        format: Literal["json", "csv"] | None = ...,
         progress: FileProgress | None = None,
-    ) -> PartSummary:
+    ) -> PartSummary | Content:
         """Get one part of a result."""
     def get_result_array(
         self,
@@ -1447,6 +1448,13 @@ class Operations:
         progress: FileProgress | None = None,
     ) -> Job:
         """A map of all frames of facial takes with levels of detail, to find ways from face to face on."""
+    def start_gait(
+        self,
+        *,
+        request: dict[str, Any],
+        progress: FileProgress | None = None,
+    ) -> Job:
+        """Spatio-temporal parameters of any number of trials, by trial and side, and pooled by subject."""
     def use_synthesize(
         self,
         *,

@@ -224,7 +224,7 @@ def test_too_many_trials_and_unknown_ones_are_refused(client: TestClient) -> Non
         stored(client, bvh(3 + number), f"{number}.bvh")
     answer = client.get("/api/v1/gait", params={"document": "collection:many"})
     assert answer.status_code == 422
-    assert "Choose 1 to 50 documents." in answer.text
+    assert "Choose 1 to 50 documents, or run the analysis `gait`" in answer.text
     assert client.get("/api/v1/gait", params={"document": [uuid, "nothing"]}).status_code == 404
 
 

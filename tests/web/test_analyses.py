@@ -46,7 +46,7 @@ TOY = Analysis(
 @pytest.fixture
 def toy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(catalogue.ANALYSES, "strides", TOY)  # type: ignore[arg-type]  # a dict, whatever its type says
-    monkeypatch.setitem(catalogue.SUBJECTS, "gait", {"strides": TOY})  # type: ignore[arg-type]
+    monkeypatch.setitem(catalogue.SUBJECTS, "steps", {"strides": TOY})  # type: ignore[arg-type]
 
 
 def test_an_analysis_that_is_added_has_a_form_and_results(

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from mcml_service.analysis.dance.analyses import BEATS, DANCE, MOTION_GRAPH
 from mcml_service.analysis.expression_space.analyses import EXPRESSION
+from mcml_service.analysis.gait.analyses import GAIT
 from mcml_service.analysis.interface import Analysis
 from mcml_service.analysis.reach_blending.analyses import REACH
 
@@ -13,6 +14,7 @@ SUBJECTS: Mapping[str, Mapping[str, Analysis]] = {
     "reach": {"fit": REACH},
     "dance": {"beats": BEATS, "graph": MOTION_GRAPH, "make": DANCE},
     "expression": {"build": EXPRESSION},
+    "gait": {"measure": GAIT},
 }
 
 ANALYSES: Mapping[str, Analysis] = {

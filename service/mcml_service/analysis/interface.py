@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from pydantic import BaseModel
 
 from mcml.errors import McmlError
+from mcml.laboratory.gait_trials import Trial
+from mcml.laboratory.measure_gait import EventSource
 from mcml.motion.hub import walked
 from mcml.motion.skeleton import Array, Skeleton
 
@@ -78,6 +80,20 @@ class Motion:
     def walk(self) -> tuple[Array, Array]:
         """Positions (F, J, 3) and rotations (F, J, 4) of all joints in the world."""
         return walked(self.skeleton, self.translations, self.rotations)
+
+
+class TrialSource(Protocol):
+    """A stored clip at one revision, of which an analysis measures the gait alone. It is read when it is measured.
+
+    properties: name -> (text, unit).
+    """
+
+    @property
+    def properties(self) -> Mapping[str, tuple[str, str]]: ...
+
+    def measure(self, source: EventSource) -> Trial:
+        """Measure the gait, without cycles; a clip without gait has the reason among its warnings."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -172,7 +188,8 @@ class Analysis:
     name: in addresses and on the command line. title, description: for people. parameters: the model whose fields,
     limits and descriptions make the API's documentation and forms. fewest, most: limits of the number of clips.
     parts: by name, those a result may have. operations: by name.
-    run: (motions sorted by document id, parameters, progress) -> parts. Raises AnalysisError. Deterministic.
+    reads: "motions", or "trials" for an analysis of gait, whose trials are read one by one.
+    run: (motions or trials sorted by document id, parameters, progress) -> parts. Raises AnalysisError. Deterministic.
     prepare: (parts of a stored result) -> the first argument of its operations, cached between calls. proceed: (the
     prepared result, the parts that an operation on it stored) -> the prepared result of those; shares common data.
     extend: (parts of a stored result, motions to add, parameters, progress) -> parts of a new one; None if a result
@@ -188,11 +205,12 @@ class Analysis:
     description: str
     parameters: type[BaseModel]
     parts: Mapping[str, PartInfo]
-    run: Callable[[Sequence[Motion], Any, Progress], Parts]
+    run: Callable[[Sequence[Any], Any, Progress], Parts]
+    reads: Literal["motions", "trials"] = "motions"
     operations: Mapping[str, ResultUse] = field(default_factory=dict)
     prepare: Callable[[Parts], Any] = lambda parts: parts
     proceed: Callable[[Any, Parts], Any] = lambda ready, parts: ready
-    extend: Callable[[Parts, Sequence[Motion], Any, Progress], Parts] | None = None
+    extend: Callable[[Parts, Sequence[Any], Any, Progress], Parts] | None = None
     check: Callable[[Any, Sequence[str]], None] = lambda parameters, documents: None
     rules: Mapping[str, str] = field(default_factory=dict)
     spreads: bool = False

@@ -51,6 +51,7 @@ def add_to(app: typer.Typer) -> None:
             operations |= analysis.operations
         group.command("info", help="Show a result: its parts and its actions.")(info)
         group.command("picture")(picture)
+        group.command("table")(table)
         for name, operation in operations.items():
             group.command(name, help=_help(operation.description, operation.parameters))(_use(name))
         app.add_typer(group, name=subject)
@@ -169,6 +170,23 @@ def picture(
     if target.is_dir():
         target = target / local_name(drawn.name or f"picture.{form}")
     write_file(target, drawn.blocks, force=force)
+    console.print(f"wrote    {target}")
+
+
+def table(
+    id: ResultArgument,
+    part: Annotated[str, typer.Argument(help="Name of a table of the result")],
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="CSV file; default NAME-PART.csv here")] = None,
+    force: ForceOption = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Write a table of a result as CSV, with units in the headings."""
+    written = open_client(database, server).call("get_result_part", id=id, part=part, format="csv")
+    target = output or Path()
+    if target.is_dir():
+        target = target / local_name(written.name or f"{part}.csv")
+    write_file(target, written.blocks, force=force)
     console.print(f"wrote    {target}")
 
 

@@ -15,7 +15,8 @@ from mcml_service.actions.analysing.save_results import load_parts
 from mcml_service.actions.analysing.start_analysis import EXTENDS, LEFT_OUT, SKELETON, check_parameters, find_analysis
 from mcml_service.actions.checking.describe_problem import problem_of
 from mcml_service.actions.composing.load_motions import Input, load_motions
-from mcml_service.analysis.interface import Motion, Parts, Progress
+from mcml_service.actions.composing.stored_trials import list_trials
+from mcml_service.analysis.interface import Motion, Parts, Progress, TrialSource
 from mcml_service.jobs.remote_motions import StoredMotions, Urls, database_of
 from mcml_service.jobs.telling import Teller
 from mcml_service.jobs.workers import Crew
@@ -67,8 +68,10 @@ def perform(
         def loading(stage: str, share: float) -> None:
             progress(stage, LOADING * share)
 
-        motions: Sequence[Motion]
-        if apart is not None and chosen.spreads:
+        motions: Sequence[Motion | TrialSource]
+        if chosen.reads == "trials":
+            motions = list_trials(database, inputs)
+        elif apart is not None and chosen.spreads:
             motions = apart(inputs, parameters.get(SKELETON))
         else:
             motions = database.ask(lambda tx: load_motions(tx, inputs, loading, parameters.get(SKELETON)))

@@ -99,7 +99,7 @@ def _starting(analysis: Analysis) -> Callable[..., Job]:
             project=request.project,
             runner=call.repository.runner,
             extends=getattr(request, "extends", None),
-            skeleton=request.skeleton,
+            skeleton=getattr(request, "skeleton", None),
         )
         call.repository.wake()
         call.created = f"jobs/{uuid}"
@@ -117,6 +117,12 @@ def _request(analysis: Analysis) -> type[BaseModel]:
     grown: dict[str, Any] = {
         "extends": (str | None, Field(None, description="Result that these documents are added to, without rebuild"))
     }
+    fitted: dict[str, Any] = {
+        "skeleton": (
+            str | None,
+            Field(None, description="Id of a document: clips are brought onto its skeleton when they are read"),
+        )
+    }
     model: type[BaseModel] = create_model(
         f"{''.join(word.title() for word in analysis.name.split('-'))}Request",
         __base__=RequestBody,
@@ -126,10 +132,7 @@ def _request(analysis: Analysis) -> type[BaseModel]:
         parameters=(analysis.parameters, Field(default_factory=analysis.parameters)),
         name=(str | None, Field(None, max_length=1024, description="Name of the result")),
         project=(str | None, Field(None, max_length=256, description="Project of the result; default the documents'")),
-        skeleton=(
-            str | None,
-            Field(None, description="Id of a document: clips are brought onto its skeleton when they are read"),
-        ),
+        **(fitted if analysis.reads == "motions" else {}),
         **(grown if analysis.extend else {}),
     )
     return model

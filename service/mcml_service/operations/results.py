@@ -14,6 +14,7 @@ from mcml.errors import NotFoundError, SizeError
 from mcml_schemas.examples import RESULT
 from mcml_schemas.jobs import ArrayValues, PartSummary, Result, ResultPage
 from mcml_service.actions.analysing.describe_job import part_answer, result_answer
+from mcml_service.actions.analysing.write_table import write_table
 from mcml_service.operations.arguments import MOST, InProject, Page
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import gives
@@ -64,9 +65,20 @@ def delete_result(call: Call, id: ResultId) -> None:
     call.results.forget(id)
 
 
-def get_result_part(call: Call, id: ResultId, part: PartName) -> PartSummary:
+@gives("The part; or with `format=csv` the rows of a table", {"text/csv": None})
+def get_result_part(
+    call: Call,
+    id: ResultId,
+    part: PartName,
+    format: Annotated[
+        Literal["json", "csv"], Field(description="JSON; or CSV, of a table, with units in the headings")
+    ] = "json",
+) -> PartSummary | Content:
     with call.database.read() as tx:
-        return part_answer(_part(tx, id, part)[1])
+        stored, found = _part(tx, id, part)
+    if format == "json":
+        return part_answer(found)
+    return Content(write_table(found), "text/csv; charset=utf-8", f"{stored.name}-{part}.csv")
 
 
 @gives("Rows of the array; or with `format=npy` a NumPy file", {"application/octet-stream": None})

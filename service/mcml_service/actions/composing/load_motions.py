@@ -37,15 +37,15 @@ def load_motions(
     joints match.
     """
     motions: list[Motion] = []
-    body = None if skeleton is None else read_whole(*_find_document(tx, skeleton), 1, 1)
+    body = None if skeleton is None else read_whole(*find_document(tx, skeleton), 1, 1)
     for item in sorted(inputs, key=lambda item: str(item["document"])):
         progress("reading clips", len(motions) / len(inputs))
-        motions.append(_motion(*_find_document(tx, item), body))
+        motions.append(_motion(*find_document(tx, item), body))
     return motions
 
 
-def _find_document(tx: Transaction, item: Input) -> tuple[Transaction, StoredDocument]:
-    """A document at a revision, and the transaction to read it with."""
+def find_document(tx: Transaction, item: Input) -> tuple[Transaction, StoredDocument]:
+    """Return the transaction to read a document at a revision with, and the document then."""
     current = tx.documents.get(item["document"], deleted=True)
     then = tx.at_commit(tx.documents.commit_of(current.key, item["revision"]))
     return then, then.documents.get(item["document"], deleted=True)

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-import numpy as np
-
 from mcml.errors import McmlError, RequestError
-from mcml.laboratory.gait_cycles import Cycles, MeanCycle, mean_cycle
+from mcml.laboratory.gait_cycles import Cycles
 from mcml.laboratory.gait_events import SIDES, Side
-from mcml.laboratory.gait_parameters import PARAMETERS, Stride, Summary, summarise, symmetry
-from mcml.laboratory.measure_gait import EventSource, Gait
+from mcml.laboratory.gait_parameters import PARAMETERS, symmetry
+from mcml.laboratory.gait_trials import Group, Trial
+from mcml.laboratory.measure_gait import EventSource
 from mcml.laboratory.report_curves import ReportCurve, choose_curves
 from mcml.language.elements import to_head
 from mcml.motion.bodies.limb_angles import angle_names
 from mcml.motion.bodies.quantities import AskedQuantity, asked_quantity
-from mcml.motion.skeleton import Array, Convention
+from mcml.motion.skeleton import Convention
 from mcml_schemas import gait as wire
 from mcml_service.actions.checking.check_timed import seconds_of
 from mcml_service.actions.reading.read_gait import sides_of, summary_of, value_or_none
@@ -36,44 +35,6 @@ COLUMNS = ("group", "document", "name", "quantity", "axis", "unit", "side", "str
 """Of the long form of cycles."""
 
 Names: TypeAlias = Sequence[str] | None
-
-
-@dataclass(frozen=True, eq=False)
-class Trial:
-    """gait: None where it could not be measured. cycles: of each quantity and side. warnings: of the gait, and of
-    quantities that it lacks."""
-
-    document: str
-    name: str
-    gait: Gait | None
-    cycles: Mapping[tuple[str, Side], Cycles]
-    warnings: tuple[str, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Group:
-    """Trials whose strides count alike. units: of the quantities."""
-
-    trials: tuple[Trial, ...]
-    units: Mapping[str, str]
-
-    @property
-    def strides(self) -> list[Stride]:
-        """Of all trials."""
-        return [stride for trial in self.trials if trial.gait is not None for stride in trial.gait.strides]
-
-    def summary(self, side: Side, name: str) -> Summary:
-        """Summarise a parameter of a side over all strides that are not rejected."""
-        return summarise(self.strides, side, name)
-
-    def cycles(self, quantity: str, side: Side) -> tuple[Array, int]:
-        """((strides, 101) curves, number of strides with a gap)."""
-        found = [trial.cycles[quantity, side] for trial in self.trials if (quantity, side) in trial.cycles]
-        return np.concatenate([np.empty((0, 101)), *(each.curves for each in found)]), sum(each.gaps for each in found)
-
-    def mean(self, quantity: str, side: Side) -> MeanCycle:
-        """The mean cycle of a side."""
-        return mean_cycle(self.cycles(quantity, side)[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +73,7 @@ def compare_gait(
     if not chosen[0] or count > MOST_TRIALS:
         raise RequestError(
             f"The comparison has {count} documents." if count else "The comparison has no documents.",
-            remedy=f"Choose 1 to {MOST_TRIALS} documents.",
+            remedy=f"Choose 1 to {MOST_TRIALS} documents, or run the analysis `gait` for any number.",
         )
     stored = [[tx.documents.get(uuid) for uuid in uuids] for uuids in chosen]
     if quantities:
@@ -156,11 +117,11 @@ def _measure_group(
     units: dict[str, str] = {}
     trials = []
     for stored in documents:
-        trials.append(_measure_trial(tx, stored, read_body(stored), asked, source, units))
+        trials.append(measure_trial(tx, stored, read_body(stored), asked, source, units))
     return Group(tuple(trials), units)
 
 
-def _measure_trial(
+def measure_trial(
     tx: Transaction,
     stored: StoredDocument,
     body: Body,
@@ -168,6 +129,11 @@ def _measure_trial(
     source: EventSource,
     units: dict[str, str],
 ) -> Trial:
+    """Measure the gait of a document, with cycles of quantities.
+
+    body: of the document. units: of the quantities of earlier trials, which is extended; a quantity in another unit is
+    left out. A trial that cannot be measured has the reason among its warnings.
+    """
     try:
         seconds_of(stored)
         quantities = FrameQuantities(tx, stored, body)

@@ -12,8 +12,9 @@ import numpy as np
 from mcml.errors import UnsupportedError
 from mcml.laboratory.gait_events import SIDES, Side
 from mcml.laboratory.gait_parameters import PARAMETERS, Summary, symmetry
+from mcml.laboratory.gait_trials import Group
 from mcml.laboratory.report_curves import ReportCurve
-from mcml_service.actions.reading.compare_gait import Comparison, Group
+from mcml_service.actions.reading.compare_gait import Comparison
 from mcml_service.analysis.pictures import LINE, QUIET, STYLE
 
 if TYPE_CHECKING:

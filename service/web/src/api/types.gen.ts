@@ -1604,6 +1604,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/analyses/gait": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["start_gait"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/results/{id}/synthesize": {
         parameters: {
             query?: never;
@@ -3057,6 +3073,21 @@ export interface components {
             left: components["schemas"]["GaitSummary"];
             right: components["schemas"]["GaitSummary"];
             symmetry: number | null;
+        };
+        GaitParameters: {
+            /**
+             * @default auto
+             * @enum {string}
+             */
+            events: "auto" | "labels" | "positions";
+            /** @default subject */
+            subject: string;
+        };
+        GaitRequest: {
+            inputs: components["schemas"]["Selection"];
+            parameters?: components["schemas"]["GaitParameters"];
+            name?: string | null;
+            project?: string | null;
         };
         GaitStride: {
             /** @enum {string} */
@@ -9684,7 +9715,9 @@ export interface operations {
     };
     get_result_part: {
         parameters: {
-            query?: never;
+            query?: {
+                format?: "json" | "csv";
+            };
             header?: never;
             path: {
                 id: string;
@@ -9700,6 +9733,7 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["PartSummary"];
+                    "text/csv": unknown;
                 };
             };
             503: {
@@ -11591,6 +11625,55 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["ExpressionRequest"];
+            };
+        };
+        responses: {
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Job"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    start_gait: {
+        parameters: {
+            query?: never;
+            header?: {
+                "idempotency-key"?: string | null;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["GaitRequest"];
             };
         };
         responses: {

@@ -1,0 +1,1 @@
+"""Gait parameters of many trials, by trial and by subject. Specification: docs/analyses/gait.md."""
