@@ -66,6 +66,11 @@ def read_properties(properties: Iterable[tuple[str, str, str]]) -> tuple[dict[st
     return measures, foot
 
 
+def is_baseline_asked(properties: Iterable[tuple[str, str, str]]) -> bool:
+    """Whether the property "gait baseline" says "subtract": the baseline of force plates that a file states."""
+    return any(name == f"{PREFIX}baseline" and value.strip().lower() == "subtract" for name, value, _ in properties)
+
+
 def _to_own_unit(name: str, value: float, unit: str) -> float:
     if name.endswith(ANGLES):
         return value if unit.startswith("rad") else float(np.radians(value))

@@ -20,6 +20,7 @@ from mcml.errors import NotFoundError
 from mcml.formats.c3d.analog import Channels, read_channels
 from mcml.formats.c3d.plates import plates_of
 from mcml.formats.c3d.quantities import Quantity, kept_quantities, rate_of, samples_at
+from mcml.formats.gait_properties import is_baseline_asked
 from mcml.formats.gait_quantities import FindPositions, GaitQuantities, Ids
 from mcml.formats.quantity_units import are_per_kilogram, explain_unit
 from mcml.laboratory.force_plates import Plate, PlateForces, plate_forces
@@ -360,7 +361,8 @@ class Measurements:
 
     @cached_property
     def _plates(self) -> list[Plate]:
-        return [] if self.channels is None else plates_of(self.channels)
+        is_asked = is_baseline_asked(self._head.properties)
+        return [] if self.channels is None else plates_of(self.channels, subtract_baseline=is_asked)
 
     @cached_property
     def _has_rate_of_channels(self) -> bool:

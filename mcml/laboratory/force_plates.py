@@ -36,7 +36,8 @@ class Plate:
     plate. origin: (3,) metres from the origin of the moments to the centre of the surface, in the plate's axes.
     channels: places of its channels in the file, from 0. factors: newtons, newton metres or metres of a unit of each
     channel; of type 4, of a unit of each product of calibration and channels. calibration: (6, 6) of type 4. reasons:
-    why its forces cannot be computed. assumptions: about facts that the file does not state.
+    why its forces cannot be computed. assumptions: about facts that the file does not state. baseline: of each channel,
+    in its own unit, to be subtracted; () for none.
     """
 
     type: int
@@ -47,6 +48,7 @@ class Plate:
     calibration: Array | None = None
     reasons: tuple[str, ...] = ()
     assumptions: tuple[str, ...] = ()
+    baseline: tuple[float, ...] = ()
 
     @cached_property
     def problems(self) -> tuple[str, ...]:
@@ -153,6 +155,8 @@ def plate_forces(plate: Plate, samples: Array, rate: float = np.nan, *, is_turne
 
 def _at_surface(plate: Plate, samples: Array) -> tuple[Array, Array]:
     """Return force and moment (n, 3) about the centre of the surface, in the plate's axes."""
+    if plate.baseline:
+        samples = samples - np.array(plate.baseline)
     if plate.type == 4 and plate.calibration is not None:
         samples = samples @ plate.calibration.T
     values = samples * np.array(plate.factors)

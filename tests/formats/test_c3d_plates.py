@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import ezc3d
@@ -17,6 +18,7 @@ from mcml.formats import FORMATS
 from mcml.formats.c3d.analog import read_channels
 from mcml.formats.c3d.plates import plates_of, read_plates
 from mcml.formats.format import ReadOptions
+from mcml.formats.measurements import Measurements
 from mcml.laboratory.force_plates import Plate, plate_forces
 from mcml.motion.floor_plates import kept_plates
 from mcml.testing import read
@@ -276,3 +278,54 @@ def test_plates_without_corners_are_not_kept() -> None:
     for corners in (flat, None, (4, (3, 2, 1), [1.0] * 6)):
         data = file_of([2], ORDER, FORCE_PLATFORM__CORNERS=corners)
         assert not len(kept_plates(read(FORMATS["c3d"], {"c3d": data}, ReadOptions()).head))
+
+
+OFFSET = [3.0, -2, 25, 500, -900, 70]
+
+
+def rows_with_offset(load: list[float], frames: int = 12) -> np.ndarray:
+    """(frames, 6) a load from the fifth frame on, with an offset throughout."""
+    rows = np.tile(OFFSET, (frames, 1)).astype(np.float64)
+    rows[4:] += load
+    return rows
+
+
+@pytest.mark.parametrize("baseline", [[1, 4], [2, 3], [4, 4]])
+def test_the_baseline_of_the_file_is_subtracted_if_asked(baseline: list[int]) -> None:
+    rows = rows_with_offset(LOAD)
+    channels = read_channels(io.BytesIO(file_of([2], ORDER, rows, FORCE_PLATFORM__ZERO=(2, (2,), baseline))))
+    (plain,), (corrected,) = plates_of(channels), plates_of(channels, subtract_baseline=True)
+    check_load(corrected, rows[4:])
+    assert np.allclose(plate_forces(corrected, rows).force[:4], 0)
+    assert "is subtracted: 25.3 N" in corrected.assumptions[-1]
+    assert plate_forces(plain, rows).force[0, 2] == pytest.approx(-25)
+    assert "is not subtracted" in plain.assumptions[-1]
+
+
+@pytest.mark.parametrize("baseline", [[0, 0], [1, 0], [0, 10], [5, 13], [-3, 4], [3, 2], [1]])
+def test_ranges_that_are_no_frames_of_the_file_are_no_baseline(baseline: list[int]) -> None:
+    zero = (2, (len(baseline),), baseline)
+    channels = read_channels(io.BytesIO(file_of([2], ORDER, rows_with_offset(LOAD), FORCE_PLATFORM__ZERO=zero)))
+    (plate,) = plates_of(channels, subtract_baseline=True)
+    assert not plate.baseline
+    assert not plate.assumptions
+
+
+def test_a_person_on_the_plate_is_no_baseline() -> None:
+    zero = (2, (2,), [5, 8])
+    channels = read_channels(io.BytesIO(file_of([2], ORDER, rows_with_offset(LOAD), FORCE_PLATFORM__ZERO=zero)))
+    (plate,) = plates_of(channels, subtract_baseline=True)
+    assert not plate.baseline
+    assert "has a load of 680 N" in plate.assumptions[-1]
+
+
+@pytest.mark.parametrize(("properties", "offset"), [((("gait baseline", "Subtract", ""),), 0.0), ((), -25.0)])
+def test_a_property_asks_for_the_baseline(properties: tuple[tuple[str, str, str], ...], offset: float) -> None:
+    zero = (2, (2,), [1, 4])
+    data = file_of([2], ORDER, rows_with_offset(LOAD), FORCE_PLATFORM__ZERO=zero)
+    head = replace(read(FORMATS["c3d"], {"c3d": data}).head, properties=properties)
+    measurements = Measurements(head, io.BytesIO(data))
+    forces = measurements.plates_at(np.arange(1, 13))[1].force[:, 2]
+    assert forces == pytest.approx([offset] * 4 + [700.0 + offset] * 8, abs=1e-3)
+    note = next(each.notes[-1] for each in measurements.describe() if each.function == "force")
+    assert ("is subtracted" in note) == bool(properties)

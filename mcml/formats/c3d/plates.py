@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import BinaryIO, Final
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from mcml.formats.c3d.analog import Channels, read_channels
 from mcml.formats.c3d.parameters import Statements
 from mcml.formats.c3d.quantities import decode_text
-from mcml.laboratory.force_plates import CHANNEL_COUNTS, Plate
+from mcml.laboratory.force_plates import CHANNEL_COUNTS, Plate, plate_forces
 from mcml.motion.floor_plates import MOST_PLATES, usable_plates
 from mcml.motion.skeleton import Array
 from mcml.motion.units import UNITS
@@ -24,6 +25,12 @@ _MOMENTS: Final = {
 _QUANTITIES: Final = {1: "fffllm", 2: "fffmmm", 3: "ffffffff", 4: "fffmmm"}
 """The channels of each type: forces, moments and lengths."""
 
+_MOST_BASELINE: Final = 10_000
+"""Frames of a baseline that are read."""
+
+_MOST_OFFSET: Final = 100.0
+"""Newtons of a baseline; more is somebody who stands on the plate."""
+
 _NO_LETTERS: Final = re.compile(r"[\W\d_]+")
 
 
@@ -32,13 +39,17 @@ def read_plates(stream: BinaryIO) -> list[Plate]:
     return plates_of(read_channels(stream))
 
 
-def plates_of(channels: Channels) -> list[Plate]:
-    """Return the force plates of a file, in its order. A plate that cannot be used has reasons."""
+def plates_of(channels: Channels, *, subtract_baseline: bool = False) -> list[Plate]:
+    """Return the force plates of a file, in its order. A plate that cannot be used has reasons.
+
+    subtract_baseline: whether the mean of the frames in FORCE_PLATFORM:ZERO is subtracted from each channel.
+    """
     said = channels.said
     kinds = said.numbers("FORCE_PLATFORM:TYPE")
     count = _count_plates(said)
     types = [round(kind) if np.isfinite(kind) else 0 for kind in kinds] + [0] * count
-    return [_plate(channels, index, types[index], count) for index in range(count)]
+    plates = [_plate(channels, index, types[index], count) for index in range(count)]
+    return [plate if plate.problems else _add_baseline(channels, plate, asked=subtract_baseline) for plate in plates]
 
 
 def _count_plates(said: Statements) -> int:
@@ -72,6 +83,27 @@ def _plate(channels: Channels, index: int, kind: int, count: int) -> Plate:
         # By columns, as all parameters of several dimensions.
         calibration = None if np.isnan(calibration).any() else calibration.reshape(6, 6).T
     return Plate(kind, corners, origin, places, factors, calibration, tuple(reasons), tuple(assumptions))
+
+
+def _add_baseline(channels: Channels, plate: Plate, *, asked: bool) -> Plate:
+    """Return a usable plate with the baseline of the file, if it is asked for, and a note if the file has any.
+
+    Source: The C3D File Format User Guide, "FORCE_PLATFORM:ZERO". Frames count from 1, the first of the file.
+    """
+    numbers = channels.said.numbers("FORCE_PLATFORM:ZERO", signed=True)[:2]
+    if len(numbers) < 2 or not 1 <= numbers[0] <= numbers[1] <= channels.frames:
+        return plate
+    first, last = map(round, numbers)
+    frames = f"frames {first} to {last}, its baseline by FORCE_PLATFORM:ZERO"
+    if not asked:
+        return replace(plate, assumptions=(*plate.assumptions, f"the mean of {frames}, is not subtracted"))
+    means = channels.read(first - 1, min(last - first + 1, _MOST_BASELINE), plate.channels).mean(axis=0)
+    force = float(np.linalg.norm(plate_forces(plate, means[None]).force))
+    if not force <= _MOST_OFFSET:
+        why = f"the mean of {frames}, is not subtracted: the plate has a load of {force:.0f} N then"
+        return replace(plate, assumptions=(*plate.assumptions, why))
+    why = f"the mean of {frames}, is subtracted: {force:.1f} N"
+    return replace(plate, baseline=tuple(means.tolist()), assumptions=(*plate.assumptions, why))
 
 
 def _part(said: Statements, name: str, index: int, size: int) -> Array:
