@@ -6,19 +6,16 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Final
 
-import numpy as np
-
 from mcml.formats.text.numbers import is_number
 from mcml.laboratory.gait_model.measures import ANGLES, BODY_MEASURES, NAMES, Measures, has_known_lengths
 from mcml.laboratory.gait_model.static_pass import FootOption
-from mcml.motion.units import UNITS
-
-PREFIX: Final = "gait "
-"""Properties that begin so state measures by the names of Plug-in Gait: "gait LKneeWidth"."""
+from mcml.motion.landmarks.sizes import PREFIX, to_metres, to_radians
 
 _FOOT: Final = "foot"
 _OPTIONS: Final[dict[str, FootOption]] = {"flat": "foot flat", "as it stands": "as it stands"}
 _MILLIMETRES: Final = 1000.0
+_WANDS: Final = ("LThighRotation", "RThighRotation", "LShankRotation", "RShankRotation")
+"""Angles of wands, with which the body of the clip places knees and ankles."""
 _MASS: Final = "Bodymass"
 _DIGITS: Final = 1e-6
 
@@ -26,15 +23,20 @@ _DIGITS: Final = 1e-6
 def state_measures(measures: Measures, subject: str = "") -> Iterator[tuple[str, str, str]]:
     """Yield (name, value, unit) of properties for the measures of a body: "gait LKneeWidth", "104", "mm".
 
-    subject: its name, where the file has several: "gait Anna LKneeWidth". Angles and the diameter of markers are no
-    measures of the body. Lengths whose unit is not sure are left out. Values have the 7 digits of single precision.
+    subject: its name, where the file has several: "gait Anna LKneeWidth". Of angles only those of wands, which place
+    knees and ankles (`landmarks.sizes`). Lengths whose unit is not sure are left out. Values have the 7 digits of
+    single precision.
     """
     # Lists of documents take the text before the first colon as the name of a property.
     whose = "".join(letter if letter.isprintable() and letter != ":" else "_" for letter in subject)
+    before = f"{PREFIX}{whose} " if whose else PREFIX
     names = BODY_MEASURES if has_known_lengths(measures) else [_MASS]
     for name in names:
         if (value := measures.get(name)) is not None:
-            yield f"{PREFIX}{whose} {name}" if whose else PREFIX + name, f"{value:.7g}", "kg" if name == _MASS else "mm"
+            yield before + name, f"{value:.7g}", "kg" if name == _MASS else "mm"
+    for name in _WANDS:
+        if value := measures.of(name):
+            yield before + name, f"{value:.7g}", "rad"
 
 
 def leave_out_equal(stated: Mapping[str, float], measures: Measures) -> dict[str, float]:
@@ -73,5 +75,5 @@ def is_baseline_asked(properties: Iterable[tuple[str, str, str]]) -> bool:
 
 def _to_own_unit(name: str, value: float, unit: str) -> float:
     if name.endswith(ANGLES):
-        return value if unit.startswith("rad") else float(np.radians(value))
-    return value if name == _MASS else value * UNITS.get(unit, 1 / _MILLIMETRES) * _MILLIMETRES
+        return to_radians(value, unit)
+    return value if name == _MASS else to_metres(value, unit) * _MILLIMETRES

@@ -52,6 +52,7 @@ def test_measures_are_properties_with_units(client: TestClient) -> None:
         "gait Height": ("1634", "mm"),
         "gait LKneeWidth": ("100", "mm"),
         "gait LLegLength": ("880", "mm"),
+        "gait LThighRotation": ("0.1", "rad"),
     }
     documents = client.get("/api/v1/documents", params={"property": "gait Bodymass:50..70"}).json()["items"]
     assert len(documents) == 1
@@ -139,3 +140,23 @@ def test_strikes_of_people_over_sixty_with_a_bent_knee(client: TestClient, share
                     expected.add((name, frame))
     assert listed == expected
     assert expected
+
+
+def test_a_changed_measure_moves_the_knee(client: TestClient) -> None:
+    """The body of a clip is made with the properties that it has now."""
+    content = gait_file(walk(4), {"Bodymass": 60.0})
+    (item,) = upload(client, {"trial.c3d": content})["documents"]  # type: ignore[misc]
+
+    def breadth() -> float:
+        """Metres from the marker of the knee to its centre."""
+        answer = client.post("/api/v1/xpath", json={"q": "avg(//frame/mo:distance('LKNE', 'left_low_leg'))"}).json()
+        return float(answer["value"])
+
+    usual = breadth()
+    assert 0.03 < usual < 0.09
+    for width in (90, 130):
+        table = f"document,gait LKneeWidth (mm)\n{item['id']},{width}\n"
+        assert client.post("/api/v1/properties", content=table).status_code == 200
+        assert breadth() == pytest.approx((width + 14) / 2000, abs=2e-4)
+    assert client.post("/api/v1/properties", content=f"document,gait LKneeWidth\n{item['id']},nonsense\n").is_success
+    assert breadth() == pytest.approx(usual)

@@ -7,6 +7,7 @@ import pytest
 
 from mcml.motion.hub import rest_of
 from mcml.motion.landmarks.centres import body_names, centres_of, with_centres
+from mcml.motion.landmarks.sizes import Sizes
 from mcml.motion.markers import marker_skeleton
 from mcml.motion.pictures import thumbnails
 from mcml.motion.pictures.figures import Figure, farthest, figure_of, finite, marker_body_figure, view_of
@@ -133,7 +134,7 @@ def test_any_numbers_make_a_picture(size: float) -> None:
 
 
 def test_markers_of_a_person_are_drawn_as_a_figure() -> None:
-    points = with_centres(centres_of(MARKERS), PLACES.repeat(4, axis=0), 0.001)
+    points = with_centres(centres_of(MARKERS), PLACES.repeat(4, axis=0), Sizes(0.001))
     figure = marker_body_figure(MARKERS, points)
     assert figure is not None
     names = body_names(MARKERS)
@@ -154,7 +155,7 @@ def test_markers_of_a_person_are_drawn_as_a_figure() -> None:
 def test_two_people_are_two_figures() -> None:
     skeleton = marker_skeleton([f"{who}:{name}" for who in ("Anna", "Bea") for name in STANDING])
     places = np.concatenate([PLACES, PLACES + np.array([1000, 0, 0])], axis=1)
-    figure = marker_body_figure(skeleton, with_centres(centres_of(skeleton), places, 0.001))
+    figure = marker_body_figure(skeleton, with_centres(centres_of(skeleton), places, Sizes(0.001)))
     assert figure is not None
     assert figure.root is None
     names = body_names(skeleton)

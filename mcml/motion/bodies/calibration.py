@@ -26,6 +26,7 @@ from mcml.motion.frames import Rows
 from mcml.motion.guesses import changed_up, stated_up, told_up, up_of_head
 from mcml.motion.kinematics import rest_positions
 from mcml.motion.landmarks.centres import body_names, centres_of, with_centres
+from mcml.motion.landmarks.sizes import sizes_of
 from mcml.motion.pictures.figures import axis_of
 from mcml.motion.skeleton import Array, Skeleton, once_a_skeleton
 from mcml.motion.units import UNITS, Reading, metres_of, reading_of
@@ -169,8 +170,8 @@ def calibrate(
             values[name], origins[name] = found
 
     centres, names = centres_of(skeleton), body_names(skeleton)
-    metres = overrides.get("metres", metres_of(head))
-    settle("leg", _leg(names, with_centres(centres, positions if len(positions) else rest, metres)))
+    sizes = sizes_of(head, overrides.get("metres", metres_of(head)))
+    settle("leg", _leg(names, with_centres(centres, positions if len(positions) else rest, sizes)))
     skipped, origin = frames_before_motion(skeleton, positions, places, values["leg"], head.seconds_per_frame())
     settle("leaps", (skipped > 0, origin))
     # A person who sets this where no such pose is detected means the first frame.
@@ -182,7 +183,8 @@ def calibrate(
     settle("metres", _metres(head, values["leg"]))
     settle("up", _up(head, poses))
     up = axis_of(values["up"])
-    settle("floor", find_floor(head, names, with_centres(centres, poses, values["metres"]), up, values["metres"]))
+    points = with_centres(centres, poses, sizes_of(head, values["metres"]))
+    settle("floor", find_floor(head, names, points, up, values["metres"]))
     origins["reference"] = Origin("set")
     if reference is None or isinstance(reference, int):
         if kept is None and reference is not None and pose_at is not None:

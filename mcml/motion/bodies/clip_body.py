@@ -22,6 +22,7 @@ from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, ReferencePose
 from mcml.motion.hub import rest_of
 from mcml.motion.kinematics import Walker, unseen
 from mcml.motion.landmarks.centres import body_names, centres_of, doubtful_names, with_centres
+from mcml.motion.landmarks.sizes import sizes_of
 from mcml.motion.layout import Held
 from mcml.motion.skeleton import Array
 from mcml.motion.units import reading_of
@@ -78,7 +79,7 @@ def _steps(
     head: ClipHead, calibration: Calibration, positions: Array, values: Array | None
 ) -> tuple[tuple[str, ...], Steps]:
     """The names of lines to the left, and positions and lines as whole steps."""
-    points = with_centres(centres_of(head.skeleton), positions, calibration.metres)
+    points = with_centres(centres_of(head.skeleton), positions, sizes_of(head, calibration.metres))
     lines, sides = line_steps(head.skeleton, calibration.bones, points, values, reading_of(head))
     steps = rounded(points, calibration.step)
     return lines, np.concatenate([steps, sides], axis=1) if lines else steps

@@ -18,6 +18,7 @@ import numpy as np
 
 from mcml.motion.landmarks.construction import Sign, place_centre, place_hip, place_shoulder
 from mcml.motion.landmarks.recognise import MarkerBody, recognise_markers
+from mcml.motion.landmarks.sizes import Sizes
 from mcml.motion.landmarks.tables import key_of
 from mcml.motion.skeleton import Array, Convention, Skeleton, once_a_skeleton
 from mcml.motion.vectors import cross, length
@@ -31,8 +32,8 @@ _RULES: Final[Mapping[Rule, str]] = {
     "mean": "made from {markers}",
     "hip": "estimated from {markers} by Harrington 2007",
     "shoulder": "estimated from {markers} by Rab 2002",
-    "wand": "constructed from {markers}, with a usual width of the joint",
-    "elbow": "constructed from {markers}, with a usual width of the joint",
+    "wand": "constructed from {markers}, with the width of the joint that a property states, or a usual one",
+    "elbow": "constructed from {markers}, with the width of the joint that a property states, or a usual one",
     "guess": "guessed from {markers}: no marker shows in which plane it is",
 }
 _SIDES: Final[tuple[tuple[str, str, Sign], ...]] = (("left", "L", 1), ("right", "R", -1))
@@ -81,7 +82,7 @@ class Centre:
 
     name: MCML's, after the prefix of a person if there are several. markers: indices of markers. landmarks: theirs, or
     their names. side: of the joint, 0 in the middle. above: index of the joint above among `body_names`, -1 where none
-    is needed. radius: of the distance to it.
+    is needed. radius: usual distance from the marker, of the marker's distance from the joint above.
     """
 
     name: str
@@ -174,27 +175,28 @@ def _has_all(at: Mapping[str, int], way: _Way) -> bool:
     return all(part in at for part in way[1])
 
 
-def with_centres(centres: Sequence[Centre], positions: Array, metres: float | None) -> Array:
+def with_centres(centres: Sequence[Centre], positions: Array, sizes: Sizes) -> Array:
     """(n, J + C, 3) positions of markers and, after them, of centres; NaN where a marker of a centre is unknown.
 
-    metres: of a unit of the positions. Where it is unknown, hips that are estimated from the pelvis are unknown.
+    sizes: of the people. Where the unit of the positions is unknown, hips that are estimated from the pelvis are
+    unknown.
     """
     if not centres:
         return positions
     points = np.concatenate([positions, np.empty((len(positions), len(centres), 3))], axis=1)
     for index, centre in enumerate(centres, positions.shape[1]):
-        points[:, index] = _place(centre, points, metres)
+        points[:, index] = _place(centre, points, sizes)
     return points
 
 
-def _place(centre: Centre, points: Array, metres: float | None) -> Array:
+def _place(centre: Centre, points: Array, sizes: Sizes) -> Array:
     """(n, 3) a centre. points: (n, J + C, 3), with all centres that it needs."""
     if centre.rule == "mean" or centre.side == 0:
         mean: Array = points[:, list(centre.markers)].mean(axis=1)
         return mean
     first, second, *more = (points[:, marker] for marker in centre.markers)
     if centre.rule == "hip":
-        return place_hip(centre.side, first, second, (more[0] + more[1]) / 2, metres)
+        return place_hip(centre.side, first, second, (more[0] + more[1]) / 2, sizes.metres)
     if centre.rule == "shoulder":
         return place_shoulder(first, second, (more[0] + more[1] + more[2] + more[3]) / 4)
     above = points[:, centre.above]
@@ -203,4 +205,6 @@ def _place(centre: Centre, points: Array, metres: float | None) -> Array:
         wand = first + centre.side * (second - more[0])
     elif centre.rule == "elbow":
         wand = first + centre.side * cross(above - first, (second + more[0]) / 2 - first)
-    return place_centre(above, first, wand, centre.radius * length(above - first))
+    radius = sizes.radius(centre.name)
+    turn = sizes.turns.get(centre.name, 0.0) if centre.rule == "wand" else 0.0
+    return place_centre(above, first, wand, centre.radius * length(above - first) if radius is None else radius, turn)

@@ -17,6 +17,7 @@ from mcml.motion.bodies.stretch import Stretch
 from mcml.motion.clip import ClipStream, Reference, ReferencePose
 from mcml.motion.conventions.convert import convert
 from mcml.motion.landmarks.centres import body_names, centres_of, with_centres
+from mcml.motion.landmarks.sizes import sizes_of
 from mcml.motion.skeleton import Array, Convention, Skeleton
 from mcml.motion.units import DEGREES, Reading, reading_of
 from mcml.testing import read, written
@@ -109,7 +110,7 @@ def stretch_of(clip: ClipStream, calibration: Calibration | None = None) -> Stre
     skeleton, reading = clip.head.skeleton, reading_of(clip.head)
     positions, values = positions_of(clip), filled(skeleton, clip.blocks()).values
     calibration = calibration or calibrate(clip.head, positions)
-    points = with_centres(centres_of(skeleton), positions, calibration.metres)
+    points = with_centres(centres_of(skeleton), positions, sizes_of(clip.head, calibration.metres))
     steps = rounded(points, calibration.step)
     places = {name: steps[:, index] for index, name in enumerate(body_names(skeleton))}
     lines, sides = line_steps(skeleton, calibration.bones, points, values, reading)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from mcml.language.joint_names import named
 from mcml.motion.landmarks.centres import body_names, centres_of, doubtful_names, with_centres
 from mcml.motion.landmarks.construction import harrington_hip, place_hip
+from mcml.motion.landmarks.sizes import Sizes
 from mcml.motion.markers import marker_skeleton
 from mcml.motion.rotations import rotate
 from mcml.motion.skeleton import Array
@@ -18,7 +19,7 @@ from tests.motion.landmarks.standing import NAMES, PLACES, SKELETON
 
 def centre(name: str, positions: Array = PLACES, metres: float | None = 0.001) -> Array:
     """(n, 3) a centre of the body."""
-    points = with_centres(centres_of(SKELETON), positions, metres)
+    points = with_centres(centres_of(SKELETON), positions, Sizes(metres))
     return points[:, body_names(SKELETON).index(name)]
 
 
@@ -72,8 +73,8 @@ def test_centres_move_with_the_body_in_every_unit(
 ) -> None:
     quaternion = np.array(turn) / np.linalg.norm(turn)
     moved = rotate(np.tile(quaternion, (len(NAMES), 1)), PLACES[0]) + np.array(move)
-    points = with_centres(centres_of(SKELETON), moved[None] * (0.001 / metres), metres)[0] * (metres / 0.001)
-    still = with_centres(centres_of(SKELETON), PLACES, 0.001)[0]
+    points = with_centres(centres_of(SKELETON), moved[None] * (0.001 / metres), Sizes(metres))[0] * (metres / 0.001)
+    still = with_centres(centres_of(SKELETON), PLACES, Sizes(0.001))[0]
     expected = rotate(np.tile(quaternion, (len(still), 1)), still) + np.array(move)
     np.testing.assert_allclose(points, expected, atol=1e-5)
 

@@ -11,6 +11,7 @@ import mcml
 from mcml.language.joint_names import named
 from mcml.motion.landmarks.centres import centres_of, with_centres
 from mcml.motion.landmarks.recognise import landmark_by_words, recognise_markers
+from mcml.motion.landmarks.sizes import Sizes
 from mcml.motion.landmarks.tables import marker_sets
 from mcml.motion.markers import marker_skeleton
 
@@ -90,7 +91,7 @@ def test_centres_are_means_of_both_sides() -> None:
     }  # fmt: skip
     positions = np.random.default_rng(0).normal(size=(4, len(names), 3))
     positions[2, names.index("LKneeMed")] = np.nan
-    whole = with_centres(centres_of(skeleton), positions, None)
+    whole = with_centres(centres_of(skeleton), positions, Sizes())
     knee = whole[:, len(names) + list(centres).index("left_low_leg")]
     np.testing.assert_allclose(knee[0], (positions[0, names.index("LKNE")] + positions[0, names.index("LKneeMed")]) / 2)
     assert np.isnan(knee[2]).all()

@@ -14,6 +14,7 @@ from mcml.motion.guesses import likely_unit, up_of_head
 from mcml.motion.hub import HubReader, rest_of, walked
 from mcml.motion.kinematics import rest_positions, unseen
 from mcml.motion.landmarks.centres import centres_of, with_centres
+from mcml.motion.landmarks.sizes import sizes_of
 from mcml.motion.layout import Held
 from mcml.motion.pictures.figures import (
     Figure,
@@ -105,7 +106,7 @@ class Poses:
         joints, turned = walked(skeleton, hub.translations, hub.rotations)
         if self._markers:
             joints[np.concatenate(self._gaps)] = np.nan
-            return with_centres(centres_of(skeleton), joints, metres_of(self.head)), joints, 0
+            return with_centres(centres_of(skeleton), joints, sizes_of(self.head, metres_of(self.head))), joints, 0
         ends = [joint for joint, _ in reader.rest.tips]
         along = np.array([vector for _, vector in reader.rest.tips]).reshape(-1, 3) * hub.scales[:, ends, None]
         tips = joints[:, ends] + rotate(turned[:, ends], along)
