@@ -102,7 +102,11 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
     return report
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    for item in items:
+        if item.get_closest_marker("above_store") and _kind_of(item) == "postgresql":
+            item.add_marker(pytest.mark.fuzz)
     if fuzz.asked_for(config):
         for item in items:
             if item.get_closest_marker("hypothesis"):
@@ -111,6 +115,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         long = [item for item in items if item.get_closest_marker("fuzz") is not None]
         config.hook.pytest_deselected(items=long)
         items[:] = [item for item in items if item.get_closest_marker("fuzz") is None]
+
+
+def _kind_of(item: pytest.Item) -> str | None:
+    """The kind of database that a test is given, where it is given one."""
+    given: str | None = item.callspec.params.get("kind") if hasattr(item, "callspec") else None
+    return given
 
 
 def shared_folder() -> Path | None:

@@ -18,6 +18,8 @@ from mcml_service.storage.database import Database
 from tests.actions.test_measurements import FIRST, FRAMES, SAMPLES, walkway
 from tests.builders import bvh, store
 
+pytestmark = pytest.mark.above_store
+
 Edit = DeleteFrames | MirrorFrames | MoveFrames | ResampleFrames | ReverseFrames
 
 

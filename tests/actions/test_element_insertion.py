@@ -21,6 +21,8 @@ from tests.actions.test_single_element import PARSER, canonical
 from tests.builders import MCML, bvh, one_kind, store
 from tests.edits import OTHER_SEEDS
 
+pytestmark = pytest.mark.above_store
+
 API = "/api/v1"
 ANY = {"if-match": "*"}
 

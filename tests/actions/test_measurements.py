@@ -37,6 +37,8 @@ from mcml_service.xpath.queries import Queries
 from tests.builders import bvh, store
 from tests.c3d_writer import Value, c3d_bytes
 
+pytestmark = pytest.mark.above_store
+
 FIRST, FRAMES = 91, 40
 LABELS = ["LASI", "RASI", "SACR", "LHEE", "RHEE", "LKneeAngles"]
 TYPED: dict[str, Value | None] = {"POINT:ANGLES": (-1, (11,), b"LKneeAngles"), "POINT:UNITS": (-1, (2,), b"mm")}

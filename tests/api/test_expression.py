@@ -19,7 +19,7 @@ from tests.jobs.test_jobs import wait
 
 API = "/api/v1"
 
-pytestmark = pytest.mark.usefixtures("lent_workers")
+pytestmark = [pytest.mark.usefixtures("lent_workers"), pytest.mark.above_store]
 
 
 def use(client: TestClient, result: str, operation: str, **parameters: Any) -> dict[str, Any]:

@@ -13,6 +13,8 @@ from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from tests.builders import bvh, one_kind, served, upload
 
+pytestmark = pytest.mark.above_store
+
 API = "/api/v1"
 
 

@@ -12,6 +12,8 @@ from mcml.language.dtd import violations
 from mcml_service.settings import Settings
 from tests.builders import MCML, bvh, one_kind, upload
 
+pytestmark = pytest.mark.above_store
+
 API = "/api/v1"
 WALK = "걸음"
 NFD = unicodedata.normalize("NFD", WALK)

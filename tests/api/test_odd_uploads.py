@@ -18,6 +18,8 @@ from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from tests.builders import ASF, TRC, amc, bvh, one_kind, served
 
+pytestmark = pytest.mark.above_store
+
 API = "/api/v1"
 
 

@@ -18,6 +18,8 @@ from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from tests.builders import ASF, SECRET, amc, bvh, mcml_of, one_kind, served, upload
 
+pytestmark = pytest.mark.above_store
+
 API = "/api/v1"
 HOME = "http://127.0.0.1:8000"
 

@@ -14,6 +14,8 @@ from tests.builders import TRC, bvh, upload
 from tests.formats.scenes.reading import read_glb
 from tests.motion.bodies.made import person
 
+pytestmark = pytest.mark.above_store
+
 API = "/api/v1"
 BEGINNINGS = {
     "glb": b"glTF",

@@ -15,6 +15,8 @@ from mcml_service.storage.database import Database
 from tests.builders import ASF, HTR, MCML, amc, bvh, served, upload
 from tests.conftest import StoreOf
 
+pytestmark = pytest.mark.above_store
+
 API = "/api/v1"
 PARSER = etree.XMLParser(remove_blank_text=True)
 

@@ -18,6 +18,8 @@ from mcml_service.xpath.queries import Queries
 from tests.builders import HTR, MCML, bvh, upload
 from tests.conftest import StoreOf
 
+pytestmark = pytest.mark.above_store
+
 API = "/api/v1"
 FIELDS = ("document", "revision", "kind", "address", "value")
 EXPRESSIONS = [

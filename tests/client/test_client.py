@@ -22,6 +22,8 @@ from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from tests.builders import ASF, amc, bvh, one_kind, served, source
 
+pytestmark = pytest.mark.above_store
+
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 

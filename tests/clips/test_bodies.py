@@ -25,6 +25,8 @@ from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from tests.builders import TRC, bvh, one_kind, store
 
+pytestmark = pytest.mark.above_store
+
 NAMES = ("Hips", "LeftUpLeg", "LeftLeg", "LeftFoot")
 
 

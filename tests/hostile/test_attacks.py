@@ -25,6 +25,8 @@ from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from tests.builders import MCML, SECRET, bvh, upload
 
+pytestmark = pytest.mark.above_store
+
 API = "/api/v1"
 PLAIN, TLS = "http://lab.example", "https://lab.example"
 WORDS = "four words in a row"

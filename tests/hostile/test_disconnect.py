@@ -19,6 +19,8 @@ from mcml_service.storage.database import Database
 from tests.actions.test_import_failures import rows
 from tests.builders import SECRET, bvh
 
+pytestmark = pytest.mark.above_store
+
 BOUNDARY = "end-of-part"
 CONTENT = bvh(20_000)
 

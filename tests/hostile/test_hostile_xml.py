@@ -12,6 +12,8 @@ from mcml.errors import DocumentError, LimitError
 from mcml.language import dtd
 from mcml.language.reader import Limits, read_document
 
+pytestmark = pytest.mark.above_store
+
 HEAD = b'<mcml version="1.0"><header/><skeleton><bone><name>a</name></bone></skeleton>'
 BOMB = b'<?xml version="1.0"?><!DOCTYPE mcml [<!ENTITY a "aaaaaaaaaa">' + b"".join(
     b'<!ENTITY %c "%s">' % (97 + n, b"&%c;" % (96 + n) * 10) for n in range(1, 12)

@@ -6,11 +6,14 @@ import io
 import random
 import zipfile
 
+import pytest
 from fastapi.testclient import TestClient
 
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from tests.builders import ASF, HTR, MCML, amc, bvh, served
+
+pytestmark = pytest.mark.above_store
 
 API = "/api/v1"
 

@@ -11,6 +11,8 @@ from mcml_service.actions.keeping.purge_documents import purge_documents
 from mcml_service.storage.database import Database
 from tests.builders import bvh, store
 
+pytestmark = pytest.mark.above_store
+
 API = "/api/v1/documents"
 MP4 = b"\x00\x00\x00\x20ftypisom" + np.random.default_rng(0).bytes(20 << 17)
 

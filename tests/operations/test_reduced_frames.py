@@ -14,6 +14,8 @@ from mcml_service.storage.database import Database
 from tests import fuzz
 from tests.builders import TRC, bvh, one_kind, store
 
+pytestmark = pytest.mark.above_store
+
 API = "/api/v1/documents"
 
 

@@ -17,6 +17,8 @@ from mcml_service.storage.database import Database
 from tests import thumbnails as mt1
 from tests.builders import TRC, bvh, c3d_file, store, upload
 
+pytestmark = pytest.mark.above_store
+
 API = "/api/v1/documents"
 LASTING = "private, max-age=31536000, immutable"
 

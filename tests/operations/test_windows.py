@@ -13,6 +13,8 @@ from mcml_service.storage.database import Database
 from tests.builders import ASF, amc, bvh, served, store, upload
 from tests.conftest import StoreOf
 
+pytestmark = pytest.mark.above_store
+
 API = "/api/v1/documents"
 FILES = [{"walk.bvh": bvh(700)}, {"leg.asf": ASF, "leg.amc": amc(5)}]
 

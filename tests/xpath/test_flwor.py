@@ -20,6 +20,8 @@ from mcml_service.xpath.queries import Queries
 from tests.builders import MCML, bvh, store
 from tests.edits import OTHER_SEEDS
 
+pytestmark = pytest.mark.above_store
+
 saxonche = pytest.importorskip("saxonche")
 
 

@@ -13,6 +13,8 @@ from tests.builders import FACE, MCML, store
 from tests.xpath.library import exported
 from tests.xpath.oracle import check
 
+pytestmark = pytest.mark.above_store
+
 QUESTIONS = (
     "//frame_bone/@weight",
     "//frame[frame_bone[@name='JawOpen']/@weight > 0.3]",

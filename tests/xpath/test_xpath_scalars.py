@@ -13,6 +13,8 @@ from mcml_service.storage.database import Database
 from mcml_service.xpath.queries import Queries
 from tests.builders import bvh, store
 
+pytestmark = pytest.mark.above_store
+
 
 @pytest.fixture
 def queries(database: Database) -> Iterator[Queries]:
