@@ -62,8 +62,9 @@ PLANTS = {
 
 def _linted(tmp_path: Path, plants: dict[str, tuple[str, ...]]) -> str:
     """What import-linter says of the sources with these imports added."""
+    left_out = shutil.ignore_patterns("__pycache__", "static", "node_modules", "src")
     for name in ("service", "schemas", "mcml"):
-        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__", "static"))
+        shutil.copytree(ROOT / name, tmp_path / name, ignore=left_out)
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
     for name, modules in plants.items():
         path = tmp_path / name
@@ -77,17 +78,13 @@ def _linted(tmp_path: Path, plants: dict[str, tuple[str, ...]]) -> str:
     return said.stdout
 
 
-def test_planted_imports_are_found(tmp_path: Path) -> None:
-    said = " ".join(_linted(tmp_path, PLANTS).split())
+def test_planted_imports_and_packages_without_a_place_are_found(tmp_path: Path) -> None:
+    folders = ("mcml/first_attic", "service/mcml_service/second_attic", "service/mcml_service/actions/third_attic")
+    said = " ".join(_linted(tmp_path, PLANTS | {f"{folder}/__init__.py": () for folder in folders}).split())
     for name, modules in PLANTS.items():
         planted_in = name.removesuffix(".py").removeprefix("service/").removeprefix("schemas/").replace("/", ".")
         for module in modules:
             assert f"{planted_in} -> {module}" in said, (planted_in, module)
-
-
-def test_packages_without_a_place_are_found(tmp_path: Path) -> None:
-    folders = ("mcml/first_attic", "service/mcml_service/second_attic", "service/mcml_service/actions/third_attic")
-    said = _linted(tmp_path, {f"{folder}/__init__.py": () for folder in folders})
     for folder in folders:
         assert folder.rpartition("/")[2] in said, folder
 
@@ -166,24 +163,33 @@ def _only_shapes(decorator: ast.expr) -> bool:
     )
 
 
+@cache
+def _nodes(module: ast.Module) -> list[ast.AST]:
+    """All of a module: several tests walk through all modules, which takes seconds each time."""
+    return list(ast.walk(module))
+
+
 def _texts(module: ast.Module) -> set[str]:
     """Words of texts like "module:name"."""
-    texts = (node.value for node in ast.walk(module) if isinstance(node, ast.Constant) and isinstance(node.value, str))
+    texts = (node.value for node in _nodes(module) if isinstance(node, ast.Constant) and isinstance(node.value, str))
     return {word for text in texts if " " not in text for word in re.findall(r"\w+", text)}
 
 
 def _attributes(module: ast.Module) -> set[str]:
-    return {node.attr for node in ast.walk(module) if isinstance(node, ast.Attribute)}
+    return {node.attr for node in _nodes(module) if isinstance(node, ast.Attribute)}
 
 
-def _loads(node: ast.AST) -> Counter[str]:
-    """How often each name is read."""
-    inner = ast.walk(node)
-    return Counter(one.id for one in inner if isinstance(one, ast.Name) and isinstance(one.ctx, ast.Load))
+def _loads(module: ast.Module) -> dict[str, list[int]]:
+    """The lines in which each name is read."""
+    lines: dict[str, list[int]] = {}
+    for node in _nodes(module):
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
+            lines.setdefault(node.id, []).append(node.lineno)
+    return lines
 
 
 def _imports(module: ast.Module) -> Iterator[tuple[str, str]]:
-    for node in ast.walk(module):
+    for node in _nodes(module):
         if isinstance(node, ast.ImportFrom) and node.module:
             yield from ((node.module, alias.name) for alias in node.names)
 
@@ -204,7 +210,8 @@ def unused(modules: dict[str, ast.Module]) -> list[str]:
         for defined, node in _defined(module.body):
             named = (name, defined) in imported or defined in words or defined in reached.get(name, ())
             # A function that calls itself alone is unused as well.
-            if not named and loads[defined] == _loads(node)[defined]:
+            own = range(node.lineno, (node.end_lineno or node.lineno) + 1)
+            if not named and all(line in own for line in loads.get(defined, ())):
                 found.append(f"{name}: {defined}")
             if isinstance(node, ast.ClassDef):
                 methods = [inner for inner in node.body if isinstance(inner, ast.FunctionDef)]
@@ -230,7 +237,7 @@ def test_migrations_make_what_the_tables_say(database: Database) -> None:
 
 def speaks_sql(module: ast.Module) -> bool:
     """Whether a module imports SQLAlchemy, or reaches for the connection of a transaction."""
-    for node in ast.walk(module):
+    for node in _nodes(module):
         names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
         names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
         if any(name.partition(".")[0] in ("sqlalchemy", "psycopg") for name in names):
@@ -255,7 +262,7 @@ COLUMN_FILES = "mcml_service.xpath.library.disk."
 
 def executes_sql(module: ast.Module) -> bool:
     """Whether a module calls a method with which SQLAlchemy, or a driver, executes SQL."""
-    calls = (node.func for node in ast.walk(module) if isinstance(node, ast.Call))
+    calls = (node.func for node in _nodes(module) if isinstance(node, ast.Call))
     return any(isinstance(called, ast.Attribute) and called.attr in EXECUTE for called in calls)
 
 
@@ -269,7 +276,7 @@ def test_one_module_executes_sql() -> None:
 def test_one_module_writes_addresses() -> None:
     """Addresses in frames, and of attributes, are made and taken apart by `mcml.language.addresses`."""
     made = re.compile(r"""/mcml/motion/frame\\?\[|\}/@\{|/frame_bone\[\{|/motion_name\[\{""")
-    for path in (ROOT / "service").rglob("*.py"):
-        if path.name != "addresses.py" and not path.is_relative_to(ROOT / "service/mcml_service/api"):
-            strings = [node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.JoinedStr)]
-            assert not [text for text in map(ast.unparse, strings) if made.search(text)], path
+    for name, module in _parsed().items():
+        if name.startswith("mcml_service.") and not name.startswith("mcml_service.api."):
+            strings = [node for node in _nodes(module) if isinstance(node, ast.JoinedStr)]
+            assert not [text for text in map(ast.unparse, strings) if made.search(text)], name

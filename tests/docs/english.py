@@ -11,6 +11,7 @@ import re
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -90,7 +91,13 @@ def _studio() -> dict[str, str]:
 def _modules(*tops: str) -> Iterator[tuple[str, ast.Module]]:
     for top in tops:
         for path in [ROOT / top] if top.endswith(".py") else sorted((ROOT / top).rglob("*.py")):
-            yield str(path.relative_to(ROOT)), ast.parse(path.read_text(encoding="utf-8"))
+            yield str(path.relative_to(ROOT)), _parse(path)
+
+
+@cache
+def _parse(path: Path) -> ast.Module:
+    """A module, which several areas read."""
+    return ast.parse(path.read_text(encoding="utf-8"))
 
 
 def _strings(*tops: str) -> dict[str, str]:
