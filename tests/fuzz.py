@@ -33,17 +33,23 @@ def asked_for(config: pytest.Config) -> bool:
     return "fuzz" in config.getoption("-m")
 
 
-def examples(few: int) -> settings:
-    """For property tests that take long: so few in `make test`."""
-    return settings(max_examples=few * (MORE if settings.get_current_profile_name() == "fuzz" else 1))
+def examples(few: int, many: int | None = None) -> settings:
+    """For property tests that take long: so few in `make test`. many: in `make fuzz`, if not `MORE` times."""
+    is_long = settings.get_current_profile_name() == "fuzz"
+    return settings(max_examples=few if not is_long else few * MORE if many is None else many)
 
 
-def share(values: Iterable[Any], every: int) -> list[Any]:
-    """Parameters of a test, of which `make test` has one in so many, and `make fuzz` the others."""
+def share(values: Iterable[Any], every: int, first: int = 0) -> list[Any]:
+    """Parameters of a test, of which `make test` has one in so many from the first on, and `make fuzz` the others."""
     return [
-        value if place % every == 0 else pytest.param(value, marks=pytest.mark.fuzz)
+        value if place % every == first else pytest.param(value, marks=pytest.mark.fuzz)
         for place, value in enumerate(values)
     ]
+
+
+def lengths(short: int, long: int) -> list[Any]:
+    """How many times a test asks by chance: so few in `make test`, and in `make fuzz` so many."""
+    return [short, pytest.param(long, marks=pytest.mark.fuzz)]
 
 
 def seeds(test: str, count: int) -> list[int]:

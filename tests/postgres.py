@@ -15,10 +15,11 @@ import tempfile
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import URL, create_engine, make_url, text
+from sqlalchemy import URL, Engine, create_engine, make_url, text
 
 _PLACES = ("/usr/lib/postgresql", "/usr/pgsql", "/opt/homebrew/opt/postgresql", "/usr/local/pgsql")
 
@@ -161,10 +162,14 @@ def _temporary() -> Iterator[Programs]:
 
 def run(server: str, statement: str) -> None:
     """One statement in the server's maintenance database."""
-    engine = create_engine(server.format("postgres"), isolation_level="AUTOCOMMIT")
-    with engine.connect() as connection:
+    with _maintenance(server).connect() as connection:
         connection.execute(text(statement))
-    engine.dispose()
+
+
+@cache
+def _maintenance(server: str) -> Engine:
+    """Kept open: to connect takes a fifth of the time that a new database takes."""
+    return create_engine(server.format("postgres"), isolation_level="AUTOCOMMIT", pool_pre_ping=True)
 
 
 @contextmanager

@@ -93,7 +93,7 @@ def killed_at_seeded_points(database: Database, url: str, folder: Path, times: i
 
 
 def test_killed_importer_leaves_all_or_nothing(database: Database, database_url: str, tmp_path: Path) -> None:
-    killed_at_seeded_points(database, database_url, tmp_path, 3, seed=20)
+    killed_at_seeded_points(database, database_url, tmp_path, 2, seed=20)
 
 
 @pytest.mark.fuzz(seeds=1)

@@ -48,7 +48,7 @@ def team(database: Database) -> Iterator[dict[str, TestClient]]:
     """A browser of somebody of each role, and one of nobody."""
     clients = {}
     app = create_app(Settings(), database, lambda: SECRET)
-    with TestClient(app):
+    with TestClient(app) as entered:
         for role in reversed(ROLES):
             with_account(database, role, role)
         for role in (*ROLES, "nobody"):
@@ -57,6 +57,8 @@ def team(database: Database) -> Iterator[dict[str, TestClient]]:
                 answer = client.post(f"{API}/session", json={"name": role, "password": WORDS})
                 assert answer.status_code == 201, answer.text
             clients[role] = client
+            # Or each request would start an event loop of its own.
+            client.portal = entered.portal
         yield clients
 
 

@@ -50,7 +50,7 @@ def asked(client: TestClient, count: int, **more: Any) -> Iterator[list[Future[A
 def until(holds: Callable[[], bool]) -> None:
     """Waits for it; the time limit of the test ends what never holds."""
     while not holds():
-        threading.Event().wait(0.005)
+        threading.Event().wait(0.02)
 
 
 def waiting(client: TestClient) -> int:

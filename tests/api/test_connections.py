@@ -255,6 +255,7 @@ def test_a_server_that_stops_tells_those_who_wait(database: Database, ended: thr
         works.close()
 
 
+@pytest.mark.fuzz  # Long: in `make test` a server in this process has as many (above).
 @pytest.mark.skipif(sys.platform != "linux", reason="limits of files are set as Linux does")
 @pytest.mark.parametrize(("files", "sockets"), [(256, 350), (4096, 900)])
 def test_half_open_sockets_leave_mcml_serve_answering(

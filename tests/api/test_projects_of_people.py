@@ -56,6 +56,9 @@ def team(database: Database, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[
                 clients[role] = TestClient(app, client=("10.0.0.7", 1), headers={"authorization": f"Bearer {secret}"})
             secret = tx.tokens.add("limited", owner=boss, projects=[tx.projects.get("mine")])
             clients["limited"] = TestClient(app, client=("10.0.0.7", 1), headers={"authorization": f"Bearer {secret}"})
+        for client in clients.values():
+            # Or each request would start an event loop of its own.
+            client.portal = keeper.portal
         yield clients, mine, theirs
 
 

@@ -122,7 +122,7 @@ def times(number: int) -> Callable[[], bool]:
 
 
 def test_writers_on_one_document(client: TestClient, database: Database) -> None:
-    assert check(client, database, lambda: times(4)) > WRITERS
+    assert check(client, database, lambda: times(2)) > WRITERS
 
 
 @pytest.mark.fuzz

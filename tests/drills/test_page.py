@@ -59,7 +59,9 @@ def run_node(copy: PatchedCopy, *command: str) -> str:
     return done.stdout
 
 
-def test_a_page_of_the_studio(copy: PatchedCopy) -> None:
+@pytest.mark.parametrize("among_others", [False, pytest.param(True, marks=pytest.mark.fuzz)])
+def test_a_page_of_the_studio(copy: PatchedCopy, among_others: bool) -> None:
+    """In `make fuzz` with its types, and beside the tests of all other pages."""
     copy.put("service/web/pages.json", "\n]", ROW)
     copy.add("service/web/src/panels/juggling/JugglingPage.tsx", COMPONENT)
     copy.put(
@@ -73,8 +75,10 @@ def test_a_page_of_the_studio(copy: PatchedCopy) -> None:
         '  "label.juggling": "저글링", "button.goJuggling": "저글링으로 가기",\n',
     )
     assert len(copy.touched) == count_named_files("a page of the studio"), sorted(copy.touched)
-    run_node(copy, "node_modules/typescript-native/bin/tsc", "--noEmit", "-p", "tsconfig.build.json")
-    said = run_node(copy, "node_modules/vitest/vitest.mjs", "run", "--no-color", "--reporter=verbose", *UNITS)
+    if among_others:
+        run_node(copy, "node_modules/typescript-native/bin/tsc", "--noEmit", "-p", "tsconfig.build.json")
+    chosen = [] if among_others else ["--testNamePattern=juggling"]
+    said = run_node(copy, "node_modules/vitest/vitest.mjs", "run", "--no-color", "--reporter=verbose", *UNITS, *chosen)
     for name in ("its address", "its icon in the rail", "the bar has its title", "its key, and from the palette"):
         assert any("juggling" in line and name in line for line in said.splitlines()), name
     copy.run("-c", SERVED)

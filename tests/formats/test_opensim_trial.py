@@ -10,13 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fastapi.testclient import TestClient
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import mcml
 from mcml.errors import ConversionError
 from mcml.motion.pictures.figures import axis_of
 from mcml.motion.skeleton import Array
+from tests import fuzz
 from tests.builders import one_kind, upload
 from tests.laboratory.walkers import SAMPLES, Gait, Step, make_c3d, make_steps, true_events
 
@@ -53,7 +54,7 @@ def read_forces(text: str) -> dict[str, Array]:
 
 
 @given(GAITS, st.sampled_from([1, 91]))
-@settings(max_examples=25, deadline=None)
+@fuzz.examples(6)
 def test_forces_are_those_of_the_ground_in_the_axes_of_opensim(
     tmp_path_factory: pytest.TempPathFactory, gait: Gait, first: int
 ) -> None:

@@ -199,6 +199,7 @@ def test_a_few_requests_of_each_operation(database: Database, kind: str) -> None
     assert good > asked.statuses.total() / 5, asked.statuses
 
 
+@pytest.mark.above_store
 def test_a_few_requests_that_follow_each_other(database: Database) -> None:
     with campaign(database, {"reach": {"components": 2}}) as asked:
         follow(asked, 1, scenarios=3, steps=20)

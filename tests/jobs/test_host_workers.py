@@ -17,9 +17,11 @@ import psutil
 import pytest
 from fastapi.testclient import TestClient
 
+from mcml.errors import StoreError
+from mcml_service.jobs import dask_workers
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
-from tests import postgres
+from tests import fuzz, postgres
 from tests.api.test_two_servers import environment, is_ready, until
 from tests.builders import one_kind, served
 from tests.jobs import works
@@ -42,6 +44,7 @@ def value_of(client: TestClient, job: dict[str, Any]) -> Any:
     return client.get(f"{API}/results/{done['result']}/numbers").json()["data"]
 
 
+@pytest.mark.fuzz  # Long: in `make test` one of two dies.
 def test_two_jobs_run_at_once(database: Database, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     instead(monkeypatch, partial(works.meeting, str(tmp_path)))
     with server(database, job_workers=2) as client:
@@ -112,7 +115,7 @@ def asked(database: Database, address: str, process: subprocess.Popen[bytes]) ->
         yield client
 
 
-@pytest.mark.parametrize("does_spread", [False, True])
+@pytest.mark.parametrize("does_spread", fuzz.share([True, False], 2))
 def test_no_process_is_left_when_a_server_is_killed(
     database: Database, database_url: str, tmp_path: Path, does_spread: bool
 ) -> None:
@@ -146,7 +149,9 @@ HIDE = "import sys\nsys.modules['dask'] = sys.modules['distributed'] = None\n"
 """Hides the extra `cluster` from a process, and from those that it starts."""
 
 
-def test_jobs_run_without_dask(database: Database, database_url: str, tmp_path: Path) -> None:
+def test_jobs_run_without_dask(
+    database: Database, database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "sitecustomize.py").write_text(HIDE)
     fill(database)
     hidden = os.pathsep.join([str(tmp_path), os.getcwd()])
@@ -155,6 +160,7 @@ def test_jobs_run_without_dask(database: Database, database_url: str, tmp_path: 
         asked(database, address, process) as client,
     ):
         assert wait(client, start(client))["state"] == "done"
-    with program(database_url, tmp_path, PYTHONPATH=hidden, MCML_DASK_SCHEDULER="tcp://host:8786") as (process, _):
-        assert process.wait(60) != 0
-        assert "pip install 'mcml-repository[cluster]'" in (tmp_path / "log").read_text()
+    monkeypatch.setattr(dask_workers, "find_spec", {"distributed": None}.get)
+    with pytest.raises(StoreError) as error:
+        dask_workers.DaskWorkers(database, Settings(dask_scheduler="tcp://host:8786"))
+    assert "pip install 'mcml-repository[cluster]'" in (error.value.remedy or "")

@@ -25,6 +25,8 @@ from mcml_service.storage.work.jobs import ENDED
 from tests.builders import one_kind, served
 from tests.jobs import works
 
+pytestmark = pytest.mark.above_store
+
 API = "/api/v1"
 Client: TypeAlias = TestClient | httpx.Client
 SETTINGS = Settings(job_workers=1)
@@ -200,6 +202,7 @@ def test_a_worker_that_does_not_listen_is_killed(own_server: TestClient, monkeyp
 
 
 @one_kind
+@pytest.mark.fuzz  # Long: in `make test` a team's worker is lost (test_team).
 def test_a_lost_worker_is_replaced(own_server: TestClient, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     instead(monkeypatch, partial(works.dying, 1, str(tmp_path / "marks")))
     done = wait(own_server, start(own_server))
@@ -208,6 +211,7 @@ def test_a_lost_worker_is_replaced(own_server: TestClient, monkeypatch: pytest.M
 
 
 @one_kind
+@pytest.mark.fuzz  # Long: in `make test` beside another job (test_host_workers).
 def test_a_job_that_kills_its_workers_is_given_up(
     own_server: TestClient, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

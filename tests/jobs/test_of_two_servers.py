@@ -85,13 +85,20 @@ def state_of(at: Server, job: dict[str, Any]) -> tuple[str, int]:
     return found["state"], found["attempt"]
 
 
-@pytest.mark.parametrize("kind", ["postgresql"], indirect=True)
-def test_what_one_server_began_the_other_tells_ends_and_takes_up(
-    database: Database, database_url: str, tmp_path: Path
-) -> None:
+on_postgresql = pytest.mark.parametrize("kind", ["postgresql"], indirect=True)
+
+
+@pytest.fixture
+def token(database: Database) -> str:
     fill(database)
     with database.write() as tx:
-        token = tx.tokens.add("kim", None)
+        return tx.tokens.add("kim", None)
+
+
+@on_postgresql
+def test_what_one_server_began_the_other_tells_and_takes_up(
+    database: Database, database_url: str, token: str, tmp_path: Path
+) -> None:
     with ExitStack() as stack:
         first = stack.enter_context(server(database_url, tmp_path, token))
         warm = wait(first.ask, start(first.ask))
@@ -109,7 +116,17 @@ def test_what_one_server_began_the_other_tells_ends_and_takes_up(
             assert (done["state"], done["attempt"]) == ("done", 2)
             assert told()[-1] == "event: end"
         assert second.ask.get(f"{API}/results/{done['result']}").json()["inputs"] == warm["inputs"]
+    assert database.check() == []
 
+
+@pytest.mark.fuzz
+@on_postgresql
+def test_what_one_server_began_the_other_ends(
+    database: Database, database_url: str, token: str, tmp_path: Path
+) -> None:
+    with ExitStack() as stack:
+        second = stack.enter_context(server(database_url, tmp_path, token))
+        assert wait(second.ask, start(second.ask))["state"] == "done"
         second.halt_workers()
         job = start(second.ask)
         until(lambda: state_of(second, job) == ("running", 1))

@@ -30,7 +30,14 @@ from tests.jobs import works
 Inputs = list[dict[str, Any]]
 
 
-@pytest.fixture(params=["host", "dask"])
+HOST_AND_DASK = [
+    "host",
+    # How a piece and a worker die there is tested with a team's workers (test_team).
+    pytest.param("dask", marks=pytest.mark.fuzz),
+]
+
+
+@pytest.fixture(params=HOST_AND_DASK)
 def two(request: pytest.FixtureRequest) -> Iterator[tuple[Executor, Crew]]:
     """Two workers, who help each other from the first piece on."""
     if request.param == "host":
@@ -64,7 +71,7 @@ def queued(database: Database, inputs: Inputs, parameters: dict[str, Any]) -> Ta
 @one_kind
 def test_two_make_what_one_makes(database: Database, two: tuple[Executor, Crew]) -> None:
     executor, crew = two
-    task = queued(database, danced(database, 24, 22, 20), {"shared_music": True})
+    task = queued(database, danced(database, 20, 18, 16), {"shared_music": True})
     apart = executor.submit(work_on, task, crew).result()
     alone = perform(database, "motion-graph", task.inputs, task.parameters, lambda stage, share: None)
     assert not isinstance(alone, Refused)
@@ -83,7 +90,11 @@ def test_two_make_what_one_makes(database: Database, two: tuple[Executor, Crew])
 
 @one_kind
 @pytest.mark.parametrize(
-    ("function", "expected"), [(works.with_another, [True] * 12), (works.dying_piece, list(range(0, 120, 10)))]
+    ("function", "expected"),
+    [
+        pytest.param(works.with_another, [True] * 12, marks=pytest.mark.fuzz),
+        (works.dying_piece, list(range(0, 120, 10))),
+    ],
 )
 def test_pieces_are_done_by_several_and_again_when_one_dies(
     database: Database, two: tuple[Executor, Crew], tmp_path: Path, function: Any, expected: list[Any]

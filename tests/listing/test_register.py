@@ -167,7 +167,7 @@ def campaign(database: Database, seed: int, rounds: int) -> None:
 
 @pytest.mark.parametrize(("kind", "seed"), OTHER_SEEDS[:2], indirect=["kind"])
 def test_lists_from_memory_are_those_of_the_store(database: Database, seed: int) -> None:
-    campaign(database, seed, 12)
+    campaign(database, seed, 6)
 
 
 @pytest.mark.fuzz(seeds=30)

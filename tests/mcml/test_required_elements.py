@@ -130,12 +130,12 @@ def test_whole_documents_are_valid_by_every_judge(document: bytes) -> None:
 
 
 def test_changes_of_required_elements_are_refused() -> None:
-    counts, kept = refusal([*hand_written(), *captures(), *generated(8)])
-    assert counts["all"] >= 400
+    counts, kept = refusal([*hand_written(), *captures(), *generated(3)])
+    assert counts["all"] >= 300
     assert counts["libxml2"] >= LEAST_SHARE * counts["all"], kept
     assert counts["reader"] >= LEAST_SHARE * counts["all"], kept
-    assert counts["others, allowed"] > 250
-    assert counts["others, refused"] > 250
+    assert counts["others, allowed"] > 150
+    assert counts["others, refused"] > 150
 
 
 @pytest.mark.fuzz(seeds=1)

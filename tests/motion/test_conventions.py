@@ -38,7 +38,7 @@ def distance(one: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> float:
 
 
 @pytest.mark.parametrize(("start", "end"), PAIRS)
-@fuzz.examples(20)
+@fuzz.examples(8, 500)
 @given(seed=st.integers(0, 100_000), radians=st.booleans())
 def test_positions_stay(start: Convention, end: Convention, seed: int, radians: bool) -> None:
     clip = random_clip(start, seed, radians=radians and start is not LISTED)
@@ -50,7 +50,7 @@ def test_positions_stay(start: Convention, end: Convention, seed: int, radians: 
 
 
 @pytest.mark.parametrize(("start", "end"), [pair for pair in PAIRS if pair[1] is not FIXED])
-@fuzz.examples(20)
+@fuzz.examples(8, 500)
 @given(seed=st.integers(0, 100_000))
 def test_joints_that_move_in_their_parents_stay_where_they_are(start: Convention, end: Convention, seed: int) -> None:
     clip = random_clip(start, seed, moving=True)
@@ -58,7 +58,7 @@ def test_joints_that_move_in_their_parents_stay_where_they_are(start: Convention
 
 
 @pytest.mark.parametrize("start", [LISTED, BASE])
-@fuzz.examples(20)
+@fuzz.examples(8, 500)
 @given(seed=st.integers(0, 100_000))
 def test_asf_can_keep_moving_joints_when_asked(start: Convention, seed: int) -> None:
     clip = random_clip(start, seed, moving=True)
@@ -66,7 +66,7 @@ def test_asf_can_keep_moving_joints_when_asked(start: Convention, seed: int) -> 
 
 
 @pytest.mark.parametrize(("start", "end"), PAIRS)
-@fuzz.examples(20)
+@fuzz.examples(8, 500)
 @given(seed=st.integers(0, 100_000))
 def test_there_and_back_again(start: Convention, end: Convention, seed: int) -> None:
     clip = random_clip(start, seed)
@@ -202,7 +202,7 @@ def test_several_roots_and_markers_are_refused() -> None:
 
 
 @pytest.mark.parametrize("convention", [LISTED, FIXED, BASE])
-@fuzz.examples(20)
+@fuzz.examples(8, 500)
 @given(seed=st.integers(0, 10_000), factor=st.sampled_from([0.01, 2.54, 1000.0]))
 def test_scaling_scales_positions_and_nothing_else(convention: Convention, seed: int, factor: float) -> None:
     clip = random_clip(convention, seed, moving=True)
@@ -220,7 +220,7 @@ def test_a_factor_is_positive(factor: float) -> None:
 
 
 @pytest.mark.parametrize("convention", [LISTED, FIXED, BASE])
-@fuzz.examples(20)
+@fuzz.examples(8, 500)
 @given(seed=st.integers(0, 10_000), axes=st.permutations("XYZ"))
 def test_turning_up_turns_every_position(convention: Convention, seed: int, axes: list[str]) -> None:
     clip = random_clip(convention, seed, moving=True)

@@ -93,6 +93,7 @@ def test_poses_and_motions_like_these_are_found_in_other_clips(visit: Visit, stu
     assert other in {one["document"] for one in found}
 
 
+@pytest.mark.fuzz
 def test_the_floor_is_set_and_taken_back(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk(60))
     guessed = studio.get(f"/documents/{uuid}/calibration")["floor"]

@@ -64,6 +64,7 @@ def test_a_bone_is_pulled_in_the_viewer_and_typed_in_the_structure(visit: Visit,
     assert sum(part**2 for part in offset) ** 0.5 == pytest.approx(2 * old, rel=1e-4)
 
 
+@pytest.mark.fuzz
 def test_clips_are_compared_in_step_and_left(visit: Visit, studio: Served) -> None:
     one = studio.upload("one.bvh", walk(60), label="kick:31-60")
     two = studio.upload("two.bvh", walk(40, seed=3), label="kick:11-40", unit="cm")
@@ -90,6 +91,7 @@ def test_clips_are_compared_in_step_and_left(visit: Visit, studio: Served) -> No
     page.wait_for_url(lambda url: "cmp" not in url)
 
 
+@pytest.mark.fuzz
 def test_edges_snap_and_spans_are_split_by_menu(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk(600), label="kick:101-200")
     page = visit.open(f"/clips/{uuid}?f=401")

@@ -77,6 +77,7 @@ def test_a_seam_has_its_own_transition_and_undo_takes_each_step_back(board: Any)
     assert asked[1]["transition"] == 5
 
 
+@pytest.mark.fuzz
 def test_edges_snap_to_names(board: Any) -> None:
     piece = board.get_by_role("button", name=re.compile("^Segment 2: two"))
     box = piece.bounding_box()
@@ -112,6 +113,7 @@ def test_a_layer_moves_chosen_joints(board: Any) -> None:
     board.wait_for_url(re.compile("/clips/"))
 
 
+@pytest.mark.fuzz
 def test_runs_of_a_question_become_pieces(board: Any) -> None:
     board.get_by_role("searchbox", name="Search").fill("//frame[motion_name='kick']")
     asked = segments_asked(board, lambda: board.get_by_role("button", name="Add two 11–20").click())

@@ -98,6 +98,7 @@ def test_beats_are_corrected_and_bars_follow(open_studio: Served, bench: Any) ->
     assert wish["bars"] == 4
 
 
+@pytest.mark.fuzz
 def test_a_beat_is_dragged_added_and_all_of_it_undone(bench: Any) -> None:
     lane = bench.get_by_role("listbox", name="Beats of groove 2")
     first = lane.get_by_role("option").first
@@ -137,6 +138,7 @@ def test_a_beat_is_dragged_added_and_all_of_it_undone(bench: Any) -> None:
     expect(moved).to_contain_text("by hand")
 
 
+@pytest.mark.fuzz
 def test_refused_minima_say_why_and_a_tempo_is_chosen(bench: Any) -> None:
     row = bench.get_by_role("article", name="groove 1")
     row.get_by_label("Beats: groove 1").select_option("tracked")
@@ -151,6 +153,7 @@ def test_refused_minima_say_why_and_a_tempo_is_chosen(bench: Any) -> None:
     expect(tempi.nth(1)).to_have_attribute("aria-pressed", "true")
 
 
+@pytest.mark.fuzz
 def test_a_press_holds_though_other_tempi_are_found_meanwhile(bench: Any) -> None:
     row = bench.get_by_role("article", name="groove 1")
     tempi = row.get_by_role("group", name="Tempo: groove 1").get_by_role("button")
@@ -174,6 +177,7 @@ def test_a_press_holds_though_other_tempi_are_found_meanwhile(bench: Any) -> Non
     expect(pressed).to_have_attribute("aria-pressed", "true")
 
 
+@pytest.mark.fuzz
 def test_a_tempo_that_was_chosen_can_be_changed_and_taken_back(bench: Any) -> None:
     row = bench.get_by_role("article", name="groove 1")
     tempi = row.get_by_role("group", name="Tempo: groove 1").get_by_role("button")
@@ -221,6 +225,7 @@ def test_the_graph_is_drawn_tried_and_its_edges_play(open_studio: Served, bench:
     expect(bench.get_by_role("slider", name="frame")).to_be_visible()
 
 
+@pytest.mark.fuzz
 def test_a_dry_run_keeps_to_what_is_allowed(open_studio: Served, visit_of: Any, bench: Any) -> None:
     for label, value in (("Bars", "4"),):
         bench.get_by_label(label, exact=True).fill(value)
@@ -284,6 +289,7 @@ def test_three_minutes_stay_in_step(bench: Any, seed: int) -> None:
     drift(bench, 180)
 
 
+@pytest.mark.fuzz
 def test_a_dance_is_renamed_exported_and_taken_back(open_studio: Served, bench: Any) -> None:
     result = make(bench, Bars="4")
     document = open_studio.get(f"/results/{result}")["parts"]["clip"]["document"]

@@ -9,12 +9,13 @@ from typing import Any
 
 import pytest
 
-from tests.web.conftest import Served, Visit, one_door, walk
+from tests.web.conftest import Served, Visit, one_door, open_door, walk
 from tests.web.test_journeys import ready
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect
 
 
+@open_door
 def test_a_value_is_changed_in_the_tree_seen_and_taken_back(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk())
     page = visit.open(f"/clips/{uuid}?f=5&sel=left_up_leg")
@@ -46,6 +47,7 @@ def expect_other_picture(page: Any, before: bytes) -> None:
     raise AssertionError("the body did not move")
 
 
+@one_door
 def test_a_curve_is_changed_and_undone_before_it_is_saved(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk())
     page = visit.open(f"/clips/{uuid}?f=5&sel=left_up_leg&tab=graph")
@@ -99,6 +101,7 @@ def test_text_is_checked_where_it_is_wrong_and_saved_where_it_is_right(visit: Vi
     assert len(found["items"]) == 1
 
 
+@one_door
 def test_two_windows_meet_and_merge(visit: Visit, visit_of: Any, studio: Served) -> None:
     visit.wanted = {409, 412}
     uuid = studio.upload("kick.bvh", walk())
@@ -125,6 +128,7 @@ def test_two_windows_meet_and_merge(visit: Visit, visit_of: Any, studio: Served)
 
 
 @one_door
+@pytest.mark.fuzz
 def test_a_draft_of_yesterday_meets_what_others_did(visit: Visit, studio: Served) -> None:
     visit.wanted = {409, 412}
     uuid = studio.upload("kick.bvh", walk())

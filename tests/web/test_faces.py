@@ -113,6 +113,7 @@ def test_a_walk_over_five_faces_is_refined_played_and_exported(
     assert document["name"].startswith("smiles")
 
 
+@pytest.mark.fuzz
 def test_what_is_not_linked_is_reached_by_a_route(open_studio: Served, visit_of: Any, small: list[Motion]) -> None:
     space = keep_space(open_studio.database, small)
     page = visit_of(open_studio).open(f"/faces/{space}?level=1")
@@ -138,6 +139,7 @@ def test_what_is_not_linked_is_reached_by_a_route(open_studio: Served, visit_of:
     page.wait_for_url("**skin=markers*")
 
 
+@pytest.mark.fuzz
 def test_the_finest_level_has_all_frames(open_studio: Served, visit_of: Any, small: list[Motion]) -> None:
     """Its links are listed nowhere: they are asked for, face by face, and the way is the one that the refusal names."""
     space = keep_space(open_studio.database, small)

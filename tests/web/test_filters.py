@@ -22,7 +22,7 @@ def page(open_studio: Served, visit_of: Any) -> Any:
     return page
 
 
-@pytest.mark.parametrize("width", [400, 320])
+@pytest.mark.parametrize("width", [320, pytest.param(400, marks=pytest.mark.fuzz)])
 def test_the_tools_stay_in_one_row_on_a_telephone(page: Any, width: int) -> None:
     page.set_viewport_size({"width": width, "height": 800})
     for language in ("English", "한국어"):

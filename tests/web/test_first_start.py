@@ -14,7 +14,7 @@ from tests.web.conftest import Served, serve, walk
 expect: Any = pytest.importorskip("playwright.sync_api").expect
 
 
-@pytest.fixture(params=["open", "session"])
+@pytest.fixture(params=["open", pytest.param("session", marks=pytest.mark.fuzz)])
 def demo_studio(demo_library: Path, tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Served]:
     yield from serve(demo_library, tmp_path, closed=request.param == "session")
 

@@ -170,6 +170,7 @@ def test_the_motion_goes_on_in_the_same_phase_beside_the_nearest_example(open_st
     expect(page.get_by_role("link", name="nearest:")).to_be_visible()
 
 
+@pytest.mark.fuzz
 def test_corrections_go_into_the_next_fit(open_studio: Served, visit_of: Any) -> None:
     reaches = open_studio
     model = keep_model(reaches)
@@ -219,6 +220,7 @@ def test_a_table_of_values_is_pasted_and_taken_back(open_studio: Served, visit_o
     assert page.get_by_label("reach_01_002: Age").input_value() == ages["age"] != "28"
 
 
+@pytest.mark.fuzz
 def test_clips_that_an_error_names_are_left_out(reaches: Served, visit_of: Any) -> None:
     with reaches.client() as client:
         client.post("/properties", content="name,age (year)\nreach_01_001,270\n", headers={"content-type": "text/csv"})

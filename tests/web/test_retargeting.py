@@ -61,6 +61,7 @@ def test_a_mapping_gets_its_name_in_a_dialog(open_studio: Served, visit_of: Any)
     assert len(open_studio.get("/mappings")["items"][0]["pairs"]) == 4
 
 
+@pytest.mark.fuzz
 def test_many_clips_are_put_on_a_body_and_taken_back(open_studio: Served, visit_of: Any) -> None:
     for number in range(3):
         open_studio.upload(f"take_{number}.bvh", walk(20 + number), label="kick")

@@ -164,7 +164,7 @@ def run(database: Database, seed: int, rounds: int, asked: int, chance: type[Cha
 
 @pytest.mark.parametrize(("kind", "seed"), OTHER_SEEDS[1:3], indirect=["kind"])
 def test_answers_are_those_of_loops(database: Database, seed: int) -> None:
-    run(database, seed, rounds=3 if database.dialect.personal else 2, asked=16)
+    run(database, seed, rounds=1, asked=16)
 
 
 def test_documents_without_frames_have_facts_of_their_own(database: Database) -> None:
@@ -183,9 +183,10 @@ def test_documents_without_frames_have_facts_of_their_own(database: Database) ->
         assert names == ["<filename>a.bvh</filename>", "<filename>d.bvh</filename>"]
 
 
+@pytest.mark.above_store
 @pytest.mark.usefixtures("small_groups")
 def test_answers_are_those_of_loops_over_many_groups(database: Database) -> None:
-    run(database, 5, rounds=2, asked=16)
+    run(database, 6, rounds=2, asked=10)
 
 
 @pytest.mark.usefixtures("small_groups")

@@ -110,13 +110,13 @@ def test_answers_by_trees_are_those_of_loops(
 ) -> None:
     """Of questions that columns answer too."""
     monkeypatch.setattr(Query, "has_columns", False)
-    run(database, seed, rounds=1, asked=5, chance=ByColumns)
+    run(database, seed, rounds=1, asked=3, chance=ByColumns)
     assert any("mo-value" in text for text in by_trees)
 
 
 @pytest.mark.parametrize(("kind", "seed"), OTHER_SEEDS[4:5], indirect=["kind"])
 def test_answers_that_only_trees_have_are_those_of_loops(database: Database, seed: int, by_trees: list[str]) -> None:
-    run(database, seed, rounds=1, asked=4, chance=Cast)
+    run(database, seed, rounds=1, asked=3, chance=Cast)
     assert any("mo-value" in text for text in by_trees)
 
 

@@ -12,6 +12,7 @@ from mcml_service.storage.database import Database
 from mcml_service.xpath.engine import column_source, values
 from mcml_service.xpath.engine.samples import frame_bones
 from mcml_service.xpath.language.parse import parse
+from tests import fuzz
 from tests.conftest import shared_folder
 from tests.xpath.grammar import Grammar
 from tests.xpath.library import Library, library
@@ -19,7 +20,7 @@ from tests.xpath.oracle import DifferenceError, check, most_elements
 from tests.xpath.shares import Tally, features
 
 
-@pytest.fixture(scope="module", params=["sqlite", "postgresql"])
+@pytest.fixture(scope="module", params=["sqlite", pytest.param("postgresql", marks=pytest.mark.fuzz)])
 def documents(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Library]:
     """The library on each kind of database, made once."""
     from tests import postgres
@@ -92,8 +93,7 @@ def seed_of(made: Library, number: int) -> int:
 
 
 def test_answers_are_libxml2s(documents: Library) -> None:
-    on_sqlite = documents.engine.database.dialect.personal
-    tally = campaign(documents, seed_of(documents, 0), 200 if on_sqlite else 100)
+    tally = campaign(documents, seed_of(documents, 0), 100)
     tally.judge()
     assert tally.on_columns >= 0.95
 
@@ -127,14 +127,14 @@ UP_AND_ASIDE = [
 ]
 
 
-def test_frames_in_slices(documents: Library, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("text", fuzz.share(UP_AND_ASIDE, 3))
+def test_frames_in_slices(documents: Library, monkeypatch: pytest.MonkeyPatch, text: str) -> None:
     """Steps that go up or aside, from a few frames at a time."""
     monkeypatch.setattr(column_source, "SLICE_FRAMES", 2)
     small = {uuid: tree for uuid, tree in documents.trees.items() if sum(1 for _ in tree.iter()) < 600}
-    for text in UP_AND_ASIDE if documents.engine.database.dialect.personal else UP_AND_ASIDE[::3]:
-        outcome = check(documents.engine, small, text, Random(1))
-        assert outcome is not None, text
-        assert outcome.way != "projection", text
+    outcome = check(documents.engine, small, text, Random(1))
+    assert outcome is not None
+    assert outcome.way != "projection"
 
 
 WINDOWS = [
@@ -142,6 +142,7 @@ WINDOWS = [
     "2 = position()", "position() > 1 and position() < 4", "position() >= 3 and position() <= 2", "position() < 0.5",
     "position() > -1", "position() = 1.5", "position() <= 99999999999999999999", "position() > 1 div 0",
 ]  # fmt: skip
+AXES = ("following", "preceding")
 NEAR = [
     "//frame[{}-sibling::frame[{}][motion_name='walk']]/@id",
     "//frame[{}-sibling::frame[{}]/motion_name='walk']",
@@ -156,15 +157,13 @@ NEAR = [
 ]
 
 
-@pytest.mark.parametrize("axis", ["following", "preceding"])
-def test_windows_of_frames(documents: Library, axis: str) -> None:
+@pytest.mark.parametrize("text", fuzz.share([text.format(axis, "{}") for text in NEAR for axis in AXES], 7))
+def test_windows_of_frames(documents: Library, text: str) -> None:
     small = {uuid: tree for uuid, tree in documents.trees.items() if sum(1 for _ in tree.iter()) < 1500}
-    # What is near a frame is found without the database: the other one is asked less.
-    for text in NEAR[::2] if documents.engine.database.dialect.personal else NEAR[1::6]:
-        for window in WINDOWS:
-            outcome = check(documents.engine, small, text.format(axis, window), Random(1))
-            assert outcome is not None, text
-            assert outcome.way != "projection", text
+    for window in WINDOWS:
+        outcome = check(documents.engine, small, text.format(window), Random(1))
+        assert outcome is not None, window
+        assert outcome.way != "projection", window
 
 
 @pytest.mark.fuzz(seeds=8)

@@ -11,16 +11,18 @@ import pytest
 from mcml_service.xpath.language.parse import parse
 from mcml_service.xpath.language.reach import Projection, projection
 from mcml_service.xpath.trees.evaluate import Found, Tree
+from tests import fuzz
 from tests.xpath.grammar import Grammar
 from tests.xpath.small import DOCUMENT, answer, projected, tree
 
 
-def test_projected_documents_give_the_same_answers() -> None:
+@pytest.mark.parametrize("asked", fuzz.lengths(700, 10_000))
+def test_projected_documents_give_the_same_answers(asked: int) -> None:
     random = Random(3)
     whole = tree()
     small = {level: projected(level) for level in Projection}
     used = dict.fromkeys(Projection, 0)
-    for _, text in islice(Grammar(random, {"small": whole}).expressions(), 3500):
+    for _, text in islice(Grammar(random, {"small": whole}).expressions(), asked):
         query = parse(text)
         try:
             expected = answer(whole, query.text)
@@ -31,7 +33,7 @@ def test_projected_documents_give_the_same_answers() -> None:
         found = answer(small[level], query.text)
         both_nan = isinstance(found, float) and math.isnan(found) and math.isnan(expected)
         assert both_nan or found == expected, (text, level)
-    assert min(used.values()) > 300
+    assert min(used.values()) > asked / 15
 
 
 @pytest.mark.parametrize(

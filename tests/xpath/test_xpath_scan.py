@@ -32,6 +32,7 @@ from mcml_service.xpath.library import forest, groups, track_values
 from mcml_service.xpath.library.caches import SOME_CHANGES, Caches
 from mcml_service.xpath.nodes.node import Node
 from mcml_service.xpath.queries import Queries
+from tests import fuzz
 from tests.builders import HTR, MCML, bvh, store
 from tests.edits import change_element, delete_element
 
@@ -151,13 +152,12 @@ def shown(answer: QueryAnswer) -> tuple[object, list[tuple[str, str, str]]]:
     return (answer.value, others), [(node.document, node.address, node.value) for node in nodes]
 
 
-def test_tracks_answer_as_columns_do(engine: Queries, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("asked", fuzz.lengths(80, 800))
+def test_tracks_answer_as_columns_do(engine: Queries, monkeypatch: pytest.MonkeyPatch, asked: int) -> None:
     with engine.database.read() as tx:
         bones = [*tx.columns.used_names("bone", None), "nothing"]
     maker = Maker(Random(8), bones)
     scanned = found = 0
-    # What a database has to do with it is asked sooner than what the engine has.
-    asked = 200 if engine.database.dialect.personal else 80
     for _ in range(asked):
         text = maker.question()
         tree = normal(parse(text).tree)
@@ -173,7 +173,8 @@ def test_tracks_answer_as_columns_do(engine: Queries, monkeypatch: pytest.Monkey
     assert found > asked / 5
 
 
-def test_all_bones_at_once_are_as_one_by_one(engine: Queries, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("asked", fuzz.lengths(100, 1200))
+def test_all_bones_at_once_are_as_one_by_one(engine: Queries, monkeypatch: pytest.MonkeyPatch, asked: int) -> None:
     """Of frames with a bone less, with a channel less, deleted, moved and reversed, too."""
     with engine.database.read() as tx:
         bones = [*tx.columns.used_names("bone", None), "nothing"]
@@ -192,7 +193,6 @@ def test_all_bones_at_once_are_as_one_by_one(engine: Queries, monkeypatch: pytes
         answered += question is not None
         return question
 
-    asked = 400 if engine.database.dialect.personal else 120
     for number in range(asked):
         text = maker.of_frames() if number % 4 else f"count({maker.question().removeprefix('count')})"
         request = QueryRequest(q=text, limit=500)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mcml.errors import RequestError, UnsupportedError, VocabularyError
@@ -30,6 +30,7 @@ from mcml.motion.skeleton import CHANNEL_INDEX, Convention
 from mcml.motion.units import reading_of
 from mcml.motion.vectors import angle_between
 from mcml.testing import read
+from tests import fuzz
 from tests.builders import TRC
 from tests.formats.test_real_files import opened
 from tests.motion.bodies import twin
@@ -100,7 +101,7 @@ def test_every_quantity_is_asked_for() -> None:
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS)
-@settings(max_examples=6, deadline=None)
+@fuzz.examples(3)
 @given(seed=st.integers(0, 100_000))
 def test_quantities_are_those_of_the_twin(convention: Convention, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -111,7 +112,7 @@ def test_quantities_are_those_of_the_twin(convention: Convention, seed: int) -> 
     check_twin(stretch, twin.Twin.of(clip, stretch.calibration))
 
 
-@settings(max_examples=10, deadline=None)
+@fuzz.examples(4)
 @given(seed=st.integers(0, 100_000))
 def test_gaps_leaps_and_any_axis_that_is_up(seed: int) -> None:
     """Missing joints and samples, a frame before the motion, no frame time, no unit."""
@@ -145,7 +146,7 @@ def test_gaps_leaps_and_any_axis_that_is_up(seed: int) -> None:
     check_twin(stretch, twin.Twin(rows, stretch.frame_time, calibration))
 
 
-@settings(max_examples=20, deadline=None)
+@fuzz.examples(8)
 @given(seed=st.integers(0, 100_000))
 def test_a_part_with_its_halo_is_that_part_of_the_whole(seed: int) -> None:
     """To the bit, with no more joints than are asked for."""
@@ -180,7 +181,7 @@ def test_a_part_with_its_halo_is_that_part_of_the_whole(seed: int) -> None:
     assert near.tobytes() == local_fit.rate(values, whole.frame_time)[first:end].tobytes()
 
 
-@settings(max_examples=10, deadline=None)
+@fuzz.examples(4)
 @given(seed=st.integers(0, 100_000))
 def test_poses_and_motions_are_as_unlike_as_the_twin_says(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -245,7 +246,7 @@ def test_a_motion_is_found_in_itself_slower_and_faster() -> None:
     assert motion_distances(features[:0], motion).shape == (0,)
 
 
-@settings(max_examples=8, deadline=None)
+@fuzz.examples(4)
 @given(seed=st.integers(0, 100_000))
 def test_where_a_body_stands_and_faces_changes_little(seed: int) -> None:
     """Turned about the vertical by a quarter and moved, only where it is and faces changes."""
@@ -268,7 +269,7 @@ def test_where_a_body_stands_and_faces_changes_little(seed: int) -> None:
     np.testing.assert_allclose(pose_features(other), pose_features(one), atol=1e-9)
 
 
-@settings(max_examples=8, deadline=None)
+@fuzz.examples(4)
 @given(seed=st.integers(0, 100_000))
 def test_a_mirrored_body_swaps_left_and_right(seed: int) -> None:
     one = stretch_of(clip_of(person(seed, 40)))
@@ -299,7 +300,7 @@ def test_a_mirrored_body_swaps_left_and_right(seed: int) -> None:
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS)
-@settings(max_examples=20, deadline=None)
+@fuzz.examples(8)
 @given(seed=st.integers(0, 100_000))
 def test_positions_are_those_of_the_walker(convention: Convention, seed: int) -> None:
     """Of any skeleton, in any number of blocks."""
