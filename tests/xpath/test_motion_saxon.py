@@ -116,7 +116,7 @@ def test_answers_by_trees_are_those_of_loops(
 
 @pytest.mark.parametrize(("kind", "seed"), OTHER_SEEDS[4:5], indirect=["kind"])
 def test_answers_that_only_trees_have_are_those_of_loops(database: Database, seed: int, by_trees: list[str]) -> None:
-    run(database, seed, rounds=1, asked=3, chance=Cast)
+    run(database, seed, rounds=1, asked=4, chance=Cast)
     assert any("mo-value" in text for text in by_trees)
 
 

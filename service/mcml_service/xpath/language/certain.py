@@ -140,6 +140,9 @@ def _known(expression: Expression) -> list[Expression]:
         return []
     if isinstance(expression, Call) and expression.function in MOTION_FUNCTIONS:
         return [Call(KNOWN, (expression,))] if type_of(expression) in ("number", "boolean") else []
+    if isinstance(expression, Each) and not _asks_body(expression.body):
+        # Frames of a window are known, whatever is read from them.
+        return _known(expression.source)
     if isinstance(expression, Each):
         item = Variable(_ITEM, item_type(expression))
         return [Quantified("every", _ITEM, expression, Operation("=", (item, item)))]
