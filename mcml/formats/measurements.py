@@ -84,9 +84,7 @@ class Measurements:
 
     def describe(self) -> list[Measurement]:
         """Every measurement, in the order of the file; computed quantities after its own."""
-        return [
-            *self._list_quantities(), *self._list_computed(), *self._list_channels(), *self._list_plates()
-        ]  # fmt: skip
+        return self._list_quantities() + self._list_computed() + self._list_channels() + self._list_plates()
 
     def values(
         self,
@@ -125,6 +123,11 @@ class Measurements:
             for number in self._usable_plates
             for forces in [self._forces(str(number))]
         }
+
+    @property
+    def plate_corners(self) -> dict[str, Array]:
+        """(4, 3) metres of each plate that can be used, by its name."""
+        return {str(number): self._plates[number - 1].corners for number in self._usable_plates}
 
     @property
     def samples(self) -> int:

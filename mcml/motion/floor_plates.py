@@ -6,7 +6,7 @@ and the axes of the clip.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Final
 
@@ -23,6 +23,8 @@ MOST_PLATES: Final = 255
 _ALONG: Final = 0.9
 """Of a normal, along an axis that it points along."""
 _LARGEST: Final = float(np.finfo(np.float32).max)
+_SAME_PLACE: Final = 1e-3
+"""Of the longest side of a plate: more than rounding moves a corner."""
 _LEAST_AREA: Final = 1e-6
 """Of the area of a square whose side is the longest edge."""
 
@@ -63,6 +65,22 @@ def _numbers(rows: Iterable[list[str]]) -> Iterable[list[float]]:
             continue
         if len(numbers) == 12:
             yield numbers
+
+
+def match_plates(plates: Array, corners: Mapping[str, Array]) -> list[str | None]:
+    """Name each of plates (P, 4, 3) by its corners: (4, 3) by name, in the same unit and axes.
+
+    None for a plate that is elsewhere. Each name is given once.
+    """
+    free = dict(corners)
+    names: list[str | None] = []
+    with np.errstate(invalid="ignore", over="ignore"):
+        for plate in plates:
+            most = _SAME_PLACE * np.ptp(plate, axis=0).max()
+            name = next((name for name, own in free.items() if np.abs(own - plate).max() <= most), None)
+            free.pop(name or "", None)
+            names.append(name)
+    return names
 
 
 def replace_plates(head: ClipHead, plates: Array) -> ClipHead:

@@ -38,6 +38,7 @@ _HEAD = {
     "channels": ["Rz", "Rx", "Ry"],
     "translation": "",
 }
+_PLATE = {"name": "1", "corners": [[40.0, 0.0, 60.0], [0.0, 0.0, 60.0], [0.0, 0.0, 0.0], [40.0, 0.0, 0.0]]}
 
 
 class SkeletonBone(BaseModel):
@@ -68,6 +69,15 @@ class Tip(BaseModel):
     offset: list[float] = Field(description="From the joint, in the axes of the world at rest")
 
 
+class FloorPlate(BaseModel):
+    """A force plate on the floor."""
+
+    name: str | None = Field(
+        description="Argument of the quantities `force` and `cop`; None where the file does not measure it there"
+    )
+    corners: list[list[float]] = Field(description="x y z of the four, in the unit and axes of the document")
+
+
 class SkeletonView(BaseModel):
     """Everything about a document that does not change from frame to frame, for those who draw it."""
 
@@ -90,6 +100,7 @@ class SkeletonView(BaseModel):
                 "radians": 0.017453292519943295,
                 "bones": [_ROOT, _HEAD],
                 "tips": [{"bone": 1, "name": "", "offset": [0.0, 18.5, 0.0]}],
+                "plates": [_PLATE],
                 "columns": [*(f"Root.{part}" for part in _CHANNELS), "Head.Rz", "Head.Rx", "Head.Ry"],
             }
         )
@@ -117,4 +128,5 @@ class SkeletonView(BaseModel):
     lines: list[tuple[int, int]] = Field(
         [], description="Pairs of bones that lines connect in a drawing: markers of a person that is recognised"
     )
+    plates: list[FloorPlate] = Field([], description="Force plates of a trial, as far as their corners are known")
     columns: list[str] = Field(description="BONE.CHANNEL of each number of a frame, in their order: that of the file")

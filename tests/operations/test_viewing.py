@@ -11,6 +11,7 @@ from fastapi.testclient import TestClient
 
 from mcml.motion.skeleton import Array
 from mcml_service.storage.database import Database
+from tests.actions.test_measurements import walkway
 from tests.builders import ASF as LEG
 from tests.builders import HTR, TRC, amc, bvh, one_kind, store, upload
 
@@ -120,6 +121,17 @@ def test_markers_have_no_parents(client: TestClient) -> None:
     assert {bone["parent"] for bone in found["bones"]} == {-1}
     assert found["origin"] == [273.71817, -56.52052, 1296.20001]
     assert (found["unit"], found["metres"]) == ("mm", 0.001)
+
+
+def test_force_plates_are_named_where_their_forces_are_known(client: TestClient) -> None:
+    uuid = stored(client, {"a.c3d": walkway()})
+    (plate,) = client.get(f"{API}/{uuid}/skeleton").json()["plates"]
+    assert plate == {"name": "1", "corners": [[300, 200, 0], [300, -200, 0], [-300, -200, 0], [-300, 200, 0]]}
+    # The forces are in the unit of the file, which a corrected one is not.
+    client.patch(f"{API}/{uuid}/calibration", json={"unit": "cm"}, headers={"if-match": "*"}).raise_for_status()
+    (plate,) = client.get(f"{API}/{uuid}/skeleton").json()["plates"]
+    assert plate["name"] is None
+    assert client.get(f"{API}/{stored(client, {'a.bvh': TWO_LEGS})}/skeleton").json()["plates"] == []
 
 
 @pytest.mark.parametrize("files", [{"a.bvh": bvh(2)}, {"a.htr": HTR}, {"leg.asf": LEG, "leg.amc": amc(2)}])

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import io
 import re
 from typing import Any
 
+import numpy as np
 import pytest
+from PIL import Image
 
 from tests.builders import FACE
+from tests.laboratory.walkers import Gait, make_c3d, make_steps, true_events
 from tests.web.conftest import Served, Visit, one_door, walk
 from tests.web.test_editing import expect_other_picture
 from tests.web.test_journeys import ready
@@ -232,3 +236,52 @@ def test_blend_shapes_are_bars_and_curves(visit: Visit, studio: Served) -> None:
     page.keyboard.press("ArrowRight")
     expect(jaw).to_contain_text("–")
     expect(jaw).to_have_attribute("aria-pressed", "true")
+
+
+def find_arrows(page: Any) -> tuple[float, float] | None:
+    """(highest, lowest) row of the pixels of arrows in the viewer, None without any."""
+    text = page.evaluate("() => getComputedStyle(document.documentElement).getPropertyValue('--bad').trim()")
+    ink = np.array([int(text[at : at + 2], 16) for at in (1, 3, 5)])
+    picture = np.asarray(Image.open(io.BytesIO(page.locator(".stage").screenshot())).convert("RGB")).astype(int)
+    rows = np.flatnonzero((np.abs(picture - ink).max(axis=2) <= 3).any(axis=1))
+    return (float(rows[0]), float(rows[-1])) if len(rows) else None
+
+
+def wait_for_arrows(page: Any, *, shown: bool) -> tuple[float, float] | None:
+    for _ in range(100):
+        arrows = find_arrows(page)
+        if (arrows is not None) == shown:
+            return arrows
+        page.wait_for_timeout(50)
+    raise AssertionError(f"arrows are {'hidden' if shown else 'shown'}")
+
+
+def test_forces_are_arrows_in_step_with_the_frames(visit: Visit, studio: Served) -> None:
+    gait = Gait(seconds=3)
+    strike = next(at for at in true_events(gait)["left", "strike"] if at > 1)
+    uuid = studio.upload("walk.c3d", make_c3d(gait, steps=make_steps(gait, [("left", strike)])))
+    early, middle = (round((strike + share * gait.duty * gait.stride_time) * gait.rate) for share in (0.1, 0.5))
+    page = visit.open(f"/clips/{uuid}?f={middle}")
+    ready(page)
+    forces = page.get_by_role("button", name="forces", exact=True)
+    expect(forces).to_have_attribute("aria-pressed", "true")
+    expect(forces).to_have_attribute("title", re.compile("1 m long for 1,000 N"))
+    high, low = wait_for_arrows(page, shown=True) or (0.0, 0.0)
+    frame = page.get_by_label("Frame", exact=True)
+
+    def go(to: int) -> None:
+        frame.fill(str(to))
+        frame.press("Enter")
+
+    go(round(strike * gait.rate) - 10)
+    wait_for_arrows(page, shown=False)
+    go(early)
+    early_high, early_low = wait_for_arrows(page, shown=True) or (0.0, 0.0)
+    assert early_low - early_high < 0.7 * (low - high), "the force is small then"
+    forces.click()
+    wait_for_arrows(page, shown=False)
+    other = studio.upload("kick.bvh", walk())
+    page.goto(f"{studio.url}/clips/{other}")
+    ready(page)
+    expect(page.get_by_role("button", name="axes", exact=True)).to_be_visible()
+    expect(forces).to_have_count(0)

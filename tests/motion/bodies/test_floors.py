@@ -19,6 +19,7 @@ from mcml.motion.floor_plates import (
     SECTION,
     floor_of_plates,
     kept_plates,
+    match_plates,
     normal_axis,
     section_of_plates,
     usable_plates,
@@ -161,6 +162,15 @@ def test_steps_of_plates_are_told() -> None:
     assert normal_axis(np.concatenate([PLATE, wall]), walker()) is None
     assert floor_of_plates(wall, axis_of("Z")) is None
     assert calibrate(head_of(plates=wall), walker()).floor == 0.0
+
+
+def test_plates_are_named_where_they_stand() -> None:
+    far = PLATE + np.array([1000, 0, 0])
+    named = {"1": PLATE[0], "2": PLATE[0], "4": far[0] + 0.01}
+    plates = np.concatenate([far, PLATE, PLATE, PLATE, far + np.array([0, 5, 0])])
+    assert match_plates(plates, named) == ["4", "1", "2", None, None]
+    assert match_plates(PLATE * np.nan, named) == [None]
+    assert match_plates(PLATE[:, :, [0, 2, 1]], named) == [None], "turned"
 
 
 def test_plates_go_with_the_clip() -> None:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from mcml.errors import FormatError, LimitError
 from mcml.language import vocabulary
 from mcml.language.element import addresses
 from mcml.language.elements import to_head
 from mcml.motion.bodies.positions import clip_positions, filled
+from mcml.motion.clip import ClipHead
+from mcml.motion.floor_plates import kept_plates, match_plates
 from mcml.motion.guesses import likely_unit, up_of_head
 from mcml.motion.hub import rest_of
 from mcml.motion.kinematics import rest_positions
@@ -17,8 +20,9 @@ from mcml.motion.pictures.figures import is_markers
 from mcml.motion.sides import is_left, partners
 from mcml.motion.skeleton import CHANNELS, Array, Convention, Skeleton
 from mcml.motion.units import reading_of
-from mcml_schemas.skeletons import Side, SkeletonBone, SkeletonView, Tip
+from mcml_schemas.skeletons import FloorPlate, Side, SkeletonBone, SkeletonView, Tip
 from mcml_service.actions.reading.read_origin import first_pose, origin_in
+from mcml_service.clips.frame_quantities import read_measurements
 from mcml_service.clips.read_clip import read_clip
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
@@ -81,8 +85,22 @@ def describe_skeleton(tx: Transaction, stored: StoredDocument) -> SkeletonView:
         tips=_tips(head.skeleton, rest.tips),
         centres=[centre.name for centre in centres_of(head.skeleton)],
         lines=list(marker_lines(head.skeleton)),
+        plates=_plates(tx, stored, head, metres),
         columns=[f"{head.skeleton.joints[joint].name}.{CHANNELS[part]}" for joint, part in head.skeleton.columns()],
     )
+
+
+def _plates(tx: Transaction, stored: StoredDocument, head: ClipHead, metres: float | None) -> list[FloorPlate]:
+    """The plates of the head, with names where the forces of the file are those of a plate at the same place."""
+    plates = kept_plates(head)
+    if not len(plates):
+        return []
+    try:
+        corners = read_measurements(tx, stored).plate_corners
+    except (FormatError, LimitError):
+        corners = {}
+    names = match_plates(plates * (metres or np.nan), corners)
+    return [FloorPlate(name=name, corners=plate.tolist()) for name, plate in zip(names, plates, strict=True)]
 
 
 def sides_of(skeleton: Skeleton) -> tuple[list[Side], list[int]]:

@@ -2927,6 +2927,10 @@ export interface components {
             joints: string[];
             largest?: components["schemas"]["LargestChange"] | null;
         };
+        FloorPlate: {
+            name: string | null;
+            corners: number[][];
+        };
         FootSliding: {
             foot: string;
             stances: number;
@@ -4396,6 +4400,8 @@ export interface components {
                 number,
                 number
             ][];
+            /** @default [] */
+            plates: components["schemas"]["FloorPlate"][];
             columns: string[];
         };
         SmoothFrames: {

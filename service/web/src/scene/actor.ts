@@ -3,6 +3,8 @@ import { itemAt, numberAt } from "../lists";
 import * as THREE from "three";
 import { SIDE_TOKENS, type Skeleton } from "../motion/body/skeleton";
 import { Body, type Tint } from "./body";
+import { Forces } from "./forces";
+import { fillTrails } from "./trails";
 
 export interface Actor {
   skeleton: Skeleton;
@@ -10,11 +12,20 @@ export interface Actor {
   body: Body;
   ghosts: Body[];
   trails: THREE.LineSegments;
+  forces: Forces | null;
   shift: THREE.Vector3;
   positions: Float32Array | null;
   dim: boolean;
   /** A token that colours all of it; null: its sides'. */
   ink: string | null;
+}
+
+export interface Pose {
+  positions: Float32Array | null;
+  before: (Float32Array | null)[];
+  trail: Float32Array[];
+  /** Arrows as `arrowsOf` makes them; null, or left out: force plates are hidden. */
+  forces?: Float32Array | null;
 }
 
 type Token = (name: string) => string;
@@ -45,8 +56,23 @@ export function actorOf(
   );
   trails.frustumCulled = false;
   group.add(body.group, trails, ...ghosts.map((ghost) => ghost.group));
+  const forces = skeleton.view.plates.length && !dim ? new Forces(skeleton, token) : null;
+  if (forces) group.add(forces.group);
   group.position.set(shift, 0, 0);
-  return { skeleton, group, body, ghosts, trails, shift: group.position.clone(), positions: null, dim, ink };
+  return { skeleton, group, body, ghosts, trails, forces, shift: group.position.clone(), positions: null, dim, ink };
+}
+
+export function pose(actor: Actor, { positions, before, trail, forces = null }: Pose): void {
+  actor.positions = positions;
+  if (positions) actor.body.pose(positions);
+  else actor.body.hide();
+  actor.ghosts.forEach((ghost, place) => {
+    const then = before[place];
+    if (then) ghost.pose(then);
+    else ghost.hide();
+  });
+  fillTrails(actor.trails, trail, actor.skeleton.metres);
+  actor.forces?.show(forces);
 }
 
 export function recolour(actor: Actor, token: Token): void {
@@ -54,6 +80,7 @@ export function recolour(actor: Actor, token: Token): void {
   actor.body.tint(tint);
   for (const ghost of actor.ghosts) ghost.tint(tint);
   (actor.trails.material as THREE.LineBasicMaterial).color.set(token("accent"));
+  actor.forces?.recolour(token);
 }
 
 export function dispose(actor: Actor): void {
@@ -61,6 +88,7 @@ export function dispose(actor: Actor): void {
   for (const ghost of actor.ghosts) ghost.dispose();
   actor.trails.geometry.dispose();
   (actor.trails.material as THREE.Material).dispose();
+  actor.forces?.dispose();
   actor.group.removeFromParent();
 }
 

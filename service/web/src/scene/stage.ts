@@ -7,7 +7,7 @@
 import { itemAt, numberAt } from "../lists";
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { actorOf, dispose, recolour, type Actor } from "./actor";
+import { actorOf, dispose, pose, recolour, type Actor, type Pose } from "./actor";
 import { Ground } from "./ground";
 import { arrowAt, drawHandle, reachOf, type Handle, type Surroundings } from "./handle";
 import { middleOf } from "../motion/body/middle";
@@ -16,7 +16,6 @@ import { cleared, drawJoints, pictureOf } from "./overlay";
 import { seeAsFarAs, viewOf, type CameraView } from "./framing";
 import { lamps } from "./lamps";
 import { isSoftware, Sharpness } from "./sharpness";
-import { fillTrails } from "./trails";
 import type { Skeleton } from "../motion/body/skeleton";
 
 export type { CameraView };
@@ -26,13 +25,8 @@ export interface Shown {
   trails: boolean;
   names: boolean;
   axes: boolean;
+  forces?: boolean;
   rest?: boolean;
-}
-
-export interface Pose {
-  positions: Float32Array | null;
-  before: (Float32Array | null)[];
-  trail: Float32Array[];
 }
 
 const PICK_PIXELS = 14;
@@ -116,18 +110,10 @@ export class Stage {
     this.ask();
   }
 
-  pose(actor: number, pose: Pose): void {
+  pose(actor: number, next: Pose): void {
     const one = this.actors[actor];
     if (!one) return;
-    one.positions = pose.positions;
-    if (pose.positions) one.body.pose(pose.positions);
-    else one.body.hide();
-    one.ghosts.forEach((ghost, place) => {
-      const positions = pose.before[place];
-      if (positions) ghost.pose(positions);
-      else ghost.hide();
-    });
-    fillTrails(one.trails, pose.trail, one.skeleton.metres);
+    pose(one, next);
     this.ask();
   }
 

@@ -205,6 +205,20 @@ export const channelsOf = (id: string, revision: number, skeleton: Skeleton): So
     new Float64Array(await bytes(id, { revision, ...span, format: "block", dtype: "f8" }, signal)),
 });
 
+/** Quantities of the file or of the body: (frames, quantities). NaN where unknown. */
+export const quantitiesOf = (
+  id: string,
+  revision: number,
+  frames: number,
+  quantity: readonly string[],
+): Source<Float32Array> => ({
+  frames,
+  stride: quantity.length,
+  coarse: false,
+  fetch: async (span, signal) =>
+    new Float32Array(await bytes(id, { revision, ...span, quantity, format: "block", dtype: "f4" }, signal)),
+});
+
 /** The channels of one bone over the whole clip: (frames, channels). */
 export async function curvesOf(id: string, revision: number, bone: string, signal: AbortSignal): Promise<Float64Array> {
   return new Float64Array(await bytes(id, { revision, bone, format: "block", dtype: "f8" }, signal));

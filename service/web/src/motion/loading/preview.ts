@@ -89,6 +89,7 @@ export function bodyOf(told: Head, values: Float32Array, frames: number): Skelet
       origin: told.origin,
       bones: told.bones.map((name) => ({ name })),
       tips: [],
+      plates: [],
     } as unknown as Skeleton["view"],
     points: told.parents.length,
     edges: Int32Array.from(told.parents.flatMap((parent, point) => (parent < 0 ? [] : [parent, point]))),

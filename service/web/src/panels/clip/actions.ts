@@ -9,8 +9,11 @@ import { kept } from "../../state/session/settings";
 import type { CameraView, Shown } from "../../scene/stage";
 import { w } from "../../words";
 
+const SHOWN: Shown = { follow: true, ghosts: false, trails: false, names: false, axes: true, forces: true };
 /** What is drawn besides the body; stays from clip to clip. */
-export const shown = kept<Shown>("shown", { follow: true, ghosts: false, trails: false, names: false, axes: true });
+export const shown = kept<Shown>("shown", SHOWN);
+// What an earlier version kept lacks later switches.
+shown.value = { ...SHOWN, ...shown.peek() };
 export const cameraView = signal<CameraView>("persp");
 /** Moves when the camera shall look at the selection, or at the body. */
 export const frameAsked = signal(0);

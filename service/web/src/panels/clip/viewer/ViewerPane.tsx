@@ -12,14 +12,16 @@ import { Icon } from "../../../ui/icons";
 import { Menu } from "../../../ui/Menu";
 import { Trouble } from "../../../ui/Trouble";
 import { rate, w } from "../../../words";
-import { cameraView, clipActions, frameAsked, shown } from "../actions";
+import { cameraView, frameAsked, shown } from "../actions";
 import { saveFilm, savePicture } from "./pictures";
 import { BlendShapes } from "./BlendShapes";
 import { bodiesBeside } from "./bodiesBeside";
 import { Compared } from "./Compare";
 import { floorOf, metresText, niceStep } from "./ground";
 import { Reference } from "../document/Reference";
-import { restPose, restShown, type RestPose } from "./restPose";
+import { restPose, type RestPose } from "./restPose";
+import { forcesOf } from "./forces";
+import { Toggles } from "./Toggles";
 
 const GHOST_SECONDS = [-0.2, -0.1, 0.1, 0.2];
 const TRAIL_SECONDS = 1;
@@ -43,6 +45,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
     }
     stage.current = made;
     const actor = made.add(skeleton);
+    const forces = forcesOf(clip);
     let ghost = -1;
     let framed = false;
     let floorFrom = -1;
@@ -61,6 +64,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
           positions,
           before: show.ghosts ? ghostsOf(clip, frame) : [null, null, null, null],
           trail: show.trails ? trailsOf(clip, frame, [...made.selected]) : [],
+          forces: show.forces && !old ? forces.at(frame) : null,
         });
         const overview = clip.blocks.overview();
         const version = clip.blocks.arrived.peek();
@@ -113,6 +117,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
     made.onCamera = () => framed && noteParams({ cam: made.cameraText });
     return () => {
       for (const stop of stops) stop();
+      forces.close();
       rest.current?.stop();
       made.close();
       stage.current = null;
@@ -125,7 +130,6 @@ export function ViewerPane({ clip }: { clip: Clip }) {
     const box = host.current!.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
   };
-  const toggles = ["follow", "ghosts", "trails", "names", "axes", "rest"] as const;
   const passport = (
     <div class="passport">
       <span class={detail.unit ? "" : "guess"} title={w("label.unit")}>
@@ -157,17 +161,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
           {w(`label.${cameraView.value}`)}
           <Icon name="down" />
         </Menu>
-        {toggles.map((one) => (
-          <button
-            key={one}
-            type="button"
-            class="button quiet dense"
-            aria-pressed={one === "rest" ? restShown() : shown.value[one]}
-            onClick={() => clipActions.toggle(one)}
-          >
-            {w(one === "names" ? "label.jointNames" : one === "rest" ? "label.restPose" : `label.${one}`)}
-          </button>
-        ))}
+        <Toggles clip={clip} />
         <span class="grow" />
         {passport}
         <Menu
