@@ -17,4 +17,11 @@ describe("markers of a person", () => {
     expect([...skeleton.edges]).toEqual([0, 1, 1, 2]);
     expect([...skeleton.parents]).toEqual([-1, -1, -1]);
   });
+
+  it("are points where an earlier release answered", () => {
+    const bone = { name: "LASI", parent: -1, side: "centre", offset: [0, 0, 0], convention: "marker" };
+    const kept = { bones: [bone], tips: [], markers: true, likely_up: "Z", metres: 1 } as unknown as SkeletonView;
+    const { edges, view } = skeletonOf(kept);
+    expect([edges.length, view.plates, view.centres]).toEqual([0, [], []]);
+  });
 });

@@ -27,7 +27,9 @@ export interface Skeleton {
 const SIDES: Record<string, Side> = { centre: 0, left: 1, right: 2 };
 const USUAL_HEIGHT = 1.7;
 
-export function skeletonOf(view: SkeletonView): Skeleton {
+export function skeletonOf(answer: SkeletonView): Skeleton {
+  // Browsers keep answers of a revision for ever: those of an earlier release lack newer lists.
+  const view: SkeletonView = Object.assign({ centres: [], lines: [], plates: [] }, answer);
   const joints = view.bones.length;
   const points = joints + view.tips.length;
   const parents = new Int32Array(points);
