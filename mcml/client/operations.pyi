@@ -587,10 +587,11 @@ class Operations:
         *,
         id: str,
         edits: FrameEdits | dict[str, Any],
+        dry_run: bool | None = ...,
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> FramesEdited:
-        """Delete, keep, move, insert, reverse, mirror, smooth, adjust or resample ranges of frames."""
+        """Edit ranges of frames: delete, move, mirror, fill gaps, filter, smooth, resample, and more."""
     def put_frames(
         self,
         *,

@@ -90,6 +90,34 @@ class ResampleFrames(RequestBody):
     rate: float = Field(gt=0, le=100_000, description="Frames a second")
 
 
+class FillFrames(_Range):
+    """Fill gaps between known samples: short ones by a spline, longer ones of markers by other markers."""
+
+    do: Literal["fill"]
+    seconds: float = Field(0.1, ge=0, le=10, description="Longest gap of a marker that a spline bridges")
+    longest: float = Field(1.0, ge=0, le=60, description="Longest gap in seconds that is filled; longer ones stay")
+    bones: Bones = Field([])
+
+
+class LowPassFrames(_Range):
+    """Filter out fast noise without lag: a Butterworth filter of order 4, forwards and backwards."""
+
+    do: Literal["low-pass"]
+    hertz: float | None = Field(
+        None, gt=0, le=50_000, description="Cut-off; default by residual analysis (Winter 2009), which the answer tells"
+    )
+    bones: Bones = Field([])
+    ease: Ease = 0
+
+
+class UnrollFrames(RequestBody):
+    """Give Euler angles of the whole document no leaps: the same rotations, each angle near to that of the frame
+    before."""
+
+    do: Literal["unroll"]
+    bones: Bones = Field([])
+
+
 FrameEdit = Annotated[
     DeleteFrames
     | KeepFrames
@@ -99,7 +127,10 @@ FrameEdit = Annotated[
     | MirrorFrames
     | SmoothFrames
     | AdjustFrames
-    | ResampleFrames,
+    | ResampleFrames
+    | FillFrames
+    | LowPassFrames
+    | UnrollFrames,
     Field(discriminator="do"),
 ]
 
@@ -151,7 +182,8 @@ class PreviewMotion(MotionHead):
 class FramesEdited(BaseModel):
     """The revision that was made, and how many frames the document now has."""
 
-    model_config = ConfigDict(json_schema_extra=shown({"revision": 2, "frames": 301}))
+    model_config = ConfigDict(json_schema_extra=shown({"revision": 2, "frames": 301, "notes": []}))
 
     revision: int
     frames: int
+    notes: list[str] = Field([], description="What was filled and how, which gaps stay, and chosen cut-offs")

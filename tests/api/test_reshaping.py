@@ -9,8 +9,11 @@ import pytest
 from fastapi.testclient import TestClient
 
 from mcml.formats import FORMATS
+from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, full_shape
+from mcml.motion.markers import marker_skeleton
 from mcml_service.demo import body
 from tests.builders import one_kind
+from tests.motion.edits.test_gap_filling import segment
 
 API = "/api/v1"
 
@@ -96,3 +99,69 @@ def test_what_cannot_be(client: TestClient, uuid: str) -> None:
         answer = client.post(f"{API}/documents/{uuid}/frames", json={"edits": [what]}, headers=ANY)
         assert answer.status_code in (404, 422), answer.text
     assert client.get(f"{API}/documents/{uuid}").json()["revision"] == 1
+
+
+def holed_trial() -> bytes:
+    """Markers of a stiff segment at 100 frames a second, one of them missing in frames 21 to 60, one in 81 to 84."""
+    places = segment()
+    places[20:60, 1] = np.nan
+    places[80:84, 2] = np.nan
+    skeleton = marker_skeleton([f"M{place}" for place in range(places.shape[1])])
+    columns = skeleton.columns()
+    frames = FrameBlock(places.reshape(len(places), -1), columns, (full_shape(columns),), np.arange(1, len(places) + 1))
+    head = ClipHead("trc", skeleton, {"dataframe_rate": "100", "calibration_unit": "mm"}, frame_time="0.01")
+    return b"".join(FORMATS["trc"].write(ClipStream(head, lambda: iter([frames]), frames=len(places)), "trc"))
+
+
+@pytest.fixture
+def trial(client: TestClient) -> str:
+    answer = client.post(f"{API}/documents", files=[("file", ("trial.trc", holed_trial()))])
+    return str(answer.json()["documents"][0]["id"])
+
+
+def test_gaps_are_filled_as_the_dry_run_says(client: TestClient, trial: str) -> None:
+    before = values(client, trial, missing="nan")
+    fill = {"edits": [{"do": "fill", "first": 1, "last": 200}]}
+    dry = client.post(f"{API}/documents/{trial}/frames", params={"dry_run": True}, json=fill, headers=ANY).json()
+    assert dry["revision"] == 1
+    assert sorted(dry["notes"]) == ["4 samples filled by spline", "40 samples filled by segment"]
+    assert np.array_equal(values(client, trial, missing="nan"), before, equal_nan=True)
+    done = edit(client, trial, do="fill", first=1, last=200)
+    assert (done["revision"], done["notes"]) == (2, dry["notes"])
+    after = values(client, trial, missing="nan").reshape(200, -1)
+    assert np.abs(after - segment().reshape(200, -1)).max() < 0.05
+    client.post(f"{API}/documents/{trial}/undo", headers=ANY)
+    assert np.array_equal(values(client, trial, missing="nan"), before, equal_nan=True)
+
+
+def test_gaps_longer_than_asked_stay(client: TestClient, trial: str) -> None:
+    done = edit(client, trial, do="fill", first=1, last=200, longest=0.1)
+    left = "40 samples stay missing: gaps over 0.1 s, or that no other marker tells"
+    assert done["notes"] == ["4 samples filled by spline", left]
+    assert edit(client, trial, do="fill", first=1, last=10)["notes"] == ["no gaps between known samples"]
+
+
+def test_a_filter_takes_noise_and_tells_its_cut_off(client: TestClient, uuid: str) -> None:
+    before = values(client, uuid)
+    edit(client, uuid, do="low-pass", first=100, last=200, hertz=4, bones=["left_up_arm"])
+    after = values(client, uuid)
+    assert np.array_equal(np.delete(after, range(99, 200), 0), np.delete(before, range(99, 200), 0))
+    assert np.abs(np.diff(after[99:200], 2, axis=0)).sum() < np.abs(np.diff(before[99:200], 2, axis=0)).sum()
+    refused = client.post(
+        f"{API}/documents/{uuid}/frames",
+        json={"edits": [{"do": "low-pass", "first": 1, "last": 9, "hertz": 60}]},
+        headers=ANY,
+    )
+    assert refused.status_code == 422
+    assert "half of the frame rate" in refused.json()["remedy"]
+
+
+def test_unrolled_angles_are_the_same_poses(client: TestClient, uuid: str) -> None:
+    before = values(client, uuid, space="positions")
+    columns = client.get(f"{API}/documents/{uuid}/frames?format=npy").headers["x-mcml-columns"].split(",")
+    edit(client, uuid, do="adjust", first=50, last=60, channels=["Rz"], offset=360, bones=["left_up_arm"])
+    arm = columns.index("left_up_arm.Rz")
+    assert np.abs(np.diff(values(client, uuid)[:, arm])).max() > 300
+    assert edit(client, uuid, do="unroll")["notes"] == ["11 rotations have other angles"]
+    assert np.abs(np.diff(values(client, uuid)[:, arm])).max() < 90
+    assert np.abs(values(client, uuid, space="positions") - before).max() < 1e-6

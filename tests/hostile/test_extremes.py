@@ -56,6 +56,8 @@ def test_edits_that_lead_beyond_are_refused(client: TestClient) -> None:
         {"do": "smooth", "first": 1, "last": 3, "seconds": 0.1},
         {"do": "resample", "rate": 77},
         {"do": "mirror", "first": 1, "last": 2},
+        {"do": "low-pass", "first": 1, "last": 3, "hertz": 6},
+        {"do": "unroll"},
     ]
     refused: dict[str, set[str]] = {}
     for case, files in CASES.items():

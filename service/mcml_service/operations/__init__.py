@@ -135,7 +135,7 @@ _ROWS = [
     Operation("get_frames", "GET /documents/{id}/frames", STREAMS, READ,
               "Get frames of a document as numbers in the source's units.", "edits.frames", open_to_links=True),
     Operation("edit_frames", "POST /documents/{id}/frames", WRITES, EDIT,
-              "Delete, keep, move, insert, reverse, mirror, smooth, adjust or resample ranges of frames.",
+              "Edit ranges of frames: delete, move, mirror, fill gaps, filter, smooth, resample, and more.",
               "edits.frames"),
     Operation("put_frames", "PUT /documents/{id}/frames", WRITES, EDIT,
               "Set channels of consecutive frames from JSON or a NumPy file.", "edits.frames"),

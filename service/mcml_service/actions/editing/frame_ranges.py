@@ -14,7 +14,17 @@ from mcml.language.elements import to_head
 from mcml.motion.clip import FrameBlock
 from mcml.motion.frames import reversed_frames
 from mcml.motion.skeleton import CHANNEL_INDEX, Array
-from mcml_schemas.frames import DeleteFrames, FrameEdits, InsertFrames, KeepFrames, MoveFrames, ReverseFrames
+from mcml_schemas.frames import (
+    DeleteFrames,
+    FrameEdit,
+    FrameEdits,
+    InsertFrames,
+    KeepFrames,
+    MoveFrames,
+    ResampleFrames,
+    ReverseFrames,
+    UnrollFrames,
+)
 from mcml_service.actions.editing.frame_splicing import (
     check_range,
     counts_up,
@@ -30,9 +40,15 @@ from mcml_service.storage.documents.spans import StoredSpan
 from mcml_service.storage.transaction import Transaction
 
 
-def edit_frames(tx: Transaction, stored: StoredDocument, request: FrameEdits) -> StoredDocument:
-    """The edits of a request, one after the other, as one revision."""
+def edit_frames(
+    tx: Transaction, stored: StoredDocument, request: FrameEdits, notes: list[str] | None = None
+) -> StoredDocument:
+    """The edits of a request, one after the other, as one revision.
+
+    notes: gets sentences about decisions of edits, such as a cut-off that was chosen.
+    """
     done = []
+    told: list[str] = [] if notes is None else notes
     for edit in request.edits:
         current = tx.documents.get(stored.uuid)
         if isinstance(edit, DeleteFrames):
@@ -47,10 +63,16 @@ def edit_frames(tx: Transaction, stored: StoredDocument, request: FrameEdits) ->
             source = current if edit.document is None else tx.documents.get(edit.document)
             insert_frames(tx, current, edit.at, source, edit.first, edit.last, renumber=request.renumber)
         else:
-            reshape(tx, current, edit)
-        done.append(f"{edit.do} {edit.rate:g} Hz" if edit.do == "resample" else f"{edit.do} {edit.first}-{edit.last}")
+            told += reshape(tx, current, edit)
+        done.append(_summarise(edit))
     tx.documents.add_revision(stored, "frames", request.message or ", ".join(done)[:200])
     return tx.documents.get(stored.uuid)
+
+
+def _summarise(edit: FrameEdit) -> str:
+    if isinstance(edit, ResampleFrames):
+        return f"{edit.do} {edit.rate:g} Hz"
+    return edit.do if isinstance(edit, UnrollFrames) else f"{edit.do} {edit.first}-{edit.last}"
 
 
 def delete_frames(tx: Transaction, stored: StoredDocument, first: int, last: int, *, renumber: bool = True) -> None:

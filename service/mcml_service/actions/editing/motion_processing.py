@@ -1,4 +1,4 @@
-"""Recompute samples of frames: mirror, smooth, offset and scale, resample."""
+"""Recompute samples of frames: mirror, smooth, filter, fill gaps, unroll angles, offset and scale, resample."""
 
 from __future__ import annotations
 
@@ -7,14 +7,26 @@ from dataclasses import dataclass, replace
 
 from mcml.errors import DocumentError
 from mcml.language.elements import header_of
+from mcml.motion.bodies.positions import clip_positions, filled
 from mcml.motion.clip import ClipHead, FrameBlock
+from mcml.motion.edits.gap_filling import fill_gaps
+from mcml.motion.edits.low_pass import low_pass, suggest_cutoff
 from mcml.motion.edits.mirroring import mirrored
 from mcml.motion.edits.resampling import resampled
 from mcml.motion.edits.smoothing import smoothed
+from mcml.motion.edits.unrolling import unroll
 from mcml.motion.frames import adjusted, eased, joined, rows_of
 from mcml.motion.skeleton import CHANNEL_INDEX, Array
 from mcml.motion.units import Reading, reading_of, up_of
-from mcml_schemas.frames import AdjustFrames, MirrorFrames, ResampleFrames, SmoothFrames
+from mcml_schemas.frames import (
+    AdjustFrames,
+    FillFrames,
+    LowPassFrames,
+    MirrorFrames,
+    ResampleFrames,
+    SmoothFrames,
+    UnrollFrames,
+)
 from mcml_service.actions.checking.check_timed import seconds_of
 from mcml_service.actions.editing.frame_splicing import check_range, splice_frames
 from mcml_service.actions.editing.single_element import Change, apply_change
@@ -22,7 +34,7 @@ from mcml_service.clips.read_clip import read_clip
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
-Reshaping = MirrorFrames | SmoothFrames | AdjustFrames | ResampleFrames
+Reshaping = MirrorFrames | SmoothFrames | AdjustFrames | ResampleFrames | FillFrames | LowPassFrames | UnrollFrames
 
 
 @dataclass(frozen=True)
@@ -57,12 +69,20 @@ def read_whole(tx: Transaction, stored: StoredDocument, first: int = 1, last: in
     return Whole(source.clip.head, joined(source.clip.blocks()), source.names)
 
 
-def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping) -> None:
-    """Recompute samples of frames; unchanged samples keep their bits. Writes no revision."""
+def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping) -> list[str]:
+    """Recompute samples of frames; unchanged samples keep their bits. Writes no revision.
+
+    Returns sentences about decisions: numbers of filled samples by method, a chosen cut-off.
+    """
     if isinstance(edit, ResampleFrames):
         _resample(tx, stored, edit)
-        return
+        return []
+    if isinstance(edit, UnrollFrames):
+        return _unroll(tx, stored, edit)
     check_range(stored, edit.first, edit.last)
+    if isinstance(edit, FillFrames):
+        return _fill(tx, stored, edit)
+    notes: list[str] = []
     first, last = edit.first, edit.last
     mirror = isinstance(edit, MirrorFrames)
     if isinstance(edit, MirrorFrames):
@@ -70,17 +90,25 @@ def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping) -> None:
         block = mirrored(whole.head.skeleton, whole.block, up=whole.up, reading=whole.reading).block
     else:
         # The neighbouring frames make the ends of the range continuous.
-        around = round(4 * edit.seconds * _rate(stored)) + 1 if isinstance(edit, SmoothFrames) else 0
+        around = 0
+        if isinstance(edit, SmoothFrames):
+            around = round(4 * edit.seconds * _rate(stored)) + 1
+        elif isinstance(edit, LowPassFrames):
+            # A filter that runs both ways needs the whole course.
+            around = stored.frames
         start, end = max(1, first - around), min(stored.frames, last + around)
         whole = read_whole(tx, stored, start, end)
         strength = eased(end - start + 1, first - start, last - start, edit.ease)
         if isinstance(edit, SmoothFrames):
             block = _smooth(whole, edit, strength, _rate(stored))
+        elif isinstance(edit, LowPassFrames):
+            block = _low_pass(whole, edit, strength, _rate(stored), notes)
         else:
             block = _adjust(whole, edit, strength)
         block = rows_of(block, first - start, last - start + 1)
     blocks = [number_bones(tx, stored, whole, block)]
     splice_frames(tx, stored, first, last - first + 1, blocks, renumber=mirror, same_instants=not mirror)
+    return notes
 
 
 def _rate(stored: StoredDocument) -> float:
@@ -90,6 +118,48 @@ def _rate(stored: StoredDocument) -> float:
 def _smooth(whole: Whole, edit: SmoothFrames, strength: Array, rate: float) -> FrameBlock:
     joints = whole.joints(edit.bones)
     return smoothed(whole.head.skeleton, whole.block, edit.seconds * rate, strength, joints, whole.reading).block
+
+
+def _low_pass(whole: Whole, edit: LowPassFrames, strength: Array, rate: float, notes: list[str]) -> FrameBlock:
+    joints = whole.joints(edit.bones)
+    hertz = edit.hertz
+    if hertz is None:
+        skeleton = whole.head.skeleton
+        (positions,) = clip_positions(skeleton, [filled(skeleton, [whole.block])], whole.reading)
+        hertz = suggest_cutoff(positions[:, joints], rate)
+        if hertz is None:
+            raise DocumentError(
+                "The motion does not suggest a cut-off: it has no noise that residuals show.", remedy="Give `hertz`."
+            )
+        hertz = round(hertz, 1)
+        notes.append(f"cut-off {hertz:g} Hz, by residual analysis")
+    return low_pass(whole.head.skeleton, whole.block, hertz, rate, strength, joints, whole.reading).block
+
+
+def _fill(tx: Transaction, stored: StoredDocument, edit: FillFrames) -> list[str]:
+    rate = _rate(stored)
+    whole = read_whole(tx, stored)
+    rows = slice(edit.first - 1, edit.last)
+    joints = whole.joints(edit.bones)
+    short, longest = (max(0, round(seconds * rate)) for seconds in (edit.seconds, edit.longest))
+    made = fill_gaps(whole.head.skeleton, whole.block, rows, short, longest, joints, whole.reading)
+    notes = [f"{count:,} samples filled by {method}" for method, count in made.counts.items()]
+    if made.left:
+        notes.append(f"{made.left:,} samples stay missing: gaps over {edit.longest:g} s, or that no other marker tells")
+    if made.counts:
+        block = rows_of(made.block, rows.start, rows.stop)
+        blocks = [number_bones(tx, stored, whole, block)]
+        splice_frames(tx, stored, edit.first, edit.last - edit.first + 1, blocks, renumber=False, same_instants=True)
+    return notes or ["no gaps between known samples"]
+
+
+def _unroll(tx: Transaction, stored: StoredDocument, edit: UnrollFrames) -> list[str]:
+    whole = read_whole(tx, stored)
+    block, changed = unroll(whole.head.skeleton, whole.block, whole.joints(edit.bones), whole.reading)
+    if changed:
+        blocks = [number_bones(tx, stored, whole, block)]
+        splice_frames(tx, stored, 1, stored.frames, blocks, renumber=False, same_instants=True)
+    return [f"{changed:,} rotations have other angles"]
 
 
 def _adjust(whole: Whole, edit: AdjustFrames, strength: Array) -> FrameBlock:

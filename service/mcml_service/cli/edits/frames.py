@@ -31,27 +31,34 @@ def frames(
     id: Annotated[str, typer.Argument(help="Document")],
     do: Annotated[str, typer.Argument(help=", ".join(_EDITS))],
     range: Annotated[
-        str | None, typer.Argument(metavar="FIRST-LAST", help="Frames, positions from 1; resample takes all")
+        str | None, typer.Argument(metavar="FIRST-LAST", help="Frames, positions from 1; resample and unroll take all")
     ] = None,
     to: Annotated[int | None, typer.Option("--to", help="move, insert: before this frame")] = None,
     source: Annotated[str | None, typer.Option("--from", help="insert: document that has the frames")] = None,
     rate: Annotated[float | None, typer.Option(help="resample: frames a second")] = None,
-    seconds: Annotated[float | None, typer.Option(help="smooth: standard deviation of the Gaussian")] = None,
+    seconds: Annotated[
+        float | None, typer.Option(help="smooth: standard deviation of the Gaussian; fill: longest gap of a spline")
+    ] = None,
+    longest: Annotated[float | None, typer.Option(help="fill: seconds of the longest gap")] = None,
+    hertz: Annotated[float | None, typer.Option(help="low-pass: cut-off; default by residual analysis")] = None,
     channels: Annotated[list[str] | None, typer.Option("--channel", help="adjust: Rx, Ty …; may be repeated")] = None,
     factor: Annotated[float | None, typer.Option(help="adjust: multiply by this")] = None,
     offset: Annotated[float | None, typer.Option(help="adjust: then add this")] = None,
     bones: Annotated[
-        list[str] | None, typer.Option("--bone", help="adjust, smooth: only this; may be repeated")
+        list[str] | None, typer.Option("--bone", help="Edits of samples: only this; may be repeated")
     ] = None,
-    ease: Annotated[int | None, typer.Option(help="adjust, smooth: frames at either end to come and go")] = None,
+    ease: Annotated[
+        int | None, typer.Option(help="Frames at either end over which an edit of samples comes and goes")
+    ] = None,
     renumber: Annotated[bool, typer.Option(help="Ids of frames that counted up by one do so again")] = True,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Tell what would be done, and change nothing")] = False,
     message: MessageOption = "",
     revision: RevisionOption = None,
     database: DatabaseOption = None,
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Delete, keep, reverse, move, insert, mirror, smooth, adjust or resample frames, as one revision."""
+    """Delete, keep, move, insert, reverse, mirror, fill, filter, smooth, unroll, adjust or resample frames."""
     kind = _EDITS.get(do)
     if kind is None:
         raise typer.BadParameter(f"say one of {', '.join(_EDITS)}", param_hint="DO")
@@ -60,6 +67,8 @@ def frames(
         "source": source,
         "rate": rate,
         "seconds": seconds,
+        "longest": longest,
+        "hertz": hertz,
         "channels": channels,
         "factor": factor,
         "offset": offset,
@@ -85,5 +94,5 @@ def frames(
     if source is not None:
         edit["document"] = id_of(client, source)
     request = FrameEdits.model_validate({"edits": [{"do": do} | edit], "renumber": renumber, "message": message})
-    done = client.call("edit_frames", id=id_of(client, id), edits=request, if_match=match_of(revision))
+    done = client.call("edit_frames", id=id_of(client, id), edits=request, dry_run=dry_run, if_match=match_of(revision))
     present(OPERATIONS["edit_frames"], done, as_json)

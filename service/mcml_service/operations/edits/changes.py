@@ -29,7 +29,7 @@ MOST_TRIED = 200
 Part = Literal["elements", "frames", "labels", "document", "all"]
 
 
-class _UndoneError(Exception):
+class UndoneError(Exception):
     """A signal: nothing of a transaction is to stay."""
 
 
@@ -83,11 +83,11 @@ def make_changes(
             todo = wanted.changes if merging is None else merging.carry_over(wanted.changes)
             if dry_run:
                 answer = _try(wanted, merging, stored, lambda: _apply(tx, stored, todo, changes.message))
-                raise _UndoneError
+                raise UndoneError
             if merging is not None and merging.conflicts:
                 raise _refuse(merging, stored)
             changed = _apply(tx, stored, todo, changes.message)
-    except _UndoneError:
+    except UndoneError:
         if answer.faults:
             answer.faults = wanted.faults + (_each(call, id, wanted, edit) or answer.faults)
         answer.faults = answer.faults or wanted.faults
@@ -165,8 +165,8 @@ def _each(call: Call, uuid: str, wanted: _Wanted, edit: Edit) -> list[Fault]:
                 with _fault(faults, part, number):
                     todo = changes if base is None else Merge(*_states(tx, uuid, base, stored)).carry_over(changes)
                     apply_changes(tx, stored, todo)
-                raise _UndoneError
-        except _UndoneError:
+                raise UndoneError
+        except UndoneError:
             continue
     return faults
 

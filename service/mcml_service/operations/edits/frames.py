@@ -54,6 +54,7 @@ from mcml_service.operations.arguments import (
     tag,
 )
 from mcml_service.operations.call import Call
+from mcml_service.operations.edits.changes import UndoneError
 from mcml_service.operations.operation import Body, gives
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.documents.documents import StoredDocument
@@ -276,14 +277,27 @@ def _short(columns: list[str]) -> dict[str, str]:
     return {"columns": text} if len(text) <= MOST_IN_HEADER else {}
 
 
-def edit_frames(call: Call, id: DocumentId, edits: FrameEdits, if_match: IfMatch = None) -> FramesEdited:
+def edit_frames(
+    call: Call,
+    id: DocumentId,
+    edits: FrameEdits,
+    dry_run: Annotated[bool, Field(description="Tell what would be done without changing anything")] = False,
+    if_match: IfMatch = None,
+) -> FramesEdited:
     """The whole list becomes one revision, or nothing changes.
 
     Remaining frames are not written again. Positions in a later edit refer to the result of the earlier ones.
     """
-    with call.database.write(call.author) as tx:
-        changed = frame_ranges.edit_frames(tx, find_for_write(tx, id, if_match), edits)
-    return _edit(call, changed)
+    notes: list[str] = []
+    try:
+        with call.database.write(call.author) as tx:
+            stored = find_for_write(tx, id, if_match)
+            changed = frame_ranges.edit_frames(tx, stored, edits, notes)
+            if dry_run:
+                raise UndoneError
+    except UndoneError:
+        return FramesEdited(revision=stored.revision, frames=changed.frames, notes=notes)
+    return _edit(call, changed, notes)
 
 
 def put_frames(
@@ -343,9 +357,9 @@ def _put(
     return tx.documents.get(stored.uuid)
 
 
-def _edit(call: Call, changed: StoredDocument) -> FramesEdited:
+def _edit(call: Call, changed: StoredDocument, notes: list[str] | None = None) -> FramesEdited:
     call.tag = tag(changed)
-    return FramesEdited(revision=changed.revision, frames=changed.frames)
+    return FramesEdited(revision=changed.revision, frames=changed.frames, notes=notes or [])
 
 
 def _from_json(content: bytes, stated: list[str]) -> tuple[list[str], Array]:

@@ -2927,6 +2927,21 @@ export interface components {
             joints: string[];
             largest?: components["schemas"]["LargestChange"] | null;
         };
+        FillFrames: {
+            first: number;
+            last: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "fill";
+            /** @default 0.1 */
+            seconds: number;
+            /** @default 1 */
+            longest: number;
+            /** @default [] */
+            bones: string[];
+        };
         FloorPlate: {
             name: string | null;
             corners: number[][];
@@ -2976,7 +2991,7 @@ export interface components {
             data?: string | null;
         };
         FrameEdits: {
-            edits: (components["schemas"]["DeleteFrames"] | components["schemas"]["KeepFrames"] | components["schemas"]["ReverseFrames"] | components["schemas"]["MoveFrames"] | components["schemas"]["InsertFrames"] | components["schemas"]["MirrorFrames"] | components["schemas"]["SmoothFrames"] | components["schemas"]["AdjustFrames"] | components["schemas"]["ResampleFrames"])[];
+            edits: (components["schemas"]["DeleteFrames"] | components["schemas"]["KeepFrames"] | components["schemas"]["ReverseFrames"] | components["schemas"]["MoveFrames"] | components["schemas"]["InsertFrames"] | components["schemas"]["MirrorFrames"] | components["schemas"]["SmoothFrames"] | components["schemas"]["AdjustFrames"] | components["schemas"]["ResampleFrames"] | components["schemas"]["FillFrames"] | components["schemas"]["LowPassFrames"] | components["schemas"]["UnrollFrames"])[];
             /** @default true */
             renumber: boolean;
             /** @default  */
@@ -3006,6 +3021,8 @@ export interface components {
         FramesEdited: {
             revision: number;
             frames: number;
+            /** @default [] */
+            notes: string[];
         };
         GaitBelt: {
             is_belt: boolean;
@@ -3405,6 +3422,20 @@ export interface components {
             name?: string | null;
             project?: string | null;
             parameters?: components["schemas"]["ExpressionLevelChoice"];
+        };
+        LowPassFrames: {
+            first: number;
+            last: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "low-pass";
+            hertz?: number | null;
+            /** @default [] */
+            bones: string[];
+            /** @default 0 */
+            ease: number;
         };
         ManyChanges: {
             selection: components["schemas"]["Selection"];
@@ -4519,6 +4550,15 @@ export interface components {
             created: string;
             expires?: string | null;
             used?: string | null;
+        };
+        UnrollFrames: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "unroll";
+            /** @default [] */
+            bones: string[];
         };
         UnsupportedFormat: {
             name: string;
@@ -6849,7 +6889,9 @@ export interface operations {
     };
     edit_frames: {
         parameters: {
-            query?: never;
+            query?: {
+                dry_run?: boolean;
+            };
             header?: {
                 "if-match"?: string | null;
             };
