@@ -186,4 +186,4 @@ class FramesEdited(BaseModel):
 
     revision: int
     frames: int
-    notes: list[str] = Field([], description="What was filled and how, which gaps stay, and chosen cut-offs")
+    notes: list[str] = Field([], description="Numbers of filled samples by method, remaining gaps, and chosen cut-offs")

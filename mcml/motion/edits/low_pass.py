@@ -108,9 +108,9 @@ def suggest_cutoff(positions: Array, rate: float) -> float | None:
     """The cut-off in hertz at which filtering takes as much of the motion as it leaves of the noise, None if unknown.
 
     positions: (n, P, 3) of points, NaN where unknown; the longest run of each counts. Residual analysis: root mean
-    squares of the parts that filters of rising cut-offs take out; a line through those of noise alone is extended to 0 Hz, and
-    the cut-off is where residuals reach its height there. Source: Winter 2009 ("Biomechanics and motor control of human
-    movement", 4th edition, 3.4.4.3).
+    squares of the parts that filters of rising cut-offs take out; a line through those of noise alone is extended to
+    0 Hz, and the cut-off is where residuals reach its height there. Source: Winter 2009 ("Biomechanics and motor
+    control of human movement", 4th edition, 3.4.4.3).
     """
     highest = rate / 2 * 0.95
     cutoffs = np.linspace(highest / _TRIED, highest, _TRIED)

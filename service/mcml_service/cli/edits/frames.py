@@ -51,7 +51,7 @@ def frames(
         int | None, typer.Option(help="Frames at either end over which an edit of samples comes and goes")
     ] = None,
     renumber: Annotated[bool, typer.Option(help="Ids of frames that counted up by one do so again")] = True,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Tell what would be done, and change nothing")] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Preview the notes without changing anything")] = False,
     message: MessageOption = "",
     revision: RevisionOption = None,
     database: DatabaseOption = None,

@@ -281,7 +281,7 @@ def edit_frames(
     call: Call,
     id: DocumentId,
     edits: FrameEdits,
-    dry_run: Annotated[bool, Field(description="Tell what would be done without changing anything")] = False,
+    dry_run: Annotated[bool, Field(description="Preview the notes without changing anything")] = False,
     if_match: IfMatch = None,
 ) -> FramesEdited:
     """The whole list becomes one revision, or nothing changes.
