@@ -40,7 +40,7 @@ def test_edits_are_one_revision_and_can_be_taken_back(client: TestClient, uuid: 
     ]
     answer = client.post(f"{API}/documents/{uuid}/frames", json={"edits": edits}, headers={"if-match": '"1"'})
     assert answer.status_code == 200, answer.text
-    assert answer.json() == {"revision": 2, "frames": 300}
+    assert answer.json() == {"revision": 2, "frames": 300, "notes": []}
     assert answer.headers["etag"] == '"2-json"'
     rows = list(range(50, 350))
     rows = rows[9::-1] + rows[10:]
@@ -107,7 +107,7 @@ def test_channels_as_arrays(client: TestClient, uuid: str, form: str) -> None:
             headers=ANY | {"content-type": "application/octet-stream"},
         )
     assert answer.status_code == 200, answer.text
-    assert answer.json() == {"revision": 2, "frames": 600}
+    assert answer.json() == {"revision": 2, "frames": 600, "notes": []}
     after = before.copy()
     after[199:499, columns.index("Spine.Rx")] = new
     assert np.array_equal(values(client, uuid), after)
