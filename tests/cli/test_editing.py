@@ -273,3 +273,9 @@ def test_bodies(run: Run, tmp_path: Path) -> None:
     assert run("split", small, "11", "31").count("  walk_160 ") == 3
     run("labels", "export", "labels.csv")
     assert "0 changed" in run("labels", "import", "labels.csv")
+
+
+def test_notes_of_an_edit_are_told(run: Run, walk: str) -> None:
+    told = run("frames", walk, "unroll", "--dry-run")
+    assert "revision 1" in told
+    assert "rotations have other angles" in told

@@ -167,6 +167,8 @@ def _element(done: ElementEdited) -> None:
 
 def _frames(done: FramesEdited) -> None:
     console.print(f"revision {done.revision}, {done.frames:,} frames")
+    for note in done.notes:
+        console.print(f"  {note}", markup=False)
 
 
 def _difference(found: Difference) -> None:
