@@ -149,7 +149,7 @@ def test_real_clips_are_within_a_pixel(shared: Path) -> None:
         at = (times - start) / (end - start) * (len(picture.loop) - 1)
         spline = _catmull_rom(picture.loop, at)
         true = make_thumbnail.poses_at(drawing.positions, drawing.spacing, times)
-        middle = make_thumbnail.poses_at(drawing.joints, drawing.spacing, np.array([start + (end - start) * 16 / 31]))
+        middle = make_thumbnail.poses_at(drawing.points, drawing.spacing, np.array([start + (end - start) * 16 / 31]))
         view = make_thumbnail.view_of(
             drawing.skeleton, drawing.figure, middle[0], make_thumbnail.axis_of(drawing.facts["up"])
         )
