@@ -141,7 +141,7 @@ def walk() -> dict[str, Array]:
 
 
 @pytest.fixture(scope="module")
-def solved(tmp_path_factory: pytest.TempPathFactory, walk: dict[str, Array]) -> tuple[Path, dict[str, Array]]:
+def solution(tmp_path_factory: pytest.TempPathFactory, walk: dict[str, Array]) -> tuple[Path, dict[str, Array]]:
     """(folder, coordinates) of a trial: our TRC of a C3D file, after OpenSim scaled its model by our standing trial."""
     folder = tmp_path_factory.mktemp("walker")
     osim_walker.make_model(folder / "generic.osim", dict.fromkeys(osim_walker.SCALES, 1.0))
@@ -158,10 +158,10 @@ def solved(tmp_path_factory: pytest.TempPathFactory, walk: dict[str, Array]) -> 
 
 
 def test_scaling_and_inverse_kinematics_find_the_angles_of_our_markers(
-    solved: tuple[Path, dict[str, Array]], walk: dict[str, Array]
+    solution: tuple[Path, dict[str, Array]], walk: dict[str, Array]
 ) -> None:
     """Sizes, times and directions of exported markers are right: nothing else gives these angles."""
-    folder, found = solved
+    folder, found = solution
     for name, degrees in walk.items():
         np.testing.assert_allclose(found[name], degrees, atol=1e-3, err_msg=name)
     scaled = opensim.Model(str(folder / "scaled.osim"))
@@ -170,10 +170,10 @@ def test_scaling_and_inverse_kinematics_find_the_angles_of_our_markers(
 
 
 def test_clinical_angles_of_the_markers_are_those_of_inverse_kinematics(
-    solved: tuple[Path, dict[str, Array]],
+    solution: tuple[Path, dict[str, Array]],
 ) -> None:
     """Landmarks on both sides of the joints, and hips by regression."""
-    folder, found = solved
+    folder, found = solution
     motion = mcml.read(folder / "walk.c3d")
     for side in "LR":
         for name, axis, coordinate, sign in (
@@ -186,8 +186,8 @@ def test_clinical_angles_of_the_markers_are_those_of_inverse_kinematics(
             np.testing.assert_allclose(motion.quantity(side + name, axis), expected, atol=0.01, err_msg=name)
 
 
-def test_angles_of_the_skeleton_are_those_of_inverse_kinematics(solved: tuple[Path, dict[str, Array]]) -> None:
-    folder, found = solved
+def test_angles_of_the_skeleton_are_those_of_inverse_kinematics(solution: tuple[Path, dict[str, Array]]) -> None:
+    folder, found = solution
     osim_walker.trace_skeleton(folder / "walk.npz", folder / "scaled.osim", found)
     require_angles(Sample(folder / "walk.npz"), constant=0.05, rms=(0.03, 0.03, 0.05, 0.03))
 

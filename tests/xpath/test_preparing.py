@@ -21,7 +21,7 @@ from mcml_service.xpath.library.disk.part_file import path_of
 from mcml_service.xpath.library.forest import name_samples
 from mcml_service.xpath.library.preparing import DAY, LATELY, count_prepared, wanted_columns, wanted_quantities
 from mcml_service.xpath.queries import Queries
-from tests.xpath.test_sidecar import answers, asking, copied, expected, filled, no_reading, rows
+from tests.xpath.test_sidecar import answers, asking, copy_store, expected, filled, no_reading, rows
 
 
 @pytest.fixture
@@ -30,7 +30,7 @@ def library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Databas
     monkeypatch.setattr(groups, "MOST_DOCUMENTS", 30)
     monkeypatch.setattr(groups, "LASTING", 1)
     monkeypatch.setattr(preparing, "COMMON_BONES", ("Root", "left_up_leg"))
-    database = copied(tmp_path / "store.db")
+    database = copy_store(tmp_path / "store.db")
     yield database
     database.close()
 

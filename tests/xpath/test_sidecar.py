@@ -64,12 +64,12 @@ def small_groups(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def library(tmp_path: Path) -> Iterator[Database]:
-    database = copied(tmp_path / "store.db")
+    database = copy_store(tmp_path / "store.db")
     yield database
     database.close()
 
 
-def copied(path: Path) -> Database:
+def copy_store(path: Path) -> Database:
     """A filled store: filled once, for it takes longer than most of what is asked of it."""
     path.write_bytes(_filled_once())
     return Database(f"sqlite:///{path}")

@@ -29,7 +29,7 @@ _MOST_BASELINE: Final = 10_000
 """Frames of a baseline that are read."""
 
 _MOST_OFFSET: Final = 100.0
-"""Newtons of a baseline; more is somebody who stands on the plate."""
+"""Newtons of a baseline; a larger one is a person on the plate."""
 
 _NO_LETTERS: Final = re.compile(r"[\W\d_]+")
 

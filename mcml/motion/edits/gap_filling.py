@@ -14,12 +14,11 @@ from dataclasses import dataclass, field
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from mcml.motion.clip import FrameBlock
-from mcml.motion.frames import in_columns, present, remade
+from mcml.motion.frames import Rows, in_columns, present, remade
 from mcml.motion.hub import HubReader
 from mcml.motion.hub_writer import Flags, HubWriter, Known
 from mcml.motion.kinematics import RESIDUAL
@@ -38,6 +37,8 @@ _NEARBY: Final = 0.3
 """The same of a marker whose course is taken."""
 _FLAT: Final = 0.1
 """Of the longest side of three markers: the height of their triangle at least, so that they tell a rotation."""
+_NEAREST: Final = 30
+"""Markers, the nearest ones, that may tell where another one is."""
 _SHARED: Final = 10
 """Frames in which two markers are known together, at least, to compare their distance."""
 
@@ -86,10 +87,10 @@ def _gaps(known: Flags, rows: slice) -> Iterator[tuple[int, int]]:
     edges = np.flatnonzero(np.diff(known.astype(np.int8)))
     starts, ends = edges[~known[edges + 1]] + 1, edges[known[edges + 1]] + 1
     first, stop, _ = rows.indices(len(known))
-    for start in starts.tolist():
-        after = ends[ends > start]
-        if len(after) and first <= start and int(after[0]) <= stop:
-            yield start, int(after[0])
+    following = np.searchsorted(ends, starts, side="right")
+    for start, place in zip(starts.tolist(), following.tolist(), strict=True):
+        if place < len(ends) and first <= start and ends[place] <= stop:
+            yield start, int(ends[place])
 
 
 def _fill_markers(
@@ -106,10 +107,12 @@ def _fill_markers(
     short, longest = limits
     for joint in markers:
         own = every.index(joint)
+        places = np.flatnonzero(known[:, own])
         for start, end in _gaps(known[:, own], rows):
             course: tuple[Method, Array] | None = None
             if end - start <= min(short, longest):
-                course = "spline", _bridge(positions[:, own], known[:, own], start, end)
+                knots = _find_knots(places, start)
+                course = "spline", _bridge(positions[knots, own], knots, start, end)
             elif end - start <= longest:
                 course = donors.find(own, start, end)
             if course is None:
@@ -126,14 +129,18 @@ class _Donors:
 
     def __init__(self, positions: Array, known: Flags) -> None:
         self._positions, self._known = positions, known
-        self._spreads: dict[int, tuple[Array, Array]] = {}
+        self._spreads: dict[tuple[int, int], tuple[float, float]] = {}
 
     def find(self, own: int, start: int, end: int) -> tuple[Method, Array] | None:
         """(method, (k, 3) positions) of a marker in a gap; None if no other marker tells."""
-        spread, distance = self._spread(own)
-        needed = slice(start - 1, end + 1)
-        there = self._known[needed].all(axis=0) & np.isfinite(spread)
-        order = [other for other in np.argsort(spread).tolist() if there[other]]
+        there = np.asarray(self._known[start - 1 : end + 1].all(axis=0))
+        there[own] = False
+        away = np.linalg.norm(self._positions[start - 1] - self._positions[start - 1, own], axis=1)
+        nearest = [other for other in np.argsort(away).tolist() if there[other]][:_NEAREST]
+        spread, distance = {}, {}
+        for other in nearest:
+            spread[other], distance[other] = self._spread(own, other)
+        order = sorted((other for other in nearest if np.isfinite(spread[other])), key=spread.__getitem__)
         rigid = [other for other in order if spread[other] <= _RIGID * distance[other]]
         base = self._triangle(rigid, start - 1)
         if base is not None:
@@ -142,19 +149,15 @@ class _Donors:
             return "nearby marker", self._by_marker(own, order[0], start, end)
         return None
 
-    def _spread(self, own: int) -> tuple[Array, Array]:
-        """(standard deviations, means) of the distances to every marker; NaN for itself and those rarely together."""
-        if own not in self._spreads:
-            away = np.linalg.norm(self._positions - self._positions[:, own : own + 1], axis=2)
-            together = self._known & self._known[:, own : own + 1]
-            often = together.sum(axis=0) >= _SHARED
-            often[own] = False
-            spread, mean = np.full(len(often), np.nan), np.full(len(often), np.nan)
-            for other in np.flatnonzero(often).tolist():
-                distances = away[together[:, other], other]
-                spread[other], mean[other] = float(distances.std()), float(distances.mean())
-            self._spreads[own] = spread, mean
-        return self._spreads[own]
+    def _spread(self, own: int, other: int) -> tuple[float, float]:
+        """(standard deviation, mean) of the distance of two markers; NaN where they are rarely known together."""
+        pair = min(own, other), max(own, other)
+        if pair not in self._spreads:
+            together = self._known[:, own] & self._known[:, other]
+            distances = np.linalg.norm(self._positions[together, own] - self._positions[together, other], axis=1)
+            is_often = len(distances) >= _SHARED
+            self._spreads[pair] = (float(distances.std()), float(distances.mean())) if is_often else (np.nan, np.nan)
+        return self._spreads[pair]
 
     def _triangle(self, rigid: Sequence[int], frame: int) -> list[int] | None:
         """The best three markers that are not on a line in a frame."""
@@ -195,15 +198,18 @@ class _Donors:
         return course
 
 
-def _bridge(vectors: Array, known: Flags, start: int, end: int) -> Array:
-    """(k, d) of a cubic spline through known samples (n, d) around a gap."""
-    before = np.flatnonzero(known[:start])[-_KNOTS:]
-    after = np.flatnonzero(known[end:])[:_KNOTS] + end
-    knots = np.concatenate([before, after])
+def _find_knots(places: Rows, start: int) -> Rows:
+    """The known samples around a gap that a spline goes through. places: of all known samples."""
+    middle = int(np.searchsorted(places, start))
+    return places[max(0, middle - _KNOTS) : middle + _KNOTS]
+
+
+def _bridge(vectors: Array, knots: Rows, start: int, end: int) -> Array:
+    """(k, d) of a cubic spline in a gap. vectors: (m, d) at the knots (m,)."""
     frames = np.arange(start, end)
     if len(knots) < 4:
-        return np.stack([np.interp(frames, knots, column) for column in vectors[knots].T], axis=1)
-    bridged: Array = CubicSpline(knots, vectors[knots])(frames)
+        return np.stack([np.interp(frames, knots, column) for column in vectors.T], axis=1)
+    bridged: Array = CubicSpline(knots, vectors)(frames)
     return bridged
 
 
@@ -230,11 +236,12 @@ def _fill_joints(
     moved, turned, scales = hub.translations.copy(), hub.rotations.copy(), hub.scales.copy()
     holds = np.ones((len(block), len(skeleton)), dtype=bool)
     for joint, each in short.items():
+        places = np.flatnonzero(there[:, joint])
         for start, end in each:
-            known = there[:, joint]
-            moved[start:end, joint] = _bridge(hub.translations[:, joint], known, start, end)
-            scales[start:end, joint] = _bridge(hub.scales[:, joint, None], known, start, end)[:, 0]
-            turned[start:end, joint] = _turn(hub.rotations[:, joint], known, start, end)
+            knots = _find_knots(places, start)
+            moved[start:end, joint] = _bridge(hub.translations[knots, joint], knots, start, end)
+            scales[start:end, joint] = _bridge(hub.scales[knots, joint, None], knots, start, end)[:, 0]
+            turned[start:end, joint] = _turn(hub.rotations[:, joint], knots, start, end)
             holds[start:end, joint] = False
             filled.counts["spline"] += end - start
     written = HubWriter(skeleton, reading).write(moved, turned, scales, Known(hub.values, holds))
@@ -243,11 +250,11 @@ def _fill_joints(
             values[start:end, index] = written[start:end, index]
 
 
-def _turn(rotations: Array, known: NDArray[np.bool_], start: int, end: int) -> Array:
+def _turn(rotations: Array, knots: Rows, start: int, end: int) -> Array:
     """(k, 4) rotations in a gap: a spline of the rotation vectors from the last known rotation before it."""
     origin = rotations[start - 1 : start]
-    vectors = to_vector(multiply(np.broadcast_to(inverse(origin), rotations.shape), rotations))
+    vectors = to_vector(multiply(np.broadcast_to(inverse(origin), (len(knots), 4)), rotations[knots]))
     turned: Array = multiply(
-        np.broadcast_to(origin, (end - start, 4)), from_vector(_bridge(vectors, known, start, end))
+        np.broadcast_to(origin, (end - start, 4)), from_vector(_bridge(vectors, knots, start, end))
     )
     return turned

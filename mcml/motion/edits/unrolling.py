@@ -38,7 +38,7 @@ def unroll(
             continue
         known = np.flatnonzero(np.isfinite(values[:, own]).all(axis=1))
         before = values[known][:, own]
-        after = _unrolled(before, turn, has_twin=len(set(order)) == len(order) == 3)
+        after = _unroll_angles(before, turn, has_twin=len(set(order)) == len(order) == 3)
         moved = np.abs(after - before).max(axis=1) > turn / 4 if len(known) else np.zeros(0, dtype=bool)
         changed += int(moved.sum())
         # What did not leap keeps its bits.
@@ -47,7 +47,7 @@ def unroll(
     return remade(block, columns, values, places, block.ids), changed
 
 
-def _unrolled(angles: Array, turn: float, *, has_twin: bool) -> Array:
+def _unroll_angles(angles: Array, turn: float, *, has_twin: bool) -> Array:
     """(n, k) angles, each row the nearest of its equivalents to the row before. has_twin: three different axes."""
     ways = [angles]
     if has_twin:

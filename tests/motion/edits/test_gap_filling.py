@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mcml.motion.clip import FrameBlock, full_shape
-from mcml.motion.edits.gap_filling import fill_gaps
+from mcml.motion.edits.gap_filling import _Donors, fill_gaps
 from mcml.motion.markers import marker_skeleton
 from mcml.motion.rotation_vectors import from_vector
 from mcml.motion.rotations import rotate
@@ -118,3 +118,28 @@ def test_only_the_rows_asked_for_change() -> None:
     found = filled.block.values.reshape(FRAMES, 5, 3)
     assert np.isnan(found[20:25, 0]).all()
     assert np.isfinite(found[120:125, 0]).all()
+
+
+def test_many_markers_with_many_gaps_are_compared_with_few() -> None:
+    """Work grows with the number of gaps, not with its square, nor with that of markers."""
+    rng = np.random.default_rng(2)
+    arms = rng.normal(size=(300, 3)) * 100
+    way = np.stack([np.arange(FRAMES) * 5.0, np.zeros(FRAMES), np.zeros(FRAMES)], axis=1)
+    true = way[:, None] + arms
+    holed = true.copy()
+    for marker in range(300):
+        start = 20 + marker % 7 * 20
+        holed[start : start + 15, marker] = np.nan
+    compared: list[tuple[int, int]] = []
+    spread = _Donors._spread
+
+    def count(donors: _Donors, own: int, other: int) -> tuple[float, float]:
+        compared.append((own, other))
+        return spread(donors, own, other)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(_Donors, "_spread", count)
+        filled, found = fill(holed, short=5)
+    assert filled.counts == {"segment": 300 * 15}
+    assert np.abs(found - true).max() < 1e-6
+    assert len(compared) <= 300 * 30
