@@ -10,7 +10,7 @@ import scipy
 from mcml.errors import ConversionError
 from mcml.motion.anatomy.angles import Rate, anatomical_rates, spins
 from mcml.motion.anatomy.axes import Segment, Stance, relative_turns, segments_of, stance_of
-from mcml.motion.foot_contacts import hysteresis
+from mcml.motion.feet.contacts import hysteresis
 from mcml.motion.hub import Rest, in_every_frame, walked
 from mcml.motion.rotations import rotate
 from mcml.motion.skeleton import Array, Skeleton

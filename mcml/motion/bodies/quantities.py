@@ -19,7 +19,7 @@ from mcml.motion.anatomy.axes import joints_of_part
 from mcml.motion.bodies.limb_angles import angle_named, turn_named
 from mcml.motion.bodies.local_fit import bends, reach, slopes
 from mcml.motion.bodies.stretch import HIPS, Stretch, known
-from mcml.motion.foot_contacts import standing
+from mcml.motion.feet.contacts import standing
 from mcml.motion.skeleton import Array
 from mcml.motion.vectors import angle_between, cross, length
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mcml.errors import Notice
-from mcml.motion.foot_contacts import FootReport
+from mcml.motion.feet.locking import FootReport
 from mcml.motion.retargeting.bone_mapping import Match
 from mcml.motion.skeleton import Skeleton
 

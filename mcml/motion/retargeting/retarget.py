@@ -9,7 +9,7 @@ shortest arc. The hips are at the source's position, times the ratio of the leng
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -17,7 +17,8 @@ import numpy as np
 from mcml.errors import ConversionError
 from mcml.motion.carriers import carriers, chain
 from mcml.motion.clip import FrameBlock, full_shape
-from mcml.motion.foot_contacts import Feet, FootReport, clean_feet, feet_of
+from mcml.motion.feet.legs import legs_of
+from mcml.motion.feet.locking import FootReport, foot_contacts, lock_feet
 from mcml.motion.hub import HubReader, in_every_frame, walked
 from mcml.motion.hub_writer import HubWriter, Shortfall
 from mcml.motion.retargeting.bone_mapping import Match, check_matches
@@ -88,11 +89,9 @@ def retarget(
     rotations = transfer.rotations(positions, turned)
     scale = transfer.scale() if scale is None else scale
     translations = transfer.translations(hub.translations, positions, turned, rotations, scale)
-    reports: tuple[FootReport, ...] = ()
-    feet = feet_of(source, target, pairs)
-    if feet:
-        axis = np.eye(3)["XYZ".index(up.upper())]
-        rotations, reports = _feet(transfer, feet, positions, translations, rotations, frame_time, axis, writer, clean)
+    translations, rotations, reports = _feet(
+        transfer, positions, translations, rotations, frame_time, np.eye(3)["XYZ".index(up.upper())], writer, clean
+    )
     values = writer.write(translations, rotations, None)
     columns = target.columns()
     names = block.motion_names
@@ -115,7 +114,6 @@ def retarget(
 
 def _feet(
     transfer: _Transfer,
-    feet: Sequence[Feet],
     positions: Array,
     translations: Array,
     rotations: Array,
@@ -123,11 +121,15 @@ def _feet(
     up: Array,
     writer: HubWriter,
     clean: bool,
-) -> tuple[Array, tuple[FootReport, ...]]:
+) -> tuple[Array, Array, tuple[FootReport, ...]]:
+    """Feet of the target as they stand in the source. positions: of the source."""
+    skeleton, pairs = transfer.two.skeleton, transfer.pairs
+    legs = [leg for leg in legs_of(skeleton) if {leg.hip, leg.knee, leg.ankle} <= set(pairs)]
+    legs = [leg if leg.toe in pairs else replace(leg, toe=leg.ankle) for leg in legs]
     length = transfer.leg(transfer.one, source=True) or float(np.ptp(transfer.one.positions @ up))
-    return clean_feet(
-        transfer.two.skeleton, feet, positions, translations, rotations, frame_time, length, up, writer, clean
-    )
+    stands = [foot_contacts(positions, pairs[leg.toe], pairs[leg.ankle], frame_time, length, up) for leg in legs]
+    locked = lock_feet(skeleton, legs, stands, translations, rotations, frame_time, up, writer, clean)
+    return locked.translations, locked.rotations, locked.reports
 
 
 class _Transfer:

@@ -1,0 +1,230 @@
+"""Lock planted feet: legs bend, and the body sinks a little, so that a standing foot stays where it stands.
+
+Kovar, Schreiner, Gleicher, "Footskate cleanup for motion capture editing" (2002): the root is lowered where a leg would
+be too short, then each leg is bent by two-bone inverse kinematics; the foot keeps its orientation in the world.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import convolve1d, maximum_filter1d
+
+from mcml.motion.carriers import carriers
+from mcml.motion.feet.contacts import contact_flags, sliding
+from mcml.motion.feet.legs import Leg, is_below
+from mcml.motion.feet.moves import hold_moves, spread_moves
+from mcml.motion.feet.two_bones import STRETCHED, two_bones
+from mcml.motion.hub import walked
+from mcml.motion.hub_writer import Flags, HubWriter
+from mcml.motion.rotations import inverse, multiply, rotate
+from mcml.motion.skeleton import TRANSLATIONS, Array, Skeleton
+from mcml.numerics.runs import find_true
+
+FADE = 0.15
+"""Seconds over which a correction fades out."""
+_FARTHEST = 0.25
+"""Leg lengths: the most that a foot is moved."""
+_LOWEST = 0.08
+"""Leg lengths: the most that the body is lowered."""
+_CALM = 0.2
+"""Seconds over which the body is lowered and lifted."""
+_ROUNDS = 4
+"""Of bending a leg whose joints cannot turn freely."""
+
+
+@dataclass(frozen=True)
+class FootReport:
+    """joint: the planted joint of the target.
+
+    contacts: (first frame, last frame) from 0. before, after: distance that it slides over the ground during contacts,
+    in the target's unit, over all frames. missed: the farthest that it is from where it should be held; 0 if nothing is
+    locked.
+    """
+
+    joint: int
+    contacts: tuple[tuple[int, int], ...]
+    before: float
+    after: float
+    missed: float = 0.0
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """Contacts of a foot, (n,) each: of its toe, and of its ankle."""
+
+    toe: Flags
+    ankle: Flags
+
+    @property
+    def any(self) -> Flags:
+        """Whether any part of it stands."""
+        return self.toe | self.ankle
+
+
+@dataclass(frozen=True)
+class Locked:
+    """Frames in the hub form, (n, J, 3) and (n, J, 4), and a report by leg."""
+
+    translations: Array
+    rotations: Array
+    reports: tuple[FootReport, ...]
+
+
+def foot_contacts(places: Array, toe: int, ankle: int, frame_time: float, leg: float, up: Array) -> Contacts:
+    """Contacts of a foot of a body at positions (n, J, 3). leg: its length."""
+    stands = contact_flags(places[:, ankle], frame_time, leg, up)
+    return Contacts(stands if toe == ankle else contact_flags(places[:, toe], frame_time, leg, up), stands)
+
+
+def lock_feet(
+    skeleton: Skeleton,
+    legs: Sequence[Leg],
+    contacts: Sequence[Contacts],
+    translations: Array,
+    rotations: Array,
+    frame_time: float,
+    up: Array,
+    writer: HubWriter,
+    lock: bool = True,
+) -> Locked:
+    """Lock planted feet during contacts.
+
+    contacts: of each leg. translations (n, J, 3), rotations (n, J, 4): hub form. frame_time: seconds. up: (3,) unit
+    vector. writer: knows the channels of the joints. lock: if false, nothing is changed, only reported. Feet that would
+    be moved by over a quarter of the leg are left alone.
+    """
+    places = walked(skeleton, translations, rotations)[0]
+    moves = []
+    for leg, stands in zip(legs, contacts, strict=True):
+        most = _FARTHEST * leg.length(places)
+        held = hold_moves(places[:, leg.toe], places[:, leg.ankle], stands.toe, stands.ankle, up, most)
+        moves.append(spread_moves(held, max(1, round(FADE / frame_time))))
+    missed = np.zeros(len(legs))
+    after = places
+    if lock:
+        translations, rotations, missed = move_feet(
+            skeleton, legs, moves, translations, rotations, frame_time, up, writer
+        )
+        after = walked(skeleton, translations, rotations)[0]
+    reports = []
+    for leg, stands, miss in zip(legs, contacts, missed, strict=True):
+        flags = stands.toe if leg.toe != leg.ankle else stands.ankle
+        spans = tuple((first, end - 1) for first, end in find_true(flags).tolist())
+        slid = [sliding(at[:, leg.toe], spans, up) for at in (places, after)]
+        reports.append(FootReport(leg.toe, spans, slid[0], slid[1], float(miss)))
+    return Locked(translations, rotations, tuple(reports))
+
+
+def move_feet(
+    skeleton: Skeleton,
+    legs: Sequence[Leg],
+    moves: Sequence[Array],
+    translations: Array,
+    rotations: Array,
+    frame_time: float,
+    up: Array,
+    writer: HubWriter,
+) -> tuple[Array, Array, Array]:
+    """Move feet by (n, 3) each; return translations, rotations, and by leg the farthest that a foot misses its place.
+
+    Feet keep their orientation in the world. The body is lowered where a leg is too short, by a twelfth of the leg at
+    most. Frames without moves keep their bits.
+    """
+    missed = np.zeros(len(legs))
+    if not len(translations) or not any(move.any() for move in moves):
+        return translations, rotations, missed
+    places, world = walked(skeleton, translations, rotations)
+    goals = [places[:, leg.toe] + move for leg, move in zip(legs, moves, strict=True)]
+    translations, lowered = _lower(skeleton, legs, moves, (places, world), translations, frame_time, up)
+    for index, (leg, goal, move) in enumerate(zip(legs, goals, moves, strict=True)):
+        rows = np.flatnonzero(lowered | move.any(axis=1))
+        if len(rows):
+            bent = _bend(skeleton, leg, translations, rotations, goal, world[:, leg.ankle], writer)
+            rotations = rotations.copy()
+            rotations[rows] = bent[rows]
+            at = walked(skeleton, translations[rows], rotations[rows])[0][:, leg.toe]
+            missed[index] = np.linalg.norm(at - goal[rows], axis=1).max()
+    return translations, rotations, missed
+
+
+def _lower(
+    skeleton: Skeleton,
+    legs: Sequence[Leg],
+    moves: Sequence[Array],
+    poses: tuple[Array, Array],
+    translations: Array,
+    frame_time: float,
+    up: Array,
+) -> tuple[Array, Flags]:
+    """Return translations with the body lowered where a leg would be too short, and in which frames (n,)."""
+    places, world = poses
+    depth = np.zeros(len(places))
+    for leg, move in zip(legs, moves, strict=True):
+        depth = np.maximum(depth, _missing_height(places[:, [leg.hip, leg.knee, leg.ankle]], move, up))
+    if not depth.any():
+        return translations, depth > 0
+    window = max(1, round(_CALM / frame_time)) // 2 * 2 + 1
+    weights = np.hanning(window + 2)[1:-1]
+    # The smoothed maximum over as many frames is nowhere below the depth itself.
+    depth = convolve1d(maximum_filter1d(depth, window, mode="nearest"), weights / weights.sum(), mode="nearest")
+    bearers = [joint for joint in carriers(skeleton, translations) if any(_bears(skeleton, joint, leg) for leg in legs)]
+    translations = translations.copy()
+    for joint in bearers:
+        parent = skeleton.joints[joint].parent
+        shift = -depth[:, None] * up
+        translations[:, joint] += shift if parent < 0 else rotate(inverse(world[:, parent]), shift)
+    return translations, (depth > 0) & bool(bearers)
+
+
+def _bears(skeleton: Skeleton, joint: int, leg: Leg) -> bool:
+    moves = set(TRANSLATIONS) <= set(skeleton.joints[joint].channels)
+    return moves and (joint == leg.hip or is_below(skeleton, leg.hip, joint))
+
+
+def _missing_height(joints: Array, move: Array, up: Array) -> Array:
+    """(n,) by how much a hip is to be lowered so that the leg reaches. joints: (n, 3, 3) hip, knee, ankle."""
+    bones = np.linalg.norm(np.diff(joints, axis=1), axis=2).sum(axis=1)
+    line = joints[:, 2] + move - joints[:, 0]
+    reach = np.maximum(STRETCHED * bones, np.linalg.norm(joints[:, 2] - joints[:, 0], axis=1))
+    height = -(line @ up)
+    across = np.linalg.norm(line + np.outer(height, up), axis=1)
+    depth = height - np.sqrt(np.maximum(reach**2 - across**2, 0.0))
+    short = move.any(axis=1) & (np.linalg.norm(line, axis=1) > reach)
+    return np.where(short, np.clip(depth, 0.0, _LOWEST * bones), 0.0)
+
+
+def _bend(
+    skeleton: Skeleton, leg: Leg, translations: Array, rotations: Array, goals: Array, faces: Array, writer: HubWriter
+) -> Array:
+    """Rotations with the toe at its goal (n, 3) as nearly as the leg can, the foot turned in the world as `faces`."""
+    places, world = walked(skeleton, translations, rotations)
+    rotations = rotations.copy()
+    targets = places[:, leg.ankle] + goals - places[:, leg.toe]
+    size = max(1.0, float(np.abs(goals).max()))
+    for _ in range(_ROUNDS):
+        hip, knee = two_bones(places[:, leg.hip], places[:, leg.knee], places[:, leg.ankle], targets)
+        both = multiply(hip, knee)
+        above, last = None, -1
+        for joint, wanted in (
+            (leg.hip, multiply(hip, world[:, leg.hip])),
+            (leg.knee, multiply(both, world[:, leg.knee])),
+            (leg.ankle, faces),
+        ):
+            parent = skeleton.joints[joint].parent
+            before = world[:, parent] if parent >= 0 else _UNTURNED
+            # Joints between the two turn with the upper one.
+            above = before if above is None else multiply(multiply(above, inverse(world[:, last])), before)
+            rotations[:, joint] = writer.nearest(joint, multiply(inverse(above), wanted))
+            above, last = multiply(above, rotations[:, joint]), joint
+        places, world = walked(skeleton, translations, rotations)
+        missed = goals - places[:, leg.toe]
+        if float(np.abs(missed).max()) < 1e-9 * size:
+            break
+        targets = places[:, leg.ankle] + missed
+    return rotations
+
+
+_UNTURNED = np.array([[0.0, 0.0, 0.0, 1.0]])
