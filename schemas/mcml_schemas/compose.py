@@ -11,6 +11,8 @@ from mcml_schemas.frames import PreviewMotion
 from mcml_schemas.request_body import RequestBody
 from mcml_schemas.retarget import WantedMapping
 
+Style = Literal["bridge", "crossfade", "inertial"]
+
 
 class Layer(RequestBody):
     """Bones that move as in another clip, frame by frame from frame `at` of the segment on."""
@@ -41,7 +43,7 @@ class Segment(RequestBody):
     transition: int | None = Field(
         None, ge=0, le=2000, description="Frames of the transition before it; default the request's"
     )
-    style: Literal["bridge", "crossfade"] | None = Field(None, description="Of that transition; default the request's")
+    style: Style | None = Field(None, description="Of that transition; default the request's")
 
     @model_validator(mode="after")
     def _names_something(self) -> Segment:
@@ -62,7 +64,7 @@ class ComposeRequest(RequestBody):
                     {"document": DOCUMENT, "first": 1, "last": 120},
                     {"xpath": f"//frame[motion_name='{MOTION_NAME}']", "project": PROJECT},
                 ],
-                "transition": 12,
+                "seconds": 0.3,
                 "name": "walk and kick",
                 "project": PROJECT,
             }
@@ -73,12 +75,18 @@ class ComposeRequest(RequestBody):
     header: str | None = Field(None, description="Document whose header is used; default the first segment's")
     skeleton: str | None = Field(None, description="Document whose skeleton is used; default the first segment's")
     rate: float | None = Field(None, gt=0, le=100_000, description="Frames a second; default the first segment's")
-    transition: int = Field(12, ge=0, le=2000, description="Frames between segments that do not follow one another")
-    style: Literal["bridge", "crossfade"] = Field(
-        "bridge", description="New frames between segments, or so many of their own blended"
+    transition: int | None = Field(
+        None, ge=0, le=2000, description="Frames between segments that do not follow one another; default by `seconds`"
+    )
+    seconds: float = Field(0.3, ge=0, le=60, description="Length of transitions, at any frame rate")
+    style: Style = Field(
+        "bridge",
+        description="bridge: new frames between segments; crossfade: frames of both blended; inertial: the difference "
+        "at the seam decays over the first frames of the next segment",
     )
     lengthen: bool = Field(True, description="Longer transitions where the motion would jump")
     align: bool = Field(True, description="Turn and shift each segment on the ground so that the body goes on")
+    lock_feet: bool = Field(True, description="Feet that stand at a seam stay in place during its transition")
     labels: bool = Field(True, description="Copy the labels")
     name: str = Field("composed", min_length=1, max_length=1024)
     project: str = Field("default", min_length=1, max_length=256)
@@ -89,7 +97,9 @@ class ComposedSeam(BaseModel):
     """The start of a segment: its first frame or its transition, positions from 1.
 
     degrees, shift: rotation of the segment about the up axis, and its shift. root_step, angle_step: the largest step at
-    the seam, relative to the largest inside the segments.
+    the seam, relative to the largest inside the segments. jerk: the largest of a joint over the seam, relative to the
+    99th percentile inside the segments. slide: mean speed over the ground of the foot that moves least, in leg lengths
+    a second. locked: feet held in place.
     """
 
     segment: int
@@ -99,6 +109,9 @@ class ComposedSeam(BaseModel):
     shift: list[float]
     root_step: float
     angle_step: float
+    jerk: float
+    slide: float | None = Field(None, description="None without legs")
+    locked: list[Literal["left", "right"]]
 
 
 class ComposedSegment(BaseModel):

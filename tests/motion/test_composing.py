@@ -13,7 +13,9 @@ from scipy.spatial.transform import Rotation
 
 from mcml.errors import ConversionError
 from mcml.motion.clip import ClipStream, FrameBlock, full_shape
-from mcml.motion.edits.composing import LARGEST_JUMP, Composed, Piece, compose, layered
+from mcml.motion.edits.composing import Composed, Piece, compose
+from mcml.motion.edits.layering import layered
+from mcml.motion.edits.transitions import LARGEST_JUMP
 from mcml.motion.frames import in_columns
 from mcml.motion.hub import HubReader
 from mcml.motion.skeleton import Array, Convention, Joint, Skeleton

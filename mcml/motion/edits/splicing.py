@@ -154,6 +154,45 @@ def crossfade(before: Poses, after: Poses) -> Poses:
     return Poses(translations, steady_slerp(before.rotations, after.rotations, weight), scales)
 
 
+def inertialize(before: Poses, after: Poses, frames: int) -> Poses:
+    """Return the first frames of a motion, with its difference to the end of another decaying to zero.
+
+    The difference of poses and of speeds at the seam decays by a quintic with no speed and acceleration at its end
+    (Bollo, "Inertialization", GDC 2018), rotations as vectors along their axes.
+    """
+    turn, turn_after = from_vector(_turning(before, -1)), from_vector(_turning(after, 0))
+    now = to_vector(multiply(multiply(before.rotations[-1], turn), inverse(after.rotations[0])))
+    earlier = to_vector(multiply(before.rotations[-1], inverse(multiply(after.rotations[0], inverse(turn_after)))))
+    step, step_after = _step(before.translations, -1), _step(after.translations, 0)
+    apart = before.translations[-1] - after.translations[0]
+    turned = decay(now, now - earlier, frames)
+    moved = decay(apart + step, step - step_after, frames)
+    grown = decay(before.scales[-1] - after.scales[0], np.zeros_like(after.scales[0]), frames)
+    head = after.rows(0, frames)
+    return Poses(head.translations + moved, multiply(from_vector(turned), head.rotations), head.scales + grown)
+
+
+def decay(values: Array, speeds: Array, frames: int) -> Array:
+    """(frames, ...) the decay of values (...) from frame 0 on, to zero at frame `frames`.
+
+    speeds: (...) a frame. With x0 the value and v0 its speed toward larger values, x(t) = A t^5 + B t^4 + C t^3 +
+    a0/2 t^2 + v0 t + x0 up to t1 = min(frames, -5 x0 / v0), with a0 = max(0, (-8 v0 t1 - 20 x0) / t1^2) (Bollo 2018).
+    """
+    sign = np.where(values < 0, -1.0, 1.0)
+    x0, v0 = np.abs(values), np.minimum(speeds * sign, 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t1 = np.where(v0 < 0, np.minimum(frames, -5 * x0 / v0), frames)
+    t1 = np.where(t1 > 0, t1, 1.0)
+    a0 = np.maximum(0.0, (-8 * v0 * t1 - 20 * x0) / t1**2)
+    five = -(a0 * t1**2 + 6 * v0 * t1 + 12 * x0) / (2 * t1**5)
+    four = (3 * a0 * t1**2 + 16 * v0 * t1 + 30 * x0) / (2 * t1**4)
+    three = -(3 * a0 * t1**2 + 12 * v0 * t1 + 20 * x0) / (2 * t1**3)
+    t = np.arange(frames).reshape(-1, *[1] * values.ndim)
+    course = ((((five * t + four) * t + three) * t + a0 / 2) * t + v0) * t + x0
+    decayed: Array = np.where((t < t1) & (x0 > 0), sign * course, 0.0)
+    return decayed
+
+
 def steady_slerp(start: Array, end: Array, weight: Array) -> Array:
     """slerp (n, J, 4) over a window of frames that goes the same way round in all of them: the shorter on the whole.
 
@@ -211,3 +250,12 @@ def steps(skeleton: Skeleton, poses: Poses, carriers: tuple[int, ...]) -> tuple[
     moved = np.linalg.norm(np.diff(positions, axis=0), axis=2).max()
     turned = angle_between(poses.rotations[:-1], poses.rotations[1:]).max()
     return float(moved), float(turned)
+
+
+def jerks(skeleton: Skeleton, poses: Poses) -> Array:
+    """(n - 3,) the largest third difference of the positions of joints, of each four frames."""
+    if len(poses) < 4:
+        return np.zeros(0)
+    positions = walked(skeleton, poses.translations, poses.rotations)[0]
+    largest: Array = np.nan_to_num(np.linalg.norm(np.diff(positions, 3, axis=0), axis=2)).max(axis=1)
+    return largest

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from mcml.motion.skeleton import Array, Skeleton
 
-SIDES = ("left", "right")
+Side = Literal["left", "right"]
+SIDES: tuple[Side, ...] = ("left", "right")
 
 
 @dataclass(frozen=True)
 class Leg:
     """Joints of a leg. toe: the ankle where the skeleton has no toes."""
 
-    side: str
+    side: Side
     hip: int
     knee: int
     ankle: int

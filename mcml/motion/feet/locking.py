@@ -16,7 +16,7 @@ from mcml.motion.carriers import carriers
 from mcml.motion.feet.contacts import contact_flags, sliding
 from mcml.motion.feet.legs import Leg, is_below
 from mcml.motion.feet.moves import hold_moves, spread_moves
-from mcml.motion.feet.two_bones import STRETCHED, two_bones
+from mcml.motion.feet.two_bones import STRETCHED, hinge_of, two_bones
 from mcml.motion.hub import walked
 from mcml.motion.hub_writer import Flags, HubWriter
 from mcml.motion.rotations import inverse, multiply, rotate
@@ -127,27 +127,39 @@ def move_feet(
     frame_time: float,
     up: Array,
     writer: HubWriter,
+    fixed_ends: bool = False,
+    hinges: Sequence[Array | None] | None = None,
 ) -> tuple[Array, Array, Array]:
     """Move feet by (n, 3) each; return translations, rotations, and by leg the farthest that a foot misses its place.
 
     Feet keep their orientation in the world. The body is lowered where a leg is too short, by a twelfth of the leg at
-    most. Frames without moves keep their bits.
+    most. Frames without moves keep their bits. fixed_ends: the frames continue others that stay as they are, where the
+    body is not lowered. hinges: axes of knees in their thighs; default those of these frames (`knee_hinge`).
     """
     missed = np.zeros(len(legs))
     if not len(translations) or not any(move.any() for move in moves):
         return translations, rotations, missed
     places, world = walked(skeleton, translations, rotations)
     goals = [places[:, leg.toe] + move for leg, move in zip(legs, moves, strict=True)]
-    translations, lowered = _lower(skeleton, legs, moves, (places, world), translations, frame_time, up)
-    for index, (leg, goal, move) in enumerate(zip(legs, goals, moves, strict=True)):
+    if hinges is None:
+        hinges = [knee_hinge(places, world, leg) for leg in legs]
+    translations, lowered = _lower(skeleton, legs, moves, (places, world), translations, frame_time, up, fixed_ends)
+    for index, (leg, goal, move, hinge) in enumerate(zip(legs, goals, moves, hinges, strict=True)):
         rows = np.flatnonzero(lowered | move.any(axis=1))
         if len(rows):
-            bent = _bend(skeleton, leg, translations, rotations, goal, world[:, leg.ankle], writer)
+            bent = _bend(skeleton, leg, translations, rotations, goal, world[:, leg.ankle], hinge, writer)
             rotations = rotations.copy()
             rotations[rows] = bent[rows]
             at = walked(skeleton, translations[rows], rotations[rows])[0][:, leg.toe]
             missed[index] = np.linalg.norm(at - goal[rows], axis=1).max()
     return translations, rotations, missed
+
+
+def knee_hinge(places: Array, world: Array, leg: Leg) -> Array | None:
+    """(3,) unit axis of a knee in the frame of its hip joint, over frames (n, J, 3), (n, J, 4) in the world."""
+    back = inverse(world[:, leg.hip])
+    upper, lower = places[:, leg.knee] - places[:, leg.hip], places[:, leg.ankle] - places[:, leg.knee]
+    return hinge_of(rotate(back, upper), rotate(back, lower))
 
 
 def _lower(
@@ -158,6 +170,7 @@ def _lower(
     translations: Array,
     frame_time: float,
     up: Array,
+    fixed_ends: bool,
 ) -> tuple[Array, Flags]:
     """Return translations with the body lowered where a leg would be too short, and in which frames (n,)."""
     places, world = poses
@@ -170,6 +183,10 @@ def _lower(
     weights = np.hanning(window + 2)[1:-1]
     # The smoothed maximum over as many frames is nowhere below the depth itself.
     depth = convolve1d(maximum_filter1d(depth, window, mode="nearest"), weights / weights.sum(), mode="nearest")
+    if fixed_ends:
+        rows = np.arange(len(depth))
+        part = np.minimum(1.0, np.minimum(rows + 1, len(depth) - rows) / (window / 2 + 1))
+        depth *= part * part * (3 - 2 * part)
     bearers = [joint for joint in carriers(skeleton, translations) if any(_bears(skeleton, joint, leg) for leg in legs)]
     translations = translations.copy()
     for joint in bearers:
@@ -197,7 +214,14 @@ def _missing_height(joints: Array, move: Array, up: Array) -> Array:
 
 
 def _bend(
-    skeleton: Skeleton, leg: Leg, translations: Array, rotations: Array, goals: Array, faces: Array, writer: HubWriter
+    skeleton: Skeleton,
+    leg: Leg,
+    translations: Array,
+    rotations: Array,
+    goals: Array,
+    faces: Array,
+    hinge: Array | None,
+    writer: HubWriter,
 ) -> Array:
     """Rotations with the toe at its goal (n, 3) as nearly as the leg can, the foot turned in the world as `faces`."""
     places, world = walked(skeleton, translations, rotations)
@@ -205,7 +229,8 @@ def _bend(
     targets = places[:, leg.ankle] + goals - places[:, leg.toe]
     size = max(1.0, float(np.abs(goals).max()))
     for _ in range(_ROUNDS):
-        hip, knee = two_bones(places[:, leg.hip], places[:, leg.knee], places[:, leg.ankle], targets)
+        axes = None if hinge is None else rotate(world[:, leg.hip], hinge)
+        hip, knee = two_bones(places[:, leg.hip], places[:, leg.knee], places[:, leg.ankle], targets, axes)
         both = multiply(hip, knee)
         above, last = None, -1
         for joint, wanted in (

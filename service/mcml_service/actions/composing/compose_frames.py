@@ -10,7 +10,8 @@ import numpy as np
 
 from mcml.errors import DocumentError
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock
-from mcml.motion.edits.composing import Piece, compose, layered
+from mcml.motion.edits.composing import Piece, compose
+from mcml.motion.edits.layering import layered
 from mcml.motion.edits.mirroring import mirrored
 from mcml.motion.edits.resampling import resampled
 from mcml.motion.frames import eased, joined, rows_of
@@ -87,12 +88,13 @@ def compose_frames(
         head.skeleton,
         pieces,
         frame_time,
-        transition=request.transition,
+        transition=round(request.seconds / frame_time) if request.transition is None else request.transition,
         transitions=[segment.transition for _, segment in segments],
         style=request.style,
         styles=[segment.style for _, segment in segments],
         lengthen=request.lengthen,
         align=request.align,
+        lock_feet=request.lock_feet,
         up=up_of(head),
         reading=reading_of(head),
     )
@@ -125,6 +127,9 @@ def compose_frames(
                 shift=seam.shift.tolist(),
                 root_step=seam.root_step,
                 angle_step=seam.angle_step,
+                jerk=seam.jerk,
+                slide=seam.slide,
+                locked=list(seam.locked),
             )
             for seam in made.seams
         ],

@@ -32,8 +32,10 @@ def compose(
     segments: Annotated[
         list[str], typer.Argument(help="ID, ID:FIRST-LAST, ID@REVISION:FIRST-LAST, or an XPath expression, in order")
     ],
-    transition: Annotated[int, typer.Option(help="Frames between segments")] = 12,
-    style: Annotated[str, typer.Option(help="bridge or crossfade")] = "bridge",
+    seconds: Annotated[float, typer.Option(help="Length of transitions between segments")] = 0.3,
+    transition: Annotated[int | None, typer.Option(help="The same in frames")] = None,
+    style: Annotated[str, typer.Option(help="bridge, crossfade or inertial")] = "bridge",
+    lock_feet: Annotated[bool, typer.Option(help="Keep standing feet in place during transitions")] = True,
     rate: Annotated[float | None, typer.Option(help="Frames a second; default the first segment's")] = None,
     align: Annotated[bool, typer.Option(help="Continue at the current position of the body")] = True,
     header: Annotated[str | None, typer.Option(help="Document whose header is used")] = None,
@@ -49,8 +51,10 @@ def compose(
     request = ComposeRequest.model_validate(
         {
             "segments": [_segment(text) for text in segments],
+            "seconds": seconds,
             "transition": transition,
             "style": style,
+            "lock_feet": lock_feet,
             "rate": rate,
             "align": align,
             "header": header,
@@ -68,7 +72,8 @@ def compose(
     for seam in made.seams:
         console.print(
             f"  frame {seam.first}: {seam.transition} frames of transition, turned {seam.degrees:.1f} degrees, "
-            f"largest step {max(seam.root_step, seam.angle_step):.2f} of those inside"
+            f"largest step {max(seam.root_step, seam.angle_step):.2f} of those inside, jerk {seam.jerk:.2f}"
+            + (f", {' and '.join(seam.locked)} foot held" if seam.locked else "")
         )
     for notice in made.notices:
         console.print(f"  {notice}", style="yellow")

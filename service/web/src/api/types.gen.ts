@@ -2351,17 +2351,20 @@ export interface components {
             header?: string | null;
             skeleton?: string | null;
             rate?: number | null;
-            /** @default 12 */
-            transition: number;
+            transition?: number | null;
+            /** @default 0.3 */
+            seconds: number;
             /**
              * @default bridge
              * @enum {string}
              */
-            style: "bridge" | "crossfade";
+            style: "bridge" | "crossfade" | "inertial";
             /** @default true */
             lengthen: boolean;
             /** @default true */
             align: boolean;
+            /** @default true */
+            lock_feet: boolean;
             /** @default true */
             labels: boolean;
             /** @default composed */
@@ -2388,6 +2391,9 @@ export interface components {
             shift: number[];
             root_step: number;
             angle_step: number;
+            jerk: number;
+            slide?: number | null;
+            locked: ("left" | "right")[];
         };
         ComposedSegment: {
             segment: number;
@@ -4295,7 +4301,7 @@ export interface components {
             /** @default false */
             mirror: boolean;
             transition?: number | null;
-            style?: ("bridge" | "crossfade") | null;
+            style?: ("bridge" | "crossfade" | "inertial") | null;
         };
         Selection: {
             /** @default [] */

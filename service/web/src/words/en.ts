@@ -108,7 +108,7 @@ export const en = {
   "label.xpathExamples": "Examples", "label.queryPlaceholder": "//frame[motion_name = 'walk']", "label.savedAs": "Saved as {name}",
 
   // Composer
-  "label.untitled": "untitled", "label.bridge": "Bridge", "label.crossfade": "Crossfade", "label.bin": "Clips", "label.pieces": "Segments", "help.dragHere": "Drag clips or frame ranges here, or press + on a clip.", "label.piece": "Segment {n}", "label.transition": "Transition", "label.trimFrom": "from", "label.trimTo": "to", "button.moveLeft": "Move left", "button.moveRight": "Move right", "button.split": "Split", "label.previewWord": "Preview",
+  "label.untitled": "untitled", "label.bridge": "Bridge", "label.crossfade": "Crossfade", "label.inertial": "Inertial", "label.lockFeet": "Lock feet", "help.lockFeetHelp": "Feet that stand at a seam stay in place during its transition.", "label.bin": "Clips", "label.pieces": "Segments", "help.dragHere": "Drag clips or frame ranges here, or press + on a clip.", "label.piece": "Segment {n}", "label.transition": "Transition", "label.trimFrom": "from", "label.trimTo": "to", "button.moveLeft": "Move left", "button.moveRight": "Move right", "button.split": "Split", "label.previewWord": "Preview",
   "label.newName": "Name of the new clip", "label.composed": "Saved as {name}", "label.total": "{time} in 1 segment|{time} in {n} segments", "label.seam": "Seam", "label.composeEmpty": "Sequence clips", "help.fitOnAdd": "Clips on other skeletons are retargeted automatically.",
 
   // Retarget
@@ -122,7 +122,9 @@ export const en = {
   "label.mirror": "Mirror", "label.mirrored": "mirrored", "label.allTransitions": "All transitions", "button.startAnew": "Start over", "label.seamOf": "Seam {n} to {next}, {frames} frames",
   "help.seamHelp": "Press to edit this transition; drag to change its length.", "label.seamBetween": "Seam {n} to {next}",
   "label.transitionStyle": "Transition type", "label.asAll": "same as all: {what}", "button.asAllSeams": "Use the setting for all", "help.bridgeHelp": "Inserts new frames between the two segments.",
-  "help.crossfadeHelp": "Blends frames of both segments.", "help.seamSmooth": "Smooth: the largest step is {step}× the step inside the segments.",
+  "help.crossfadeHelp": "Blends frames of both segments.", "help.inertialHelp": "Starts the next segment at once; the difference decays over its first frames.",
+  "help.seamJerk": "Jerk {jerk}× that inside the segments.", "help.seamSlide": "Feet slide {speed} leg lengths/s.", "help.leftHeld": "Left foot held.", "help.rightHeld": "Right foot held.",
+  "help.feetHeld": "Both feet held.", "help.noneHeld": "No foot held.", "help.seamSmooth": "Smooth: the largest step is {step}× the step inside the segments.",
   "help.seamRough": "Discontinuity: {step}× the normal frame step.", "help.seamPlaced": "Rotated by {degrees}°, moved by {shift}.",
   "help.seamNone": "These frames are consecutive in their clip, so they stay unchanged.", "button.seamLonger": "Extend to {n} frames",
   "help.layersHelp": "A layer puts some joints of one clip onto another, such as waving arms onto a walk. Drop it below a segment.",

@@ -105,7 +105,7 @@ export const ko: typeof en = {
   "button.exportAll": "모두 내보내기", "button.saveAsClip": "클립으로 저장", "button.toComposer": "이어붙이기로 보내기", "label.noAnswer": "결과가 없습니다", "help.xpathStart": "라벨이나 요소, 측정값으로 모든 클립에서 프레임을 찾으세요.",
   "label.xpathExamples": "예제", "label.queryPlaceholder": "//frame[motion_name = 'walk']", "label.savedAs": "저장했습니다: {name}",
 
-  "label.untitled": "이름 없음", "label.bridge": "브리지", "label.crossfade": "크로스페이드", "label.bin": "클립", "label.pieces": "조각", "help.dragHere": "클립이나 프레임 구간을 여기로 끌어 놓거나 +를 누르세요.", "label.piece": "조각 {n}", "label.transition": "전환", "label.trimFrom": "시작", "label.trimTo": "끝", "button.moveLeft": "왼쪽으로", "button.moveRight": "오른쪽으로", "button.split": "나누기", "label.previewWord": "미리 보기",
+  "label.untitled": "이름 없음", "label.bridge": "브리지", "label.crossfade": "크로스페이드", "label.inertial": "관성", "label.lockFeet": "발 고정", "help.lockFeetHelp": "이음매에서 딛고 있는 발은 전환 동안 제자리에 있습니다.", "label.bin": "클립", "label.pieces": "조각", "help.dragHere": "클립이나 프레임 구간을 여기로 끌어 놓거나 +를 누르세요.", "label.piece": "조각 {n}", "label.transition": "전환", "label.trimFrom": "시작", "label.trimTo": "끝", "button.moveLeft": "왼쪽으로", "button.moveRight": "오른쪽으로", "button.split": "나누기", "label.previewWord": "미리 보기",
   "label.newName": "새 클립의 이름", "label.composed": "저장했습니다: {name}", "label.total": "조각 {n}개, {time}", "label.seam": "이음매", "label.composeEmpty": "클립 이어붙이기", "help.fitOnAdd": "스켈레톤이 다른 클립은 자동으로 리타기팅합니다.",
 
   "label.sourceClip": "원본 동작", "label.targetClip": "대상 캐릭터", "button.choose": "클립 고르기", "label.mapping": "관절 대응", "label.mappedOf": "관절 {total}개 중 {n}개", "label.notMapped": "대응 없음", "button.retargetNow": "리타기팅", "label.retargeting": "리타기팅 중", "button.retargetEmpty": "동작 리타기팅", "help.retargetHelp": "동작과 대상 캐릭터를 고르세요.", "label.report": "보고서", "button.mappingName": "다른 이름으로 대응 저장", "label.retargeted": "저장했습니다: {name}", "label.cleanFeet": "접지한 발 고정", 
@@ -116,7 +116,9 @@ export const ko: typeof en = {
   "help.chooseJointsHelp": "고른 관절은 레이어처럼, 나머지는 조각처럼 움직입니다. 화면에서 관절을 눌러도 됩니다.", "label.partUpper": "상체", "label.partArms": "두 팔", "label.partLeftArm": "왼팔", "label.partRightArm": "오른팔",
   "label.partHead": "목과 머리", "label.partLegs": "두 다리", "label.mirror": "좌우 바꾸기", "label.mirrored": "좌우 바뀜", "label.allTransitions": "전체 전환", "button.startAnew": "처음부터 다시",
   "label.seamOf": "이음매 {n}-{next}, 프레임 {frames}", "help.seamHelp": "누르면 이 전환을 고치고, 끌면 길이가 바뀝니다.", "label.seamBetween": "이음매 {n}-{next}", "label.transitionStyle": "전환 방식",
-  "label.asAll": "전체와 같게: {what}", "button.asAllSeams": "모든 이음매와 같게", "help.bridgeHelp": "두 조각 사이에 새 프레임을 넣습니다.", "help.crossfadeHelp": "두 조각의 프레임을 섞습니다.",
+  "label.asAll": "전체와 같게: {what}", "button.asAllSeams": "모든 이음매와 같게", "help.bridgeHelp": "두 조각 사이에 새 프레임을 넣습니다.", "help.crossfadeHelp": "두 조각의 프레임을 섞습니다.", "help.inertialHelp": "다음 조각을 바로 시작하고, 차이는 처음 프레임들에서 서서히 사라집니다.",
+  "help.seamJerk": "저크가 조각 안의 {jerk}배입니다.", "help.seamSlide": "발이 초당 다리 길이의 {speed}배로 미끄러집니다.", "help.leftHeld": "왼발을 고정했습니다.", "help.rightHeld": "오른발을 고정했습니다.",
+  "help.feetHeld": "두 발을 고정했습니다.", "help.noneHeld": "고정한 발이 없습니다.",
   "help.seamSmooth": "매끄럽습니다. 가장 큰 변화가 조각 안의 {step}배입니다.", "help.seamRough": "불연속: 보통 변화의 {step}배입니다.", "help.seamPlaced": "{degrees}° 돌리고 {shift}만큼 옮겼습니다.",
   "help.seamNone": "원래 클립에서 이어지는 프레임이라 바뀐 것이 없습니다.", "button.seamLonger": "{n}프레임으로 늘리기", "help.layersHelp": "레이어는 한 클립의 관절 일부를 다른 클립에 얹습니다. 걷기에 손 흔들기를 얹으려면 조각 아래에 놓으세요.",
 

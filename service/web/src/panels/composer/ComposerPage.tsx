@@ -3,7 +3,7 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import { ask, type Schemas } from "../../api/client";
 import { subject } from "../../state/session/shell";
 import { stepFor } from "../../motion/loading/preview";
-import { asSegments, LONGEST, sizeOf } from "../../state/editing/composition";
+import { asRequest, sizeOf } from "../../state/editing/composition";
 import { offer } from "../../state/session/keys";
 import { note, refuse } from "../../state/session/notes";
 import { go, setParams } from "../../state/session/route";
@@ -15,7 +15,8 @@ import { Bin } from "./Bin";
 import { Board, carried, draft } from "./board";
 import { ComposedView } from "./ComposedView";
 import { askFacts, facts } from "./facts";
-import { ChosenForm, StyleChoice } from "./Forms";
+import { AllSeams } from "./AllSeams";
+import { ChosenForm } from "./Forms";
 import type { Composed } from "./seams";
 import { Storyboard } from "./Storyboard";
 import "../../styles/composer.css";
@@ -26,7 +27,8 @@ const SLACK = 1.3; // previews may get longer: transitions are lengthened
 export function ComposerPage() {
   const board = useMemo(() => new Board(), []);
   const [saving, setSaving] = useState(false);
-  const { name, transition, style } = board.steps.now.value;
+  const now = board.steps.now.value;
+  const { name, seconds, transition } = now;
   const pieces = board.pieces.value;
   const known = facts.value;
 
@@ -50,18 +52,19 @@ export function ComposerPage() {
     pieces.every((one) => one.frames && one.layers.every((layer) => layer.frames)) &&
     body !== undefined;
   // Compared as text: what was learnt of a clip, or a key, is no change.
-  const asked = ready ? JSON.stringify({ segments: asSegments(pieces), transition, style }) : "";
+  const asked = ready ? JSON.stringify(asRequest(now)) : "";
   const preview = useAsync<Composed | null>(
     async (signal) => {
       if (!ready) return null;
       await new Promise((resolve) => setTimeout(resolve, WAIT));
       signal.throwIfAborted();
-      const seconds = pieces.reduce(
+      const length = pieces.reduce(
         (sum, one) => sum + sizeOf(one) / (known.get(one.document)?.perSecond ?? body.perSecond) / one.speed,
         0,
       );
-      const between = pieces.slice(1).reduce((sum, one) => sum + (one.transition ?? transition), 0);
-      const step = stepFor((seconds * body.perSecond + between) * SLACK, body.skeleton.points);
+      const usual = transition ?? Math.round(seconds * body.perSecond);
+      const between = pieces.slice(1).reduce((sum, one) => sum + (one.transition ?? usual), 0);
+      const step = stepFor((length * body.perSecond + between) * SLACK, body.skeleton.points);
       const answer = await ask("post", "/compose", {
         body: { ...JSON.parse(asked), preview: true } as Schemas["ComposeRequest"],
         query: { positions: "f4", step },
@@ -152,26 +155,7 @@ export function ComposerPage() {
               <Icon name="close" />
             </button>
           )}
-          <label class="row">
-            <span class="dim">{w("label.allTransitions")}</span>
-            <input
-              class="field number"
-              type="number"
-              min={0}
-              max={LONGEST}
-              value={transition}
-              onInput={(event) =>
-                board.setAll({
-                  transition: Math.min(LONGEST, Math.max(0, Math.round(Number(event.currentTarget.value)) || 0)),
-                })
-              }
-            />
-          </label>
-          <StyleChoice
-            label={w("label.transition")}
-            value={style}
-            onChange={(one) => one && board.setAll({ style: one })}
-          />
+          <AllSeams board={board} body={body} />
           <button
             type="button"
             class="button primary"

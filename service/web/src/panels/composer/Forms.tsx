@@ -1,7 +1,16 @@
 /** What is chosen of the storyboard, as fields: a piece, a seam, a layer. All that a drag does, a field does too. */
 import { useState } from "preact/hooks";
 import { PARTS, partNamed, partsOf } from "../../motion/body/parts";
-import { FASTEST, LONGEST, SLOWEST, sizeOf, type Layer, type Piece, type Style } from "../../state/editing/composition";
+import {
+  FASTEST,
+  LONGEST,
+  SLOWEST,
+  sizeOf,
+  STYLES,
+  type Layer,
+  type Piece,
+  type Style,
+} from "../../state/editing/composition";
 import { Dialog } from "../../ui/Dialog";
 import { NumberField } from "../../ui/forms/NumberField";
 import { Icon, type IconName } from "../../ui/icons";
@@ -9,7 +18,7 @@ import { number, w, type Word } from "../../words";
 import type { Board } from "./board";
 import { facts } from "./facts";
 import { PART_WORDS } from "./partWords";
-import { isRough, shiftOf, stepOf, type Composed } from "./seams";
+import { isRough, shiftOf, stepOf, type Composed, type Seam } from "./seams";
 
 const LONGER = 2; // times, by one press
 
@@ -143,12 +152,12 @@ export function StyleChoice({
           {w("label.asAll", { what: w(`label.${usual}`) })}
         </button>
       )}
-      {(["bridge", "crossfade"] as const).map((one) => (
+      {STYLES.map((one) => (
         <button
           key={one}
           type="button"
           aria-pressed={value === one}
-          title={w(one === "bridge" ? "help.bridgeHelp" : "help.crossfadeHelp")}
+          title={w(`help.${one}Help`)}
           onClick={() => onChange(one)}
         >
           {w(`label.${one}`)}
@@ -171,7 +180,7 @@ function SeamForm({
 }) {
   const all = board.steps.now.value;
   const made = composed?.seams.find((one) => one.segment === index + 1);
-  const length = piece.transition ?? made?.transition ?? all.transition;
+  const length = piece.transition ?? made?.transition ?? all.transition ?? 0;
   const set = (change: Partial<Piece>) => board.setPiece(piece.key, change);
   return (
     <div class="row wrap piece-form" role="group" aria-label={w("label.seam")}>
@@ -198,7 +207,7 @@ function SeamForm({
         <span class={isRough(made) ? "seam-report rough" : "seam-report dim"} role="status">
           <Icon name={isRough(made) ? "warn" : "check"} />
           {w(isRough(made) ? "help.seamRough" : "help.seamSmooth", { step: number(stepOf(made), 2) })}{" "}
-          {w("help.seamPlaced", { degrees: number(made.degrees, 1), shift: number(shiftOf(made), 1) })}
+          {w("help.seamPlaced", { degrees: number(made.degrees, 1), shift: number(shiftOf(made), 1) })} {feetOf(made)}
         </span>
       ) : (
         composed && <span class="dim">{w("help.seamNone")}</span>
@@ -210,6 +219,16 @@ function SeamForm({
       )}
     </div>
   );
+}
+
+/** How a seam treats feet and how sudden it is, in words. */
+function feetOf(seam: Seam): string {
+  const jerk = w("help.seamJerk", { jerk: number(seam.jerk, 2) });
+  if (seam.slide == null) return jerk;
+  const held =
+    seam.locked.length > 1 ? "help.feetHeld" : seam.locked[0] === "left" ? "help.leftHeld" : "help.rightHeld";
+  const slide = w("help.seamSlide", { speed: number(seam.slide, 2) });
+  return [jerk, slide, seam.locked.length ? w(held) : w("help.noneHeld")].join(" ");
 }
 
 function LayerForm({ board, piece, layer }: { board: Board; piece: Piece; layer: Layer }) {

@@ -163,7 +163,7 @@ function Seam({ board, index, composed }: { board: Board; index: number; compose
   const trial = useSignal<number | null>(null);
   const made = composed?.seams.find((other) => other.segment === index + 1);
   const own = piece.transition ?? null;
-  const length = trial.value ?? own ?? made?.transition ?? board.steps.now.value.transition;
+  const length = trial.value ?? own ?? made?.transition ?? board.steps.now.value.transition ?? 0;
   const chosen = board.at.value?.kind === "seam" && board.at.value.index === index;
   const choose = () => (board.chosen.value = { kind: "seam", key: piece.key });
   return (

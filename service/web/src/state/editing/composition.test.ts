@@ -32,7 +32,7 @@ const drawn = (draw: Random): Piece[] =>
       speed: numberAt([1, 0.5, 1.25, 20], draw.whole(0, 3)),
       mirror: draw() < 0.5,
       transition: draw() < 0.5 ? null : draw.whole(0, 40),
-      style: itemAt([null, "bridge", "crossfade"] as const, draw.whole(0, 2)),
+      style: itemAt([null, "bridge", "crossfade", "inertial"] as const, draw.whole(0, 3)),
       layers: Array.from({ length: draw.whole(0, 2) }, () => ({
         ...layerOf("other", "", 2, 9, 30),
         at: draw.whole(1, 9),
@@ -72,7 +72,14 @@ describe("a storyboard in an address", () => {
   });
 
   it("has its name and what holds for all seams", () => {
-    const board = { name: "both", pieces: [], transition: 3, style: "crossfade" as const };
+    const board = {
+      name: "both",
+      pieces: [],
+      seconds: 0.5,
+      transition: 3,
+      style: "inertial" as const,
+      lockFeet: false,
+    };
     const written = writeBoard(board, "untitled") as Record<string, string | null>;
     expect(readBoard((name) => written[name] ?? "", "untitled")).toEqual(board);
     expect(

@@ -1,5 +1,5 @@
 /** A storyboard: pieces of stored clips in an order, transitions between them, layers upon them. Kept in the address. */
-export type Style = "bridge" | "crossfade";
+export type Style = "bridge" | "crossfade" | "inertial";
 
 /** Frames of another clip that some bones of a piece move by. */
 export interface Layer {
@@ -40,12 +40,17 @@ export interface Piece {
 export interface Storyboard {
   name: string;
   pieces: readonly Piece[];
-  /** Of all transitions that say nothing else. */
-  transition: number;
+  /** Of all transitions that say nothing else: seconds, or frames where an address states them. */
+  seconds: number;
+  transition: number | null;
   style: Style;
+  /** Whether feet that stand stay in place during transitions. */
+  lockFeet: boolean;
 }
 
-export const USUAL_TRANSITION = 12;
+export const USUAL_SECONDS = 0.3;
+export const LONGEST_SECONDS = 60;
+export const STYLES: readonly Style[] = ["bridge", "crossfade", "inertial"];
 export const [SLOWEST, FASTEST, LONGEST] = [0.05, 20, 2000]; // what a composition takes
 const PLACES = 1000; // of strength and speed in an address
 
@@ -85,12 +90,12 @@ const short = (value: number): string => String(Math.round(value * PLACES) / PLA
 function applyOption(piece: Piece, option: string): void {
   const value = Number(option.slice(1));
   if (option === "m") piece.mirror = true;
-  else if (option === "b" || option === "c") piece.style = option === "b" ? "bridge" : "crossfade";
+  else if (STYLES.some((one) => one[0] === option)) piece.style = STYLES.find((one) => one[0] === option) ?? null;
   else if (option.startsWith("x") && value >= SLOWEST && value <= FASTEST) piece.speed = value;
   else if (option.startsWith("t") && value >= 0 && value <= LONGEST) piece.transition = Math.round(value);
 }
 
-/** "id:first-last_x2_m_t8_c,id" as an address has it: speed, mirrored, transition, crossfade or bridge. */
+/** "id:first-last_x2_m_t8_c,id" as an address has it: speed, mirrored, transition, first letter of its style. */
 export function parsePieces(text: string): Piece[] {
   return text
     .split(",")
@@ -159,14 +164,26 @@ export function withLayers(pieces: readonly Piece[], text: string): Piece[] {
   }));
 }
 
+export const heldSeconds = (value: number): number => Math.min(LONGEST_SECONDS, Math.max(0, value || 0));
+
+/** What the repository is asked to compose. */
+export const asRequest = ({ pieces, seconds, transition, style, lockFeet }: Storyboard) => ({
+  segments: asSegments(pieces),
+  ...(transition === null ? { seconds } : { transition }),
+  style,
+  lock_feet: lockFeet,
+});
+
 /** As an address has it; null takes a parameter away. */
 export const writeBoard = (
-  { name, pieces, transition, style }: Storyboard,
+  { name, pieces, seconds, transition, style, lockFeet }: Storyboard,
   usualName: string,
-): Record<"s" | "l" | "t" | "style" | "name", string | null> => ({
+): Record<"s" | "l" | "t" | "seconds" | "style" | "feet" | "name", string | null> => ({
   s: writePieces(pieces) || null,
   l: writeLayers(pieces) || null,
-  t: transition === USUAL_TRANSITION ? null : String(transition),
+  t: transition === null ? null : String(transition),
+  seconds: seconds === USUAL_SECONDS ? null : short(seconds),
+  feet: lockFeet ? null : "free",
   style: style === "bridge" ? null : style,
   name: name === usualName ? null : name,
 });
@@ -174,8 +191,10 @@ export const writeBoard = (
 export const readBoard = (param: (name: string) => string, usualName: string): Storyboard => ({
   name: param("name") || usualName,
   pieces: withLayers(parsePieces(param("s")), param("l")),
-  transition: param("t") ? Math.min(LONGEST, Math.max(0, Math.round(Number(param("t")) || 0))) : USUAL_TRANSITION,
-  style: param("style") === "crossfade" ? "crossfade" : "bridge",
+  transition: param("t") ? Math.min(LONGEST, Math.max(0, Math.round(Number(param("t")) || 0))) : null,
+  seconds: param("seconds") ? heldSeconds(Number(param("seconds"))) : USUAL_SECONDS,
+  style: STYLES.find((one) => one === param("style")) ?? "bridge",
+  lockFeet: param("feet") !== "free",
 });
 
 /** What the repository is asked to make. What is as usual is not said: frames that follow one another stay so. */
