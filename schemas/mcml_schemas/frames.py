@@ -118,6 +118,13 @@ class UnrollFrames(RequestBody):
     bones: Bones = Field([])
 
 
+class LockFrames(_Range):
+    """Lock feet in place while they stand: legs bend, and the body is lowered a little where a leg is too short."""
+
+    do: Literal["lock-feet"]
+    sides: list[Literal["left", "right"]] = Field(["left", "right"], min_length=1)
+
+
 FrameEdit = Annotated[
     DeleteFrames
     | KeepFrames
@@ -130,7 +137,8 @@ FrameEdit = Annotated[
     | ResampleFrames
     | FillFrames
     | LowPassFrames
-    | UnrollFrames,
+    | UnrollFrames
+    | LockFrames,
     Field(discriminator="do"),
 ]
 

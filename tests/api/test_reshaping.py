@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 
 import numpy as np
 import pytest
@@ -165,3 +166,29 @@ def test_unrolled_angles_are_the_same_poses(client: TestClient, uuid: str) -> No
     assert edit(client, uuid, do="unroll")["notes"] == ["11 rotations have other angles"]
     assert np.abs(np.diff(values(client, uuid)[:, arm])).max() < 90
     assert np.abs(values(client, uuid, space="positions") - before).max() < 1e-6
+
+
+def test_locked_feet_slide_less_and_can_be_taken_back(client: TestClient, uuid: str) -> None:
+    before = values(client, uuid)
+    foot = {"bone": "left_foot", "space": "positions"}
+    course = values(client, uuid, **foot)
+    notes = edit(client, uuid, do="lock-feet", first=1, last=360, sides=["left"])["notes"]
+    assert isinstance(notes, list)
+    count, slid, left = re.findall(r"[\d.]+", notes[0])
+    assert int(count) > 2
+    assert float(left) < 0.2 * float(slid)
+    after = values(client, uuid, **foot)
+    assert 0 < np.abs(after - course).max() < 0.3 * np.ptp(values(client, uuid, space="positions")[0])
+    assert client.post(f"{API}/documents/{uuid}/undo", headers=ANY).status_code == 200
+    assert np.array_equal(values(client, uuid), before)
+    nothing = edit(client, uuid, do="lock-feet", first=1, last=2)
+    assert nothing["notes"] == ["no foot stands in these frames"]
+
+
+def test_feet_of_markers_cannot_be_locked(client: TestClient, trial: str) -> None:
+    refused = client.post(
+        f"{API}/documents/{trial}/frames", json={"edits": [{"do": "lock-feet", "first": 1, "last": 9}]}, headers=ANY
+    )
+    assert refused.status_code == 422
+    assert "leg from hip to knee to ankle" in refused.json()["detail"]
+    assert "map the joints" in refused.json()["remedy"]

@@ -45,7 +45,7 @@ class SeamFeet:
         points = _points(places, legs)
         floors = [min(standing_height(points[:, leg, place], up) for leg in range(len(legs))) for place in (0, 1)]
         hinges = tuple(knee_hinge(places, world, leg) for leg in legs)
-        return SeamFeet(skeleton, legs, size, np.array(floors), hinges, frame_time, up) if size > 0 else None
+        return SeamFeet(skeleton, legs, size, np.array(floors), hinges, frame_time, up) if 0 < size < np.inf else None
 
     def stance(self, poses: Poses) -> Stance:
         """Where the feet are in frames, and which parts of them stand."""

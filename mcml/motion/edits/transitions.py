@@ -65,7 +65,7 @@ class Stretch:
 
 @dataclass(frozen=True)
 class Ending:
-    """What a transition leads away from: a part, its placed poses, and the frames of it that are free."""
+    """The side before a transition: a part, its placed poses, and the frames of it that are free."""
 
     part: Stretch
     poses: Poses

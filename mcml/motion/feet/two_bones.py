@@ -18,7 +18,7 @@ def two_bones(hip: Array, knee: Array, ankle: Array, goal: Array, hinge: Array |
 
     hip, knee, ankle, goal: (n, 3). A goal out of reach is approached along the line to it. With a, b the lengths and d
     the distance of the goal, the cosine of the angle at the knee is (a^2 + b^2 - d^2) / 2 a b. hinge: (n, 3) unit axes
-    of the knee: what it bends more than before is about this axis, so that a nearly straight leg bends forward; by
+    of the knee: additional bending is about this axis, so that a nearly straight leg bends forward; by
     default it bends in the plane in which it is, or last was, bent.
     """
     upper, lower, line = knee - hip, ankle - knee, goal - hip

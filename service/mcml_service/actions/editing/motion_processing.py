@@ -1,4 +1,4 @@
-"""Recompute samples of frames: mirror, smooth, filter, fill gaps, unroll angles, offset and scale, resample."""
+"""Recompute samples of frames: mirror, smooth, filter, fill, unroll, lock feet, offset and scale, resample."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from mcml.errors import DocumentError
 from mcml.language.elements import header_of
 from mcml.motion.bodies.positions import clip_positions, filled
 from mcml.motion.clip import ClipHead, FrameBlock
+from mcml.motion.edits.foot_locking import lock_clip_feet
 from mcml.motion.edits.gap_filling import fill_gaps
 from mcml.motion.edits.low_pass import low_pass, suggest_cutoff
 from mcml.motion.edits.mirroring import mirrored
@@ -21,6 +22,7 @@ from mcml.motion.units import Reading, reading_of, up_of
 from mcml_schemas.frames import (
     AdjustFrames,
     FillFrames,
+    LockFrames,
     LowPassFrames,
     MirrorFrames,
     ResampleFrames,
@@ -34,7 +36,9 @@ from mcml_service.clips.read_clip import read_clip
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
-Reshaping = MirrorFrames | SmoothFrames | AdjustFrames | ResampleFrames | FillFrames | LowPassFrames | UnrollFrames
+Reshaping = (
+    MirrorFrames | SmoothFrames | AdjustFrames | ResampleFrames | FillFrames | LowPassFrames | UnrollFrames | LockFrames
+)
 
 
 @dataclass(frozen=True)
@@ -82,6 +86,8 @@ def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping) -> list[st
     check_range(stored, edit.first, edit.last)
     if isinstance(edit, FillFrames):
         return _fill(tx, stored, edit)
+    if isinstance(edit, LockFrames):
+        return _lock_feet(tx, stored, edit)
     notes: list[str] = []
     first, last = edit.first, edit.last
     mirror = isinstance(edit, MirrorFrames)
@@ -151,6 +157,24 @@ def _fill(tx: Transaction, stored: StoredDocument, edit: FillFrames) -> list[str
         blocks = [number_bones(tx, stored, whole, block)]
         splice_frames(tx, stored, edit.first, edit.last - edit.first + 1, blocks, renumber=False, same_instants=True)
     return notes or ["no gaps between known samples"]
+
+
+def _lock_feet(tx: Transaction, stored: StoredDocument, edit: LockFrames) -> list[str]:
+    whole = read_whole(tx, stored)
+    rows = slice(edit.first - 1, edit.last)
+    frame_time = 1 / _rate(stored)
+    made = lock_clip_feet(whole.head.skeleton, whole.block, rows, frame_time, edit.sides, whole.up, whole.reading)
+    contacts = sum(len(foot.contacts) for _, foot in made.feet)
+    if contacts:
+        blocks = [number_bones(tx, stored, whole, rows_of(made.edited.block, rows.start, rows.stop))]
+        splice_frames(tx, stored, edit.first, edit.last - edit.first + 1, blocks, renumber=False, same_instants=True)
+    notes = [
+        f"{leg.side} foot: {len(foot.contacts)} contacts, slides {foot.before:.2f} leg lengths before, "
+        f"{foot.after:.2f} after"
+        for leg, foot in made.feet
+    ]
+    notes += [notice.what for notice in made.edited.shortfall.notices(whole.head.skeleton)]
+    return notes if contacts else ["no foot stands in these frames"]
 
 
 def _unroll(tx: Transaction, stored: StoredDocument, edit: UnrollFrames) -> list[str]:

@@ -40,6 +40,7 @@ def frames(
         float | None, typer.Option(help="smooth: standard deviation of the Gaussian; fill: longest gap of a spline")
     ] = None,
     longest: Annotated[float | None, typer.Option(help="fill: seconds of the longest gap")] = None,
+    sides: Annotated[list[str] | None, typer.Option("--side", help="lock-feet: left or right; default both")] = None,
     hertz: Annotated[float | None, typer.Option(help="low-pass: cut-off; default by residual analysis")] = None,
     channels: Annotated[list[str] | None, typer.Option("--channel", help="adjust: Rx, Ty …; may be repeated")] = None,
     factor: Annotated[float | None, typer.Option(help="adjust: multiply by this")] = None,
@@ -58,7 +59,7 @@ def frames(
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Delete, keep, move, insert, reverse, mirror, fill, filter, smooth, unroll, adjust or resample frames."""
+    """Delete, keep, move, insert, reverse, mirror, fill, filter, smooth, unroll, adjust, resample frames; lock feet."""
     kind = _EDITS.get(do)
     if kind is None:
         raise typer.BadParameter(f"say one of {', '.join(_EDITS)}", param_hint="DO")
@@ -68,6 +69,7 @@ def frames(
         "rate": rate,
         "seconds": seconds,
         "longest": longest,
+        "sides": sides,
         "hertz": hertz,
         "channels": channels,
         "factor": factor,

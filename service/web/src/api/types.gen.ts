@@ -2997,7 +2997,7 @@ export interface components {
             data?: string | null;
         };
         FrameEdits: {
-            edits: (components["schemas"]["DeleteFrames"] | components["schemas"]["KeepFrames"] | components["schemas"]["ReverseFrames"] | components["schemas"]["MoveFrames"] | components["schemas"]["InsertFrames"] | components["schemas"]["MirrorFrames"] | components["schemas"]["SmoothFrames"] | components["schemas"]["AdjustFrames"] | components["schemas"]["ResampleFrames"] | components["schemas"]["FillFrames"] | components["schemas"]["LowPassFrames"] | components["schemas"]["UnrollFrames"])[];
+            edits: (components["schemas"]["DeleteFrames"] | components["schemas"]["KeepFrames"] | components["schemas"]["ReverseFrames"] | components["schemas"]["MoveFrames"] | components["schemas"]["InsertFrames"] | components["schemas"]["MirrorFrames"] | components["schemas"]["SmoothFrames"] | components["schemas"]["AdjustFrames"] | components["schemas"]["ResampleFrames"] | components["schemas"]["FillFrames"] | components["schemas"]["LowPassFrames"] | components["schemas"]["UnrollFrames"] | components["schemas"]["LockFrames"])[];
             /** @default true */
             renumber: boolean;
             /** @default  */
@@ -3428,6 +3428,22 @@ export interface components {
             name?: string | null;
             project?: string | null;
             parameters?: components["schemas"]["ExpressionLevelChoice"];
+        };
+        LockFrames: {
+            first: number;
+            last: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "lock-feet";
+            /**
+             * @default [
+             *       "left",
+             *       "right"
+             *     ]
+             */
+            sides: ("left" | "right")[];
         };
         LowPassFrames: {
             first: number;
