@@ -38,13 +38,17 @@ class Sagittal:
 def partners(skeleton: Skeleton) -> Rows:
     """(J,) the joint of the other side, by MCML's names or else the source's; its own index for one in the middle.
 
-    Only joints whose parents are partners are, so that the two sides are trees of one form.
+    Only joints whose parents are partners are, so that the two sides are trees of one form. Joints whose names tell no
+    side, such as connectors TLS and TRS between a trunk and its shoulders, are partners where joints below them are.
     """
     found = _by_name([joint.name for joint in skeleton.joints])
     by_source = _by_name([joint.source_name for joint in skeleton.joints])
     for index, partner in enumerate(by_source):
         if found[index] == index and partner != index and found[partner] == partner:
             found[index], found[partner] = partner, index
+    for index, partner in enumerate(found.tolist()):
+        if partner > index:
+            _pair_above(skeleton, found, index, partner)
     for index, joint in enumerate(skeleton.joints):
         partner = int(found[index])
         other = skeleton.joints[partner].parent
@@ -89,6 +93,18 @@ def _swapped(name: str, place: int) -> str:
         return word.capitalize() if said[0].isupper() else word
 
     return pattern.sub(cased, name, count=1)
+
+
+def _pair_above(skeleton: Skeleton, found: Rows, index: int, partner: int) -> None:
+    """Makes partners of the joints above two partners, up to one joint or to partners."""
+    pairs = []
+    one, two = skeleton.joints[index].parent, skeleton.joints[partner].parent
+    while min(one, two) >= 0 and one != two and found[one] == one and found[two] == two:
+        pairs.append((one, two))
+        one, two = skeleton.joints[one].parent, skeleton.joints[two].parent
+    if pairs and (one == two or (min(one, two) >= 0 and found[one] == two)):
+        for one, two in pairs:
+            found[one], found[two] = two, one
 
 
 @once_a_skeleton

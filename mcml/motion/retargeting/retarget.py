@@ -15,21 +15,23 @@ from functools import partial
 import numpy as np
 
 from mcml.errors import ConversionError
-from mcml.motion.carriers import carriers, chain
 from mcml.motion.clip import FrameBlock, full_shape
 from mcml.motion.feet.legs import legs_of
 from mcml.motion.feet.locking import FootReport, foot_contacts, lock_feet
-from mcml.motion.hub import HubReader, in_every_frame, walked
+from mcml.motion.hub import HubReader, walked
 from mcml.motion.hub_writer import HubWriter, Shortfall
 from mcml.motion.retargeting.bone_mapping import Match, check_matches
 from mcml.motion.retargeting.checks import across_errors, angles_between, check_across, check_rest
+from mcml.motion.retargeting.connectors import side_lines, turn_about, without_hip_connectors
 from mcml.motion.retargeting.hinges import best_twist, beyond_limits
 from mcml.motion.retargeting.posed_bodies import PosedBody, upright_axes
 from mcml.motion.retargeting.report import BoneError, RetargetReport
+from mcml.motion.retargeting.rest_poses import Known, comparable_bodies
+from mcml.motion.retargeting.travel import Travel
 from mcml.motion.rotation_vectors import from_vector, shortest_arcs
 from mcml.motion.rotations import from_matrix, inverse, multiply, rotate, shortest_arc
 from mcml.motion.sides import is_left, partners
-from mcml.motion.skeleton import TRANSLATIONS, Array, Skeleton
+from mcml.motion.skeleton import Array, Skeleton
 from mcml.motion.units import DEGREES, Reading
 
 _LOOKED_AT = 60
@@ -62,13 +64,15 @@ def retarget(
     up: str = "Y",
     scale: float | None = None,
     match_rest: bool = False,
+    target_block: FrameBlock | None = None,
 ) -> Retargeted:
     """Return the frames of a clip on another skeleton.
 
     matches: of `suggest_matches`, or changed. source_pose, target_pose: (J, 4) local rotations of the hub form that
     show the same body pose on both; the rest poses by default. clean: lock planted feet. scale: of positions, by
     default from the legs. match_rest: joints rotate from rest as their sources do, for any directions of their bones at
-    rest; else bones point as they do in the source. frame_time: seconds, up: "X", "Y" or "Z", for the feet. Both have
+    rest; else bones point as they do in the source. target_block: frames of the target, for the lengths of a skeleton
+    without any at rest. frame_time: seconds, up: "X", "Y" or "Z", for the feet. Both have
     the same up axis. Raises ConversionError for a mapping that is empty, or names a joint twice or an unknown
     joint, and for impossible results: a rest pose without lengths, hips that point elsewhere (`checks`).
     """
@@ -79,16 +83,21 @@ def retarget(
     check_matches(source, target, matches)
     hub = HubReader(source, reading).read(block)
     writer = HubWriter(target, target_reading)
-    one = PosedBody.of(source, HubReader(source, reading).rest, source_pose)
-    two = PosedBody.of(target, writer.rest, target_pose)
-    pairs = {match.target: match.source for match in matches}
+    shown = hub if target == source else None
+    if target_block is not None:
+        shown = HubReader(target, target_reading).read(target_block)
+    one, two = comparable_bodies(
+        Known(source, HubReader(source, reading).rest, source_pose, hub),
+        Known(target, writer.rest, target_pose, shown),
+    )
+    pairs = without_hip_connectors(one, two, {match.target: match.source for match in matches})
     positions, turned = walked(source, hub.translations, hub.rotations)
     if source != target:
         check_rest(one, two, pairs, positions)
     transfer = _Transfer(one, two, pairs, writer, match_rest)
     rotations = transfer.rotations(positions, turned)
     scale = transfer.scale() if scale is None else scale
-    translations = transfer.translations(hub.translations, positions, turned, rotations, scale)
+    translations = Travel(one, two, pairs).translations(hub.translations, positions, turned, rotations, scale)
     translations, rotations, reports = _feet(
         transfer, positions, translations, rotations, frame_time, np.eye(3)["XYZ".index(up.upper())], writer, clean
     )
@@ -142,6 +151,8 @@ class _Transfer:
         self.one, self.two, self.pairs, self._writer, self._from_rest = one, two, pairs, writer, from_rest
         self._partners = partners(two.skeleton)
         self._above = self._matched_above()
+        self._travel = Travel(one, two, pairs)
+        self._lines = side_lines(one.skeleton, two.skeleton, pairs, writer.is_free)
         self._ends = {joint: self._end_of(joint) for joint in pairs}
         self._turns: dict[int, Array] = {}
         for joint in sorted(pairs):
@@ -239,13 +250,41 @@ class _Transfer:
             )
             source = self.pairs.get(index)
             if source is None:
-                local[:, index] = self.two.local[index]
+                local[:, index] = self._connected(index, above, world, positions)
             elif self._from_rest:
                 local[:, index] = multiply(inverse(above), self._wanted(index, turned))
             else:
                 local[:, index] = self._pointed(index, above, self._wanted(index, turned), positions)
+                local[:, index] = self._faced(index, above, local[:, index], positions)
             world[:, index] = multiply(above, local[:, index])
         return local
+
+    def _connected(self, index: int, above: Array, world: Array, positions: Array) -> Array:
+        """Local rotations (n, 4) of a joint without a match: as in the pose, or as the line between two sides needs."""
+        held = np.broadcast_to(self.two.local[index], (len(positions), 4))
+        line = next((line for line in self._lines if index in line.connectors), None)
+        if line is None or self._from_rest:
+            return held
+        bearer = multiply(world[:, line.above], inverse(self.two.turned[line.above]))
+        own = rotate(bearer, self.two.positions[line.left] - self.two.positions[line.right])
+        goal = positions[:, self.pairs[line.left]] - positions[:, self.pairs[line.right]]
+        wanted = multiply(shortest_arcs(own, goal), multiply(above, held))
+        return self._writer.nearest(index, multiply(inverse(above), wanted))
+
+    def _faced(self, index: int, above: Array, local: Array, positions: Array) -> Array:
+        """Local rotations (n, 4) of a matched joint, turned about its bone for the line of the sides below it."""
+        line = next((line for line in self._lines if line.above == index and not line.connectors), None)
+        end = self._ends[index]
+        if line is None or end is None or not self._writer.is_free(index):
+            return local
+        turned = multiply(above, local)
+        back = inverse(self.two.turned[index])
+        own, bone = (
+            rotate(turned, rotate(back, self.two.positions[one] - self.two.positions[two]))
+            for one, two in ((line.left, line.right), (end, index))
+        )
+        goal = positions[:, self.pairs[line.left]] - positions[:, self.pairs[line.right]]
+        return multiply(inverse(above), multiply(turn_about(bone, own, goal), turned))
 
     def _wanted(self, index: int, turned: Array) -> Array:
         """Rotations (n, 4) of a matched joint in the world, before its bone is pointed."""
@@ -286,7 +325,7 @@ class _Transfer:
     def _pointed(self, index: int, above: Array, wanted: Array, positions: Array) -> Array:
         """Local rotations (n, 4) that are near the wanted ones in the world and point the bone where it should be."""
         end = self._ends[index]
-        if end is not None and self._moves_along(end):
+        if end is not None and self._travel.moves_along(end):
             end = None
         free = self._writer.is_free(index)
         back = inverse(above)
@@ -322,62 +361,6 @@ class _Transfer:
                 at = [self.pairs[joint] if source else joint for joint in joints if joint is not None]
                 lengths.append(sum(np.linalg.norm(np.diff(body.positions[at], axis=0), axis=1)))
         return float(np.mean(lengths)) if lengths else 0.0
-
-    def _moves_along(self, joint: int) -> bool:
-        """Whether a joint moves in its parent as its source does: it can, and their parents are matched."""
-        parent = self.two.skeleton.joints[joint].parent
-        above = self.one.skeleton.joints[self.pairs[joint]].parent
-        can = set(TRANSLATIONS) <= set(self.two.skeleton.joints[joint].channels)
-        return can and parent >= 0 and above >= 0 and self.pairs.get(parent) == above
-
-    def translations(self, moved: Array, positions: Array, turned: Array, rotations: Array, scale: float) -> Array:
-        """(n, J, 3) of the target. moved: the source's in the hub form; rotations: the target's, local."""
-        skeleton = self.two.skeleton
-        translations = in_every_frame(self.two.rest.offsets, len(moved))
-        world = walked(skeleton, translations, rotations)[1]
-        for joint, source in self.pairs.items():
-            parent, above = skeleton.joints[joint].parent, self.one.skeleton.joints[source].parent
-            if not self._moves_along(joint):
-                continue
-            delta = scale * (moved[:, source] - self.one.rest.offsets[source])
-            translations[:, joint] += rotate(multiply(inverse(world[:, parent]), turned[:, above]), delta)
-        for root in skeleton.roots:
-            self._carry(root, moved, positions, rotations, scale, translations)
-        return translations
-
-    def _carry(
-        self, root: int, moved: Array, positions: Array, rotations: Array, scale: float, translations: Array
-    ) -> None:
-        """Places a body under its root."""
-        skeleton = self.two.skeleton
-        path = chain(skeleton, root)
-        moving = carriers(self.one.skeleton, moved)
-        matched = [joint for joint in path if joint in self.pairs]
-        bearer = next((joint for joint in matched if self.pairs[joint] in moving), matched[0] if matched else None)
-        if bearer is None:
-            return
-        for joint in path[: path.index(bearer)]:
-            if joint in self.pairs:
-                translations[:, joint] = scale * moved[:, self.pairs[joint]]
-        goal = scale * positions[:, self.pairs[bearer]]
-        places, world = walked(skeleton, translations, rotations)
-        hips = self._hips(bearer)
-        if hips is not None:
-            left, right = hips
-            middle = (positions[:, self.pairs[left]] + positions[:, self.pairs[right]]) / 2
-            goal = scale * middle + places[:, bearer] - (places[:, left] + places[:, right]) / 2
-        parent = skeleton.joints[bearer].parent
-        if parent < 0:
-            translations[:, bearer] = goal
-        else:
-            translations[:, bearer] = rotate(inverse(world[:, parent]), goal - places[:, parent])
-
-    def _hips(self, bearer: int) -> tuple[int, int] | None:
-        places = {joint.name: index for index, joint in enumerate(self.two.skeleton.joints) if index in self.pairs}
-        left, right = places.get("left_up_leg"), places.get("right_up_leg")
-        if left is None or right is None or not (self._is_below(left, bearer) and self._is_below(right, bearer)):
-            return None
-        return left, right
 
     def bone_errors(self, positions: Array, made: Array) -> tuple[BoneError, ...]:
         """How far bones that both have point elsewhere. positions: of the source, made: of the target, in the world."""

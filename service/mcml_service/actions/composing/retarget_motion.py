@@ -127,6 +127,7 @@ def _retarget(
         up=target.up,
         scale=request.scale,
         match_rest=request.match_rest,
+        target_block=target.block,
     )
     document = None
     if not request.preview:
