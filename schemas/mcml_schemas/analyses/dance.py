@@ -64,8 +64,8 @@ class BeatsParameters(RequestBody):
     beats_from: Literal["auto", "detected", "tracked"] = Field(
         "auto",
         title="Beats",
-        description="detected: rests that are deep enough. tracked: the steadiest row of rests. auto: tracked for "
-        "clips that give fewer than four bars otherwise",
+        description="detected: rests that are deep enough. tracked: the steadiest row of rests. auto: for each clip, "
+        "the one that gives more bars at the same tempo (within 2 %); the answer states the choice and its reason",
         examples=["auto"],
     )
     interval_tolerance: Annotated[float, Field(gt=0, le=1)] | Literal["window"] = Field(

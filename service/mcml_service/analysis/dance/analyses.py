@@ -331,7 +331,7 @@ _LABELS = PartInfo("table", "Motion names to write: document, name, first and la
 _GRAPH = PartInfo("graph", "Bars and which may follow which, with distances in body sizes")
 _WARNINGS = PartInfo("table", "Part to show")
 
-_RULES = {"tempo": "2 (of the motion itself)"}
+_RULES = {"tempo": "2 (of the motion itself)", "beats": "2 (auto: more bars at the same tempo)"}
 
 BEATS = Analysis(
     name="beats",

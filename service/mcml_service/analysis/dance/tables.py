@@ -54,10 +54,12 @@ def table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> Part:
 
 
 def clips_table(clips: Sequence[Clip]) -> Part:
-    """One row a clip: rate, mean speed, candidates by verdict, beats, period and its rivals, bars, which beats."""
+    """One row a clip: rate, mean speed, candidates by verdict, beats, period and its rivals, bars, which beats and
+    why."""
     columns = ["document", "name", "frames", "fps", "mean_speed", "candidates", *(f"refused_{r}" for r in REASONS[1:])]
     columns += ["beats", "period", "bpm", "peaks", "bars", "beats_from", "support"]
-    columns += ["tempo_clear", "tempo_rival", "tempo_octave", "tempo_steady", "jump"]
+    columns += ["tempo_clear", "tempo_rival", "tempo_octave", "tempo_steady"]
+    columns += ["beats_reason", "bars_detected", "bars_tracked", "jump"]
     rows = []
     for clip in clips:
         refused = [int((clip.candidates.verdicts == verdict).sum()) for verdict in range(1, len(REASONS))]
@@ -68,7 +70,7 @@ def clips_table(clips: Sequence[Clip]) -> Part:
         row += [len(clip.bars.bars), clip.bars.source, clip.bars.support]
         tempo = clip.tempo
         row += [None] * 4 if tempo is None else [tempo.clear, tempo.rival, tempo.octave, tempo.steady]
-        rows.append([*row, jump_of(clip)])
+        rows.append([*row, clip.bars.reason, *(clip.bars.compared or (None, None)), jump_of(clip)])
     return table(columns, rows)
 
 
