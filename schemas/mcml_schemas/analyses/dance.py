@@ -222,6 +222,18 @@ class Music(RequestBody):
     )
 
 
+class StageSize(RequestBody):
+    """A rectangular stage; the dance starts in its middle."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"width": 8.0, "depth": 5.0}]})
+
+    width: float = Field(gt=0, le=1000, description="Along X, metres", examples=[8.0])
+    depth: float = Field(gt=0, le=1000, description="Along Z (with Z up: along Y), metres", examples=[5.0])
+
+
+StageRadius: TypeAlias = Annotated[float, Field(gt=0, le=1000)]
+
+
 class DanceParameters(GraphParameters):
     """Parameters of a dance."""
 
@@ -256,8 +268,38 @@ class DanceParameters(GraphParameters):
     repeat_cost: float = Field(
         1.0, ge=0, le=100, description="Cost of repeating the previous bar, in thresholds", examples=[1.0]
     )
+    novelty: float = Field(
+        0.5,
+        ge=0,
+        le=100,
+        description="Cost of bars that were danced in the last 16 bars (squared) or more often than others, in "
+        "thresholds. 0: the smoothest path, which uses few bars",
+        examples=[0.5],
+    )
+    stage: StageRadius | StageSize | None = Field(
+        None,
+        description="Stage to stay on: its radius in metres, or width and depth. The dance starts in the middle, at "
+        "the origin",
+        examples=[3.0],
+    )
+    stage_turn: float = Field(
+        10.0,
+        ge=0,
+        le=45,
+        title="Turn on the stage",
+        description="Most degrees that the dancer is turned in a bar to stay on the stage",
+        examples=[10.0],
+    )
+    facing: float | None = Field(
+        None,
+        ge=-360,
+        le=360,
+        description="Direction that the dancer faces at the first beat, degrees to the left of +Z (with Z up: of -Y)",
+        examples=[0.0],
+    )
     max_run: int = Field(4, ge=1, le=512, description="Consecutive bars in the order of their clip", examples=[4])
     start: int | None = Field(None, ge=1, description="Bar of the graph, from 1, to begin with", examples=[1])
+    end: int | None = Field(None, ge=1, description="Bar of the graph, from 1, to end with", examples=[None])
     allowed: list[AllowedBars] = Field(
         default_factory=list, max_length=2000, description="Bars allowed at each position", examples=[[]]
     )

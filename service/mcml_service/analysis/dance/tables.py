@@ -12,11 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.motion.skeleton import Array
+from mcml_service.analysis.dance.assembly import Dance
 from mcml_service.analysis.dance.bar_graph import FAR, AllBars, BarGraph
 from mcml_service.analysis.dance.bars import find_held_frames
 from mcml_service.analysis.dance.choreography import Plan
+from mcml_service.analysis.dance.floor import measure_way
 from mcml_service.analysis.dance.motion_beats import REASONS, half_up, whole
 from mcml_service.analysis.dance.sources import Clip
+from mcml_service.analysis.dance.stage import Stage
 from mcml_service.analysis.interface import Part
 
 SHOWN = 2000
@@ -224,6 +227,24 @@ def graph_warnings(clips: Sequence[Clip], graph: BarGraph) -> list[str]:
     ]
     if graph.threshold > FAR:
         warnings.append(f"The threshold is {graph.threshold:.3f} body sizes: jumps above {FAR} slide visibly.")
+    return warnings
+
+
+def stage_warnings(clips: Sequence[Clip], dance: Dance, stage: Stage | None) -> list[str]:
+    """Return warnings about the places of a dance."""
+    if stage is None:
+        return []
+    warnings = []
+    outside = float(stage.outside(measure_way(dance.translations, clips[0])).max(initial=0.0))
+    if outside > 0:
+        warnings.append(
+            f"The dance leaves the stage, {stage.text}, by up to {outside:.2f} m. Use a larger stage, more clips, or "
+            "raise stage_turn."
+        )
+    if clips[0].motion.metres is None:
+        warnings.append(
+            f"{clips[0].motion.name} states no unit of length: metres are those of an adult of its proportions."
+        )
     return warnings
 
 

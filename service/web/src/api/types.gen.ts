@@ -2498,9 +2498,16 @@ export interface components {
             seed: number;
             /** @default 1 */
             repeat_cost: number;
+            /** @default 0.5 */
+            novelty: number;
+            stage?: number | components["schemas"]["StageSize"] | null;
+            /** @default 10 */
+            stage_turn: number;
+            facing?: number | null;
             /** @default 4 */
             max_run: number;
             start?: number | null;
+            end?: number | null;
             allowed?: components["schemas"]["AllowedBars"][];
             /**
              * @default hold
@@ -4491,6 +4498,10 @@ export interface components {
             at: number[];
             label?: string | null;
             project?: string | null;
+        };
+        StageSize: {
+            width: number;
+            depth: number;
         };
         StoredFile: {
             part: string;
