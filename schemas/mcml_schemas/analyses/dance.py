@@ -262,9 +262,17 @@ class DanceParameters(GraphParameters):
         None, ge=10, le=480, title="Frame rate", description="Of the new clip; else the first clip's", examples=[60.0]
     )
     strategy: Literal["beam", "random"] = Field(
-        "beam", description="beam: smooth jumps without dull loops. random: a walk, as the thesis", examples=["beam"]
+        "beam",
+        description="beam: the cheapest path, smooth and without loops. random: a walk, as the thesis",
+        examples=["beam"],
     )
-    seed: int = Field(0, ge=0, le=2**32 - 1, description="Of the random walk", examples=[7])
+    seed: int = Field(
+        0,
+        ge=0,
+        le=2**32 - 1,
+        description="Of the random walk; with novelty, of other paths of the beam. 0: the cheapest path",
+        examples=[7],
+    )
     repeat_cost: float = Field(
         1.0, ge=0, le=100, description="Cost of repeating the previous bar, in thresholds", examples=[1.0]
     )

@@ -161,6 +161,17 @@ def test_the_dancer_faces_as_asked(heading: float) -> None:
         assert np.degrees(np.arctan2(ahead[0], ahead[2])) == pytest.approx(facing, abs=2)
 
 
+def test_seeds_give_other_paths_of_the_same_variety() -> None:
+    paths = []
+    for options in ({}, {"seed": 7}, {"seed": 7}, {"seed": 8}, {"seed": 8, "novelty": 0}, {"novelty": 0}):
+        parts, _ = danced(dry_run=False, **options)
+        paths.append([row[1] for row in parts["path"].data["rows"]])
+    assert paths[1] == paths[2]
+    assert len({tuple(path) for path in (paths[0], paths[1], paths[3])}) == 3
+    assert paths[4] == paths[5]
+    assert len(set(paths[1])) >= len(set(paths[0])) - 1
+
+
 def test_a_dance_ends_with_the_bar_asked_for() -> None:
     parts = DANCE.run(TRAVELLERS, DanceParameters(bpm=112, bars=8, start=2, end=5), silent)
     names = [column["name"] for column in parts["path"].data["columns"]]

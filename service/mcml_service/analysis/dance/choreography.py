@@ -34,6 +34,8 @@ from mcml_service.analysis.dance.time_warp import (
 from mcml_service.analysis.interface import AnalysisError
 
 MOST_OUT = 512
+VARIATION = 0.5
+"""Thresholds: random cost of a jump, at most, by which seeds give different paths."""
 Strategy = Literal["beam", "random"]
 
 
@@ -167,6 +169,9 @@ def _find_route(
     floor = None
     if choice.stage is not None:
         floor = make_floor(clips, graph.bars, inside, choice.stage, choice.most_turn, starts)
+    if choice.novelty and choice.seed:
+        varied = VARIATION * np.random.default_rng(choice.seed).random(len(inside)) * ~inside.natural
+        ways = replace(ways, costs=ways.costs + varied)
     costs = Costs(choice.repeat_cost, max_run=choice.max_run, novelty=choice.novelty)
     route = beam_path(ways, reach, costs, floor)
     if not choice.novelty and floor is None:
