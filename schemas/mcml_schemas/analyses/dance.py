@@ -14,6 +14,7 @@ from mcml_schemas.request_body import RequestBody
 
 _DANCE: dict[str, JsonValue] = {"bpm": 120, "bars": 16, "labels": ["bars", "beats"]}
 Seconds = Annotated[float, Field(ge=0, le=1e6)]
+Level = Annotated[float, Field(ge=0, le=1e6)]
 Twofold = Literal["1/2", "1", "2"]
 
 
@@ -220,6 +221,12 @@ class Music(RequestBody):
     beats_per_bar: BeatsPerBar = Field(
         4, description="Beats of a bar. Of music in three, each bar is one beat of the dance", examples=[4]
     )
+    loudness: list[Level] | None = Field(
+        None,
+        max_length=20_000,
+        description="RMS of the sound from each beat to the next, as many as beats; any scale",
+        examples=[[0.1, 0.12, 0.2, 0.21, 0.2]],
+    )
 
 
 class StageSize(RequestBody):
@@ -283,6 +290,14 @@ class DanceParameters(GraphParameters):
         description="Cost of bars that were danced in the last 16 bars (squared) or more often than others, in "
         "thresholds. 0: the smoothest path, which uses few bars",
         examples=[0.5],
+    )
+    energy: float = Field(
+        0.0,
+        ge=0,
+        le=100,
+        description="Cost of bars whose hands and feet move otherwise than the loudness of the music asks, in "
+        "thresholds. 0: the loudness does not matter",
+        examples=[4.0],
     )
     stage: StageRadius | StageSize | None = Field(
         None,

@@ -33,6 +33,7 @@ from mcml_service.analysis.dance.choreography import (
     stage_dance,
     turn_dance,
 )
+from mcml_service.analysis.dance.energy import Loudness
 from mcml_service.analysis.dance.made_clip import Naming, make_clip
 from mcml_service.analysis.dance.measured import measure
 from mcml_service.analysis.dance.motion_graph import strong_components
@@ -250,6 +251,7 @@ def _check(parameters: BeatsParameters, documents: Sequence[str]) -> None:
     named = [clip.document for clip in parameters.clips]
     if isinstance(parameters, DanceParameters):
         _grid(parameters)
+        _loudness(parameters)
         if parameters.pulse is not None:
             check_pulse(parameters.bars, Fraction(parameters.pulse))
         named += [allowed.document for allowed in parameters.allowed if allowed.document is not None]
@@ -260,6 +262,26 @@ def _check(parameters: BeatsParameters, documents: Sequence[str]) -> None:
                 f"The parameters name {document!r}, which is not one of the documents.",
                 remedy="Name documents of the selection.",
             )
+
+
+def _loudness(parameters: DanceParameters) -> Loudness | None:
+    """The loudness of the music, if it is known. Raises AnalysisError `loudness-unknown` where it is needed."""
+    music = parameters.music
+    if music is None or music.loudness is None:
+        if parameters.energy:
+            raise AnalysisError(
+                "loudness-unknown",
+                "The dance is to follow the loudness of music, which is not given.",
+                remedy="Send music with its loudness, as POST /music answers, or set energy to 0.",
+            )
+        return None
+    if len(music.loudness) != len(music.beats):
+        raise AnalysisError(
+            "loudness-unknown",
+            f"The music has {len(music.beats)} beats and {len(music.loudness)} values of loudness.",
+            remedy="Give one value for each beat, or leave loudness out.",
+        )
+    return Loudness(np.array(music.beats), np.array(music.loudness))
 
 
 def _choice(parameters: DanceParameters) -> Choice:
@@ -289,6 +311,8 @@ def _choice(parameters: DanceParameters) -> Choice:
         parameters.max_run,
         tuple(wishes),
         parameters.novelty,
+        parameters.energy,
+        _loudness(parameters),
         stage,
         float(np.radians(parameters.stage_turn)),
         None if parameters.facing is None else float(np.radians(parameters.facing)),

@@ -16,6 +16,13 @@ from mcml_service.analysis.dance.assembly import Dance, assemble
 from mcml_service.analysis.dance.bar_graph import AllBars, BarGraph, keep_only, threshold_for_two
 from mcml_service.analysis.dance.beam import MAX_RUN, Costs, Route, beam_path
 from mcml_service.analysis.dance.blend import Blend, Placement
+from mcml_service.analysis.dance.energy import (
+    Loudness,
+    energy_costs,
+    find_bar_loudness,
+    find_efforts,
+    match_energy,
+)
 from mcml_service.analysis.dance.floor import fit_to_stage, make_floor, place_dance, turn_to_face
 from mcml_service.analysis.dance.motion_beats import half_up
 from mcml_service.analysis.dance.motion_graph import Edges
@@ -62,6 +69,8 @@ class Choice:
     max_run: int = MAX_RUN
     wishes: tuple[Wish, ...] = ()
     novelty: float = 0.0
+    energy: float = 0.0
+    loudness: Loudness | None = None
     stage: Stage | None = None
     most_turn: float = 0.0
     facing: float | None = None
@@ -72,7 +81,8 @@ class Plan:
     """path: (M,) bars. natural: (M - 1,) whether the step to the next is. distances: (M - 1,), transforms: (M - 1, 3).
 
     grid: (4 M + 1,) motion beats, seconds. kept: (B,) bars that could have been danced. turns: (M,) radians that the
-    dancer turns in each bar, start: before the first one, to stay on the stage or face a direction.
+    dancer turns in each bar, start: before the first one, to stay on the stage or face a direction. energy_match: rank
+    correlation of the music's loudness and the bars' effort, None where unknown.
     """
 
     path: tuple[int, ...]
@@ -84,6 +94,7 @@ class Plan:
     kept: NDArray[np.bool_]
     turns: Array
     start: float = 0.0
+    energy_match: float | None = None
 
 
 def check_pulse(music_bars: int, pulse: Fraction) -> None:
@@ -138,7 +149,13 @@ def plan_dance(clips: Sequence[Clip], graph: BarGraph, grid: Array, choice: Choi
             position=place,
         )
     starts = None if choice.facing is None else turn_to_face(clips, bars, choice.facing)
-    route = _find_route(clips, graph, inside, reach, choice, starts)
+    levels, efforts = None, None
+    if choice.loudness is not None:
+        levels, efforts = find_bar_loudness(choice.loudness, beats), find_efforts(clips, bars)
+    energies = None
+    if choice.energy and levels is not None and efforts is not None:
+        energies = energy_costs(levels, efforts, graph.kept, choice.energy)
+    route = _find_route(clips, graph, inside, reach, choice, starts, energies)
     steps = [_edge(inside.first, inside.second, a, b) for a, b in pairwise(route.path)]
     return Plan(
         tuple(route.path),
@@ -150,6 +167,7 @@ def plan_dance(clips: Sequence[Clip], graph: BarGraph, grid: Array, choice: Choi
         graph.kept,
         route.turns,
         0.0 if starts is None else float(starts[route.path[0]]),
+        None if levels is None or efforts is None else match_energy(levels, efforts[route.path]),
     )
 
 
@@ -160,6 +178,7 @@ def _find_route(
     reach: NDArray[np.bool_],
     choice: Choice,
     starts: Array | None,
+    energies: Array | None,
 ) -> Route:
     """Return the path and its turns."""
     ways = successors(len(graph.bars), inside, graph.threshold)
@@ -172,9 +191,9 @@ def _find_route(
     if choice.novelty and choice.seed:
         varied = VARIATION * np.random.default_rng(choice.seed).random(len(inside)) * ~inside.natural
         ways = replace(ways, costs=ways.costs + varied)
-    costs = Costs(choice.repeat_cost, max_run=choice.max_run, novelty=choice.novelty)
+    costs = Costs(choice.repeat_cost, max_run=choice.max_run, novelty=choice.novelty, energies=energies)
     route = beam_path(ways, reach, costs, floor)
-    if not choice.novelty and floor is None:
+    if not choice.novelty and floor is None and energies is None:
         return route
     # A beam may lose the path of the cheapest next steps.
     greedy = beam_path(ways, reach, costs, floor, width=1)

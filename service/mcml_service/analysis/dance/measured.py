@@ -80,6 +80,7 @@ def measure(
         "jumps": len(jumped),
         **_uses(plan),
         **_places(dance, clips[0], stage),
+        "energy_match": plan.energy_match,
         **grid_metrics(watched, plan.grid),
         "beats_in_transitions": sum(int(found["beats_inside"] or 0) for found in own),
         "classic_beats_in_transitions": sum(int(found["beats_inside"] or 0) for found in other),

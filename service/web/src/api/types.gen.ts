@@ -2500,6 +2500,8 @@ export interface components {
             repeat_cost: number;
             /** @default 0.5 */
             novelty: number;
+            /** @default 0 */
+            energy: number;
             stage?: number | components["schemas"]["StageSize"] | null;
             /** @default 10 */
             stage_turn: number;
@@ -3603,6 +3605,7 @@ export interface components {
             factor: "1/2" | "1" | "2";
             /** @default 4 */
             beats_per_bar: number;
+            loudness?: number[] | null;
         };
         MusicBeats: {
             music: components["schemas"]["Music"];
