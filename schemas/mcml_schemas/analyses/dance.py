@@ -340,5 +340,11 @@ class DanceParameters(GraphParameters):
         description="cloud: bars placed where body and movement meet best. facing: by heading and place of the root",
         examples=["cloud"],
     )
+    lock_feet: bool = Field(
+        False,
+        title="Lock planted feet",
+        description="Feet that are planted in the clips stay in place, also while a transition or the tempo moves them",
+        examples=[False],
+    )
     dry_run: bool = Field(False, description="Only the path and its figures, no clip", examples=[False])
     name: str = Field("dance", min_length=1, max_length=200, description="Name of the new clip", examples=["dance"])

@@ -20,7 +20,7 @@ from mcml_schemas.analyses.dance import (
     StageSize,
 )
 from mcml_service.analysis.dance import tables
-from mcml_service.analysis.dance.assembly import Dance
+from mcml_service.analysis.dance.assembly import Dance, lock_feet_of
 from mcml_service.analysis.dance.bar_graph import BarGraph, bar_graph
 from mcml_service.analysis.dance.choreography import (
     MOST_OUT,
@@ -195,6 +195,8 @@ def run_dance(motions: Sequence[Motion], parameters: DanceParameters, progress: 
     dance = _dance(clips, graph, plan, fps, parameters, parameters.blend)
     plan = stage_dance(clips, plan, dance, fps, choice)
     dance = turn_dance(clips, plan, dance, fps, choice)
+    if parameters.lock_feet:
+        dance = lock_feet_of(clips, dance, fps)
     progress("figures", 0.84)
     classic = None
     if parameters.blend != "classic":

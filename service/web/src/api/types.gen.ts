@@ -2529,6 +2529,8 @@ export interface components {
              */
             placement: "cloud" | "facing";
             /** @default false */
+            lock_feet: boolean;
+            /** @default false */
             dry_run: boolean;
             /** @default dance */
             name: string;
