@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcml_service.analysis.dance import path as paths
-from mcml_service.analysis.dance.beam import MEMORY, Costs, beam_path
+from mcml_service.analysis.dance.beam import MEMORY, Costs, beam_path, cheapest_path
 from mcml_service.analysis.dance.motion_graph import Edges
 
 COUNT = 6
@@ -123,6 +123,18 @@ def test_the_cost_is_that_of_the_path(seed: int, length: int) -> None:
         if place
     )
     assert route.cost == pytest.approx(total, abs=1e-6)
+
+
+@given(seed=st.integers(0, 9999), length=st.integers(1, 40), novelty=st.sampled_from([0.0, 0.5, 3.0]))
+def test_the_cheapest_path_never_costs_more_than_cheapest_steps(seed: int, length: int, novelty: float) -> None:
+    edges, costs = edges_of(seed, 0.3), Costs(novelty=novelty)
+    reach = paths.feasible(COUNT, edges, allowed_of(seed, length) | (np.arange(COUNT) == 0))
+    if reach[0].any():
+        ways = paths.successors(COUNT, edges, 0.7)
+        chosen, greedy = cheapest_path(ways, reach, costs), beam_path(ways, reach, costs, width=1)
+        assert chosen.cost <= greedy.cost + 1e-9
+        assert len(chosen.path) == length
+        assert all(reach[place, bar] for place, bar in enumerate(chosen.path))
 
 
 @given(seed=st.integers(0, 9999), length=st.integers(1, 120), novelty=st.sampled_from([0.3, 1.0, 3.0]))

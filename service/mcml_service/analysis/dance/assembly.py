@@ -134,13 +134,13 @@ def lock_feet_of(clips: Sequence[Clip], dance: Dance, fps: float) -> Dance:
         planted[:, :, own] = flags[
             :, :, np.clip(np.floor(dance.shown[own] + 0.5).astype(np.intp), 0, flags.shape[-1] - 1)
         ]
-    time = np.arange(len(dance.shown)) / fps
+    time, lengths = np.arange(len(dance.shown)) / fps, [leg.length(places) for leg in legs]
     for transition in dance.transitions:
-        window = np.flatnonzero((time >= transition.start) & (time <= transition.end))
+        window = np.arange(*np.searchsorted(time, [transition.start, transition.end + _SAME_TIME]))
         for index, leg in enumerate(legs):
             for part, joint in enumerate((leg.toe, leg.ankle)):
                 way = places[window[-1], joint] - places[window[0], joint] if len(window) else np.zeros(3)
-                if np.hypot(way[0], way[2]) > STEP * leg.length(places):
+                if np.hypot(way[0], way[2]) > STEP * lengths[index]:
                     planted[index, part, window] = False
     locked = lock_feet(
         skeleton,

@@ -25,7 +25,7 @@ ENOUGH = 4
 SAME_TEMPO = 0.02
 """Greatest part by which the tempi of detected and tracked bars differ if they are the same."""
 Reason = Literal["requested", "no tempo", "more bars", "no more bars", "other tempo", "few bars"]
-"""Why a clip has these beats: as requested; no tempo, hence no bars; tracked beats give more bars, or no more, at the
+"""Why a clip has these beats: as requested; no tempo, so no bars; tracked beats give more bars, or no more, at the
 tempo of the detected ones; their tempo differs; or detected beats give fewer than four bars."""
 _SUPPORTED = 3
 

@@ -123,6 +123,12 @@ class _States:
             self.uses[rows, self.bars] += 1
 
 
+def cheapest_path(successors: Successors, reach: NDArray[np.bool_], costs: Costs, floor: Floor | None = None) -> Route:
+    """The path of a beam, or that of the cheapest next steps, which a beam may lose, if it costs less."""
+    routes = [beam_path(successors, reach, costs, floor, width) for width in (WIDTH, 1)]
+    return min(routes, key=lambda route: round(route.cost, 9))
+
+
 def beam_path(
     successors: Successors, reach: NDArray[np.bool_], costs: Costs, floor: Floor | None = None, width: int = WIDTH
 ) -> Route:

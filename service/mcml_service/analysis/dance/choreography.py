@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mcml.motion.skeleton import Array
 from mcml_service.analysis.dance.assembly import Dance, assemble
 from mcml_service.analysis.dance.bar_graph import AllBars, BarGraph, keep_only, threshold_for_two
-from mcml_service.analysis.dance.beam import MAX_RUN, Costs, Route, beam_path
+from mcml_service.analysis.dance.beam import MAX_RUN, Costs, Route, beam_path, cheapest_path
 from mcml_service.analysis.dance.blend import Blend, Placement
 from mcml_service.analysis.dance.energy import (
     Loudness,
@@ -192,12 +192,8 @@ def _find_route(
         varied = VARIATION * np.random.default_rng(choice.seed).random(len(inside)) * ~inside.natural
         ways = replace(ways, costs=ways.costs + varied)
     costs = Costs(choice.repeat_cost, max_run=choice.max_run, novelty=choice.novelty, energies=energies)
-    route = beam_path(ways, reach, costs, floor)
-    if not choice.novelty and floor is None and energies is None:
-        return route
-    # A beam may lose the path of the cheapest next steps.
-    greedy = beam_path(ways, reach, costs, floor, width=1)
-    return min(route, greedy, key=lambda one: round(one.cost, 9))
+    plain = not choice.novelty and floor is None and energies is None
+    return beam_path(ways, reach, costs) if plain else cheapest_path(ways, reach, costs, floor)
 
 
 def _edge(first: NDArray[np.intp], second: NDArray[np.intp], a: int, b: int) -> int:
