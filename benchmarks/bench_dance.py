@@ -11,6 +11,7 @@ import tracemalloc
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from time import perf_counter
 
 import numpy as np
 
@@ -18,10 +19,12 @@ from benchmarks.timing import median_seconds, report
 from mcml.motion.skeleton import Convention
 from mcml_schemas.analyses.dance import BeatsParameters, DanceParameters, GraphParameters
 from mcml_service.analysis.dance.analyses import BEATS, DANCE, MOTION_GRAPH
-from mcml_service.analysis.dance.metrics import nearest
+from mcml_service.analysis.dance.figure import figure_of
+from mcml_service.analysis.dance.metrics import mean_or_none, nearest, watch
 from mcml_service.analysis.interface import Motion, Part, Parts, silent
 from mcml_service.demo.dance_clips import Style, Truth
 from tests.analysis.dance.motions import BEAT_STYLES, STYLES, generated, read_file, resampled
+from tests.builders import assign
 
 REPEAT = 3
 
@@ -44,6 +47,11 @@ def run() -> dict[str, object]:
             "<= 3",
         ),
     }
+    tasks["ten minutes"] = (
+        "ten minutes of dance of 200 bars on a stage, with all figures: s",
+        lambda: DANCE.run(bars[:4], dance.model_copy(update={"bars": 300, "stage": 3.0}), silent),
+        "<= 10",
+    )
     figures: dict[str, object] = {}
     for name, (what, task, target) in tasks.items():
         figures[name] = report(what, median_seconds(task, REPEAT), target)
@@ -251,6 +259,57 @@ def blend_table(clips: list[Motion]) -> str:
     return "\n".join(lines)
 
 
+SETS = {
+    "A, B, C_test": ("A_test", "B_test", "C_test"),
+    "131_01 to 03": ("131_01", "131_02", "131_03"),
+    "60_10, 61_10": ("60_10_scaled", "61_10_scaled"),
+    "Gangnam-Style": ("Gangnam-Style",),
+    "rokoko_jesse_dance": ("rokoko_jesse_dance",),
+    "charleston1, 2, lambada": ("charleston1", "charleston2", "lambada"),
+}
+WAYS: dict[str, dict[str, object]] = {
+    "`novelty=0`": {"novelty": 0},
+    "default": {},
+    "`stage=3`": {"stage": 3},
+    "`stage=3 lock_feet=true`": {"stage": 3, "lock_feet": True},
+}
+
+
+def ten_minutes_table(clips: list[Motion]) -> str:
+    """Dances of 300 bars at 120 a minute, of overlapping bars of clips of one body, as they are stored."""
+    lines = [
+        "| clips | parameters | bars used | most uses | farthest m | alignment music, motion "
+        "| foot slide in transitions, elsewhere, sources | s |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for name, members in SETS.items():
+        own = [replace(clip, skeleton=assign(clip.skeleton)) for clip in clips if clip.name in members]
+        figures = [figure_of(motion.skeleton, motion.translations) for motion in own]
+        slides = [
+            watch(figure, motion.translations, motion.rotations, motion.fps).foot_speed
+            for figure, motion in zip(figures, own, strict=True)
+        ]
+        source = mean_or_none(np.concatenate(slides)) if slides else None
+        for way, options in WAYS.items():
+            if not own:
+                continue
+            wish = {"bpm": 120, "bars": 300, "stride": 1, "pulse": "1", **options}
+            begun = perf_counter()
+            parts = DANCE.run(own, DanceParameters.model_validate(wish), silent)
+            seconds = perf_counter() - begun
+            values = dict(parts["metrics"].data["rows"])
+            slide = ", ".join(
+                "–" if value is None else f"{value:.3f}"
+                for value in (values["foot_skate_in_transitions"], values["foot_skate_outside"], source)
+            )
+            lines.append(
+                f"| {name} | {way} | {values['bars_used']} of {values['bars_available']} | {values['most_uses']} "
+                f"| {values['farthest_from_centre']:.1f} "
+                f"| {values['beat_align_music']:.3f}, {values['beat_align_motion']:.3f} | {slide} | {seconds:.0f} |"
+            )
+    return "\n".join(lines)
+
+
 def _graph_of(motion: Motion, options: dict[str, object]) -> Part | None:
     if not BEATS.run([motion], BeatsParameters.model_validate(options), silent)["bars"].data["rows"]:
         return None
@@ -264,5 +323,12 @@ def _share(pairs: np.ndarray) -> str:
 
 if __name__ == "__main__":
     real = real_clips()
-    for table in (generated_table(), ways_table(), synthesis_table(), real_table(real), blend_table(real)):
+    for table in (
+        generated_table(),
+        ways_table(),
+        synthesis_table(),
+        real_table(real),
+        blend_table(real),
+        ten_minutes_table(real),
+    ):
         print(table, end="\n\n")

@@ -46,6 +46,8 @@ def test_from_music_to_dance(client: TestClient, database: Database) -> None:
     assert found["even"]
     assert found["bpm"] == pytest.approx(116, rel=0.003)
     music = found["music"]
+    assert len(music["loudness"]) == len(music["beats"])
+    assert max(music["loudness"]) > 0
     beats = np.array(music["beats"])
     assert abs(((beats - 0.5) / (60 / 116) + 0.5) % 1 - 0.5).max() * 60 / 116 < 0.06
     dances = [dance_clip("groove", tempo=tempo, bars=8, name=f"dance_{tempo}").clip for tempo in (110, 120)]

@@ -14,6 +14,7 @@ from mcml_schemas.request_body import RequestBody
 
 _DANCE: dict[str, JsonValue] = {"bpm": 120, "bars": 16, "labels": ["bars", "beats"]}
 Seconds = Annotated[float, Field(ge=0, le=1e6)]
+Level = Annotated[float, Field(ge=0, le=1e6)]
 Twofold = Literal["1/2", "1", "2"]
 
 
@@ -64,8 +65,8 @@ class BeatsParameters(RequestBody):
     beats_from: Literal["auto", "detected", "tracked"] = Field(
         "auto",
         title="Beats",
-        description="detected: rests that are deep enough. tracked: the steadiest row of rests. auto: tracked for "
-        "clips that give fewer than four bars otherwise",
+        description="detected: rests that are deep enough. tracked: the steadiest row of rests. auto: for each clip, "
+        "the one that gives more bars at the same tempo (within 2 %); the answer states the choice and its reason",
         examples=["auto"],
     )
     interval_tolerance: Annotated[float, Field(gt=0, le=1)] | Literal["window"] = Field(
@@ -220,6 +221,24 @@ class Music(RequestBody):
     beats_per_bar: BeatsPerBar = Field(
         4, description="Beats of a bar. Of music in three, each bar is one beat of the dance", examples=[4]
     )
+    loudness: list[Level] | None = Field(
+        None,
+        max_length=20_000,
+        description="RMS of the sound from each beat to the next, as many as beats; any scale",
+        examples=[[0.1, 0.12, 0.2, 0.21, 0.2]],
+    )
+
+
+class StageSize(RequestBody):
+    """A rectangular stage; the dance starts in its middle."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"width": 8.0, "depth": 5.0}]})
+
+    width: float = Field(gt=0, le=1000, description="Along X, metres", examples=[8.0])
+    depth: float = Field(gt=0, le=1000, description="Along Z (with Z up: along Y), metres", examples=[5.0])
+
+
+StageRadius: TypeAlias = Annotated[float, Field(gt=0, le=1000)]
 
 
 class DanceParameters(GraphParameters):
@@ -250,14 +269,60 @@ class DanceParameters(GraphParameters):
         None, ge=10, le=480, title="Frame rate", description="Of the new clip; else the first clip's", examples=[60.0]
     )
     strategy: Literal["beam", "random"] = Field(
-        "beam", description="beam: smooth jumps without dull loops. random: a walk, as the thesis", examples=["beam"]
+        "beam",
+        description="beam: the cheapest path, smooth and without loops. random: a walk, as the thesis",
+        examples=["beam"],
     )
-    seed: int = Field(0, ge=0, le=2**32 - 1, description="Of the random walk", examples=[7])
+    seed: int = Field(
+        0,
+        ge=0,
+        le=2**32 - 1,
+        description="Of the random walk; with novelty, of other paths of the beam. 0: the cheapest path",
+        examples=[7],
+    )
     repeat_cost: float = Field(
         1.0, ge=0, le=100, description="Cost of repeating the previous bar, in thresholds", examples=[1.0]
     )
+    novelty: float = Field(
+        0.5,
+        ge=0,
+        le=100,
+        description="Cost of bars that were danced in the last 16 bars (squared) or more often than others, in "
+        "thresholds. 0: the smoothest path, which uses few bars",
+        examples=[0.5],
+    )
+    energy: float = Field(
+        0.0,
+        ge=0,
+        le=100,
+        description="Cost of bars whose hands and feet move otherwise than the loudness of the music asks, in "
+        "thresholds. 0: the loudness does not matter",
+        examples=[4.0],
+    )
+    stage: StageRadius | StageSize | None = Field(
+        None,
+        description="Stage to stay on: its radius in metres, or width and depth. The dance starts in the middle, at "
+        "the origin",
+        examples=[3.0],
+    )
+    stage_turn: float = Field(
+        10.0,
+        ge=0,
+        le=45,
+        title="Turn on the stage",
+        description="Most degrees that the dancer is turned in a bar to stay on the stage",
+        examples=[10.0],
+    )
+    facing: float | None = Field(
+        None,
+        ge=-360,
+        le=360,
+        description="Direction that the dancer faces at the first beat, degrees to the left of +Z (with Z up: of -Y)",
+        examples=[0.0],
+    )
     max_run: int = Field(4, ge=1, le=512, description="Consecutive bars in the order of their clip", examples=[4])
     start: int | None = Field(None, ge=1, description="Bar of the graph, from 1, to begin with", examples=[1])
+    end: int | None = Field(None, ge=1, description="Bar of the graph, from 1, to end with", examples=[None])
     allowed: list[AllowedBars] = Field(
         default_factory=list, max_length=2000, description="Bars allowed at each position", examples=[[]]
     )
@@ -274,6 +339,12 @@ class DanceParameters(GraphParameters):
         "cloud",
         description="cloud: bars placed where body and movement meet best. facing: by heading and place of the root",
         examples=["cloud"],
+    )
+    lock_feet: bool = Field(
+        False,
+        title="Lock planted feet",
+        description="Feet that are planted in the clips stay in place, also while a transition or the tempo moves them",
+        examples=[False],
     )
     dry_run: bool = Field(False, description="Only the path and its figures, no clip", examples=[False])
     name: str = Field("dance", min_length=1, max_length=200, description="Name of the new clip", examples=["dance"])

@@ -111,17 +111,48 @@ def found(which: bars.Source, beats: list[int], candidates: list[int]) -> bars.B
     return bars.find_bars(speed, 30.0, np.array(candidates), np.array(beats, dtype=float), 20 / 30, which, middle=False)
 
 
-def test_auto_tracks_only_where_bars_are_few_and_more_are_won() -> None:
+def test_auto_takes_tracked_beats_only_if_they_give_more_bars() -> None:
     all_beats = list(range(20, 400, 20))
     gappy = [beat for beat in all_beats if beat not in (60, 140, 220, 300)]
     assert found("detected", gappy, gappy).source == "detected"
     auto = found("auto", gappy, gappy)
-    assert auto.source == "tracked"
-    assert len(auto.bars) > len(found("detected", gappy, gappy).bars)
+    assert (auto.source, auto.reason) == ("tracked", "more bars")
+    assert auto.compared == (len(found("detected", gappy, gappy).bars), len(auto.bars))
     assert 0.7 < auto.support < 1.0
+    assert found("auto", all_beats, all_beats).reason == "no more bars"
     assert found("auto", all_beats, all_beats).source == "detected"
-    assert found("tracked", all_beats, all_beats).source == "tracked"
+    assert found("tracked", all_beats, all_beats).reason == "requested"
     assert found("auto", all_beats[:5], all_beats[:5]).source == "detected"
+
+
+def test_auto_takes_more_tracked_bars_also_where_enough_are_detected() -> None:
+    """Detected beats lost one in five: four bars of eight stay, which once was enough to stop there."""
+    all_beats = list(range(20, 700, 20))
+    gappy = [beat for beat in all_beats if beat not in (120, 240, 360, 480)]
+    speed = dips(all_beats, 720)
+    arguments = speed, 30.0, np.array(all_beats), np.array(gappy, dtype=float), 20 / 30
+    detected, auto = (bars.find_bars(*arguments, which, middle=False) for which in ("detected", "auto"))
+    assert len(detected.bars) >= bars.ENOUGH
+    assert len(auto.bars) > len(detected.bars)
+    assert (auto.source, auto.reason) == ("tracked", "more bars")
+
+
+@given(
+    counts=st.tuples(st.integers(0, 9), st.integers(0, 9)),
+    periods=st.tuples(st.sampled_from([10.0, 10.1, 10.5, 20.0]), st.sampled_from([10.0, 10.1, 10.5, 20.0])),
+)
+def test_auto_never_loses_bars_but_to_another_tempo(counts: tuple[int, int], periods: tuple[float, float]) -> None:
+    made = [
+        bars_of((np.arange(4 * count) * period).tolist(), period, tolerance=0.01)
+        for count, period in zip(counts, periods, strict=True)
+    ]
+    chosen = bars.choose_bars(made[0], made[1])
+    assert chosen.compared == counts
+    if 0 in counts or abs(periods[0] / periods[1] - 1) <= bars.SAME_TEMPO:
+        assert len(chosen.bars) == max(counts)
+    elif counts[0] >= bars.ENOUGH:
+        assert chosen.bars is made[0].bars
+    assert (chosen.reason == "other tempo") <= (chosen.bars is made[0].bars and counts[1] > counts[0])
 
 
 @given(speed=arrays(np.float64, st.integers(1, 50), elements=st.floats(0, 5)), window=st.integers(1, 12))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -15,6 +16,7 @@ from mcml_service.analysis.dance.motion_beats import minima
 from mcml_service.analysis.interface import Motion, Part, Parts, silent
 from mcml_service.demo.dance_clips import Style, Truth
 from tests.analysis.dance.motions import BEAT_STYLES, generated
+from tests.builders import assign
 
 RATES, TEMPI = (30.0, 60.0, 120.0), (84.0, 112.0, 140.0)
 
@@ -153,3 +155,37 @@ def test_the_uniform_warp_of_the_thesis_misses_inner_beats() -> None:
         return float(nearest(np.concatenate([grid[1::4], grid[2::4]]), parts["speed"].arrays["beats"]).mean())
 
     assert misses("beats") < 0.3 * misses("uniform")
+
+
+def test_planted_feet_are_locked() -> None:
+    """Feet slide less, most of all in transitions; head and arms keep their rotations, and beats stay."""
+    clips = [_by_name(generated("groove", f"{seed}", bars=8, seed=seed, tempo=112.0)[0]) for seed in (1, 2)]
+    loose, locked = (
+        DANCE.run(clips, DanceParameters(bpm=118, bars=16, stage=2.0, lock_feet=lock), silent) for lock in (False, True)
+    )
+    for where, part in (("in_transitions", 0.6), ("outside", 1.0)):
+        assert value_of(locked, f"foot_skate_{where}") < part * value_of(loose, f"foot_skate_{where}")
+    assert value_of(locked, "beat_align_music") > value_of(loose, "beat_align_music") - 0.02
+    assert value_of(locked, "greatest_rotation_speed") < 1.2 * value_of(loose, "greatest_rotation_speed")
+    before, after = loose["clip"].clip, locked["clip"].clip
+    assert before is not None
+    assert after is not None
+    names = list(before.skeleton.names)
+    upper = [names.index(name) for name in ("neck1", "left_up_arm", "right_low_arm")]
+    assert np.array_equal(before.rotations[:, upper], after.rotations[:, upper])
+
+
+def test_bodies_whose_legs_have_no_names_of_mcml_keep_their_feet() -> None:
+    clips = [generated("step", "1", bars=8, seed=1, tempo=112.0)[0]]
+    made = [
+        DANCE.run(clips, DanceParameters(bpm=118, bars=4, lock_feet=lock), silent)["clip"].clip
+        for lock in (False, True)
+    ]
+    assert made[0] is not None
+    assert made[1] is not None
+    assert np.array_equal(made[0].rotations, made[1].rotations)
+
+
+def _by_name(motion: Motion) -> Motion:
+    """The motion with MCML's names of joints, as in the store."""
+    return replace(motion, skeleton=assign(motion.skeleton))

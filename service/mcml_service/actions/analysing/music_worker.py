@@ -1,7 +1,7 @@
 """A separate process that finds the beats of music: decoders of sound are large and read untrusted files.
 
 Its arguments: NAME of the file, which is its input, SECONDS, and BPM if stated. The answer is one JSON
-object: {"beats", "clear", "rivals", "meters"}, times in seconds, or {"code", "what", "remedy"}.
+object: {"beats", "loudness", "clear", "rivals", "meters"}, times in seconds, or {"code", "what", "remedy"}.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ def main() -> None:
         beats = track_beats(io.BytesIO(sys.stdin.buffer.read()), sys.argv[1], bpm)
         answer: dict[str, object] = {
             "beats": beats.beats.tolist(),
+            "loudness": [round(level, 6) for level in beats.loudness.tolist()],
             "clear": beats.clear,
             "rivals": [
                 {"bpm": rival.bpm, "ratio": str(rival.ratio), "strength": rival.strength} for rival in beats.rivals

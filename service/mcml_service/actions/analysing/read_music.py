@@ -39,7 +39,7 @@ def read_music(
     tempo = fit_tempo(heard["beats"])
     per_bar = beats_per_bar or heard["meters"][0]["beats_per_bar"]
     return MusicBeats(
-        music=Music(beats=heard["beats"], beats_per_bar=per_bar),
+        music=Music(beats=heard["beats"], beats_per_bar=per_bar, loudness=heard["loudness"]),
         bpm=tempo.bpm,
         even=tempo.even,
         residual_seconds=tempo.residual,

@@ -17,24 +17,36 @@ from mcml_schemas.analyses.dance import (
     GraphEdge,
     GraphEdges,
     GraphParameters,
+    StageSize,
 )
 from mcml_service.analysis.dance import tables
-from mcml_service.analysis.dance.assembly import Dance
+from mcml_service.analysis.dance.assembly import Dance, lock_feet_of
 from mcml_service.analysis.dance.bar_graph import BarGraph, bar_graph
-from mcml_service.analysis.dance.choreography import MOST_OUT, Choice, Plan, Wish, check_pulse, dance_of, plan_dance
-from mcml_service.analysis.dance.figure import lay_back
+from mcml_service.analysis.dance.choreography import (
+    MOST_OUT,
+    Choice,
+    Plan,
+    Wish,
+    check_pulse,
+    dance_of,
+    plan_dance,
+    stage_dance,
+    turn_dance,
+)
+from mcml_service.analysis.dance.energy import Loudness
+from mcml_service.analysis.dance.made_clip import Naming, make_clip
 from mcml_service.analysis.dance.measured import measure
 from mcml_service.analysis.dance.motion_graph import strong_components
 from mcml_service.analysis.dance.music import check_bpm, music_grid
 from mcml_service.analysis.dance.pictures import BEATS_PICTURES, DANCE_PICTURES, GRAPH_PICTURES
 from mcml_service.analysis.dance.sources import Clip, Search, channels_of, on_one_skeleton, read_clip, upright_clip
+from mcml_service.analysis.dance.stage import Stage
 from mcml_service.analysis.dance.tempo import Tempo, tempo_of
 from mcml_service.analysis.dance.time_warp import even_grid
 from mcml_service.analysis.interface import (
     Analysis,
     AnalysisError,
     Answer,
-    MadeClip,
     Motion,
     Part,
     PartInfo,
@@ -176,16 +188,21 @@ def run_dance(motions: Sequence[Motion], parameters: DanceParameters, progress: 
     grid = _grid(parameters)
     clips, graph, warnings = _graph(motions, parameters, progress, (0.4, 0.3))
     progress("path", 0.72)
-    plan = plan_dance(clips, graph, grid, _choice(parameters, graph))
+    choice = _choice(parameters)
+    plan = plan_dance(clips, graph, grid, choice)
     fps = parameters.fps or clips[0].fps
     progress("motion", 0.76)
     dance = _dance(clips, graph, plan, fps, parameters, parameters.blend)
+    plan = stage_dance(clips, plan, dance, fps, choice)
+    dance = turn_dance(clips, plan, dance, fps, choice)
+    if parameters.lock_feet:
+        dance = lock_feet_of(clips, dance, fps)
     progress("figures", 0.84)
     classic = None
     if parameters.blend != "classic":
-        classic = _dance(clips, graph, plan, fps, parameters, "classic")
-    search = _search(parameters, "")
-    measured = measure(clips, dance, classic, plan, fps, search)
+        classic = turn_dance(clips, plan, _dance(clips, graph, plan, fps, parameters, "classic"), fps, choice)
+    measured = measure(clips, dance, classic, plan, fps, _search(parameters, ""), choice.stage)
+    warnings += tables.stage_warnings(clips, dance, choice.stage)
     parts: dict[str, Part] = {
         "path": tables.path_table(clips, graph.bars, plan),
         "transitions": measured.transitions,
@@ -193,10 +210,18 @@ def run_dance(motions: Sequence[Motion], parameters: DanceParameters, progress: 
         "warnings": tables.warnings_table(warnings, clips),
     }
     if not parameters.dry_run:
+        naming = Naming(
+            parameters.name,
+            parameters.bars,
+            parameters.bpm,
+            parameters.seed,
+            parameters.model_dump_json(exclude_defaults=True),
+            parameters.labels,
+        )
         parts["clips"] = tables.clips_table(clips)
         parts["graph"] = tables.graph_part(clips, graph)
         parts["speed"] = tables.dance_curve(measured.watched.speed, measured.watched.beats, plan.grid, fps)
-        parts["clip"] = Part("clip", clip=_make_clip(clips, graph, plan, dance, fps, parameters, motions))
+        parts["clip"] = Part("clip", clip=make_clip(clips, plan, dance, fps, naming, motions))
     progress("done", 1.0)
     return parts
 
@@ -228,6 +253,7 @@ def _check(parameters: BeatsParameters, documents: Sequence[str]) -> None:
     named = [clip.document for clip in parameters.clips]
     if isinstance(parameters, DanceParameters):
         _grid(parameters)
+        _loudness(parameters)
         if parameters.pulse is not None:
             check_pulse(parameters.bars, Fraction(parameters.pulse))
         named += [allowed.document for allowed in parameters.allowed if allowed.document is not None]
@@ -240,7 +266,27 @@ def _check(parameters: BeatsParameters, documents: Sequence[str]) -> None:
             )
 
 
-def _choice(parameters: DanceParameters, graph: BarGraph) -> Choice:
+def _loudness(parameters: DanceParameters) -> Loudness | None:
+    """The loudness of the music, if it is known. Raises AnalysisError `loudness-unknown` where it is needed."""
+    music = parameters.music
+    if music is None or music.loudness is None:
+        if parameters.energy:
+            raise AnalysisError(
+                "loudness-unknown",
+                "The dance is to follow the loudness of music, which is not given.",
+                remedy="Send music with its loudness, as POST /music answers, or set energy to 0.",
+            )
+        return None
+    if len(music.loudness) != len(music.beats):
+        raise AnalysisError(
+            "loudness-unknown",
+            f"The music has {len(music.beats)} beats and {len(music.loudness)} values of loudness.",
+            remedy="Give one value for each beat, or leave loudness out.",
+        )
+    return Loudness(np.array(music.beats), np.array(music.loudness))
+
+
+def _choice(parameters: DanceParameters) -> Choice:
     wishes = [
         Wish(
             None if allowed.position is None else allowed.position - 1,
@@ -252,6 +298,12 @@ def _choice(parameters: DanceParameters, graph: BarGraph) -> Choice:
     ]
     if parameters.start is not None:
         wishes.append(Wish(0, (parameters.start - 1,)))
+    if parameters.end is not None:
+        wishes.append(Wish(-1, (parameters.end - 1,)))
+    size = parameters.stage
+    stage = Stage(size) if isinstance(size, float) else None
+    if isinstance(size, StageSize):
+        stage = Stage(None, size.width, size.depth)
     return Choice(
         None if parameters.pulse is None else Fraction(parameters.pulse),
         parameters.max_stretch,
@@ -260,6 +312,12 @@ def _choice(parameters: DanceParameters, graph: BarGraph) -> Choice:
         parameters.repeat_cost,
         parameters.max_run,
         tuple(wishes),
+        parameters.novelty,
+        parameters.energy,
+        _loudness(parameters),
+        stage,
+        float(np.radians(parameters.stage_turn)),
+        None if parameters.facing is None else float(np.radians(parameters.facing)),
     )
 
 
@@ -271,67 +329,13 @@ def _dance(
     )  # fmt: skip
 
 
-def _make_clip(
-    clips: Sequence[Clip],
-    graph: BarGraph,
-    plan: Plan,
-    dance: Dance,
-    fps: float,
-    parameters: DanceParameters,
-    motions: Sequence[Motion],
-) -> MadeClip:
-    """The new clip on the first clip's skeleton, with the axis up and the unit that clip has."""
-    first = clips[0].motion
-    original = min(motions, key=lambda motion: motion.document)
-    laid = lay_back(replace(first, translations=dance.translations, rotations=dance.rotations), original.up)
-    names = ", ".join(f"{clip.motion.name} (revision {clip.motion.revision})" for clip in clips)
-    tempo = f"{parameters.bpm:g} beats a minute" if parameters.bpm else "the beats of music"
-    return MadeClip(
-        parameters.name,
-        original.skeleton,
-        1 / fps,
-        laid.rotations,
-        laid.translations,
-        metres=original.metres,
-        up=original.up,
-        description=f"{parameters.bars} bars danced to {tempo}, made of {names}.",
-        properties=_properties(clips, plan, parameters),
-        labels=_labels(plan, fps, len(dance.rotations), parameters.labels),
-    )
-
-
-def _properties(clips: Sequence[Clip], plan: Plan, parameters: DanceParameters) -> tuple[tuple[str, str, str], ...]:
-    sources = " ".join(f"{clip.motion.document}@{clip.motion.revision}" for clip in clips)
-    tempo = (("tempo", f"{parameters.bpm:g}", "bpm"),) if parameters.bpm else ()
-    return (
-        *tempo,
-        ("pulse", str(plan.pulse), ""),
-        ("seed", str(parameters.seed), ""),
-        ("sources", sources, ""),
-        ("path", " ".join(str(bar + 1) for bar in plan.path), ""),
-        ("parameters", parameters.model_dump_json(exclude_defaults=True), ""),
-    )
-
-
-def _labels(plan: Plan, fps: float, frames: int, wanted: Sequence[str]) -> tuple[tuple[str, int, int], ...]:
-    """Motion names of bars and beats on the frames nearest to the grid, from 0, both ends included."""
-    edges = [min(frames, max(0, int(time * fps + 0.5))) for time in plan.grid]
-    labels: list[tuple[str, int, int]] = []
-    if "bars" in wanted:
-        bars = enumerate(zip(edges[:-1:4], edges[4::4], strict=True), start=1)
-        labels += [(f"bar-{number}", first, last - 1) for number, (first, last) in bars if first < last]
-    if "beats" in wanted:
-        labels += [("beat", frame, frame) for frame in edges[:-1] if frame < frames]
-    return tuple(labels)
-
-
 _CLIPS = PartInfo("table", "Each clip: rate, candidates, beats, period, bars, and which beats were used")
 _BARS = PartInfo("table", "Bars: four beats, lead-in, the beat after, tempo")
 _LABELS = PartInfo("table", "Motion names to write: document, name, first and last frame")
 _GRAPH = PartInfo("graph", "Bars and which may follow which, with distances in body sizes")
 _WARNINGS = PartInfo("table", "Part to show")
 
-_RULES = {"tempo": "2 (of the motion itself)"}
+_RULES = {"tempo": "2 (of the motion itself)", "beats": "2 (auto: more bars at the same tempo)"}
 
 BEATS = Analysis(
     name="beats",
@@ -390,6 +394,6 @@ DANCE = Analysis(
     run=run_dance,
     spreads=True,
     check=_check,
-    rules=_RULES,
+    rules={**_RULES, "path": "2 (novelty)"},
     pictures=DANCE_PICTURES,
 )

@@ -5,7 +5,7 @@ Choi (2024) with the reference beats of Kim, Park, Shin (2003); tracking: Ellis 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -21,7 +21,12 @@ EntryFrom = Literal["beat", "third"]
 TIGHTNESS = 10.0
 """Weight of a step's distance from the period, in the logarithm, against a beat's strength."""
 ENOUGH = 4
-"""Bars of a clip below which `auto` tracks."""
+"""Bars of a clip below which `auto` takes tracked beats of another tempo."""
+SAME_TEMPO = 0.02
+"""Greatest part by which the tempi of detected and tracked bars differ if they are the same."""
+Reason = Literal["requested", "no tempo", "more bars", "no more bars", "other tempo", "few bars"]
+"""Why a clip has these beats: as requested; no tempo, so no bars; tracked beats give more bars, or no more, at the
+tempo of the detected ones; their tempo differs; or detected beats give fewer than four bars."""
 _SUPPORTED = 3
 
 
@@ -30,7 +35,8 @@ class Bars:
     """Beats of a clip and its bars, in frames or between them. beats: (n,). supported: (n,) whether there is a dip.
 
     bars: (m, 4). source: the kind of beats. entries, leaves: (m,) start of the lead-in and end of the following beat;
-    they may be outside the clip, where a pose is held.
+    they may be outside the clip, where a pose is held. reason: why these beats. compared: bars of detected and of
+    tracked beats, if both were made.
     """
 
     source: Literal["detected", "tracked"]
@@ -39,6 +45,13 @@ class Bars:
     bars: Array
     entries: Array
     leaves: Array
+    reason: Reason = "requested"
+    compared: tuple[int, int] | None = None
+
+    @property
+    def period(self) -> float | None:
+        """The median beat of the bars, in frames; None without bars."""
+        return float(np.median(self.bars[:, 3] - self.bars[:, 0])) / 3 if len(self.bars) else None
 
     @property
     def support(self) -> float:
@@ -106,20 +119,35 @@ def find_bars(
 ) -> Bars:
     """Bars of a clip. speed: (F,). candidates, beats: frames. period: seconds of a beat, None where unknown.
 
-    auto: detected beats; a clip that gives fewer than four bars is tracked, and the tracked bars kept if more.
-    middle: tracked beats, too, move to the middle of the rest.
+    auto: see `choose_bars`. middle: tracked beats, too, move to the middle of the rest.
     """
     window, step = window_of(fps), None if period is None else period * fps
     sure = np.ones(len(beats), dtype=bool)
-    bars = bars_of(beats, sure, "detected", step, window, tolerance, stride, lead_in)
-    if step is None or which == "detected" or (which == "auto" and len(bars.bars) >= ENOUGH):
-        return bars
+    detected = bars_of(beats, sure, "detected", step, window, tolerance, stride, lead_in)
+    if step is None or which == "detected":
+        return replace(detected, reason="requested" if which == "detected" else "no tempo")
     strength = beat_strength(speed, candidates, window)
     path = track(strength, step)
     supported = strength[path] >= k2
     moved = np.where(supported, locate(speed, path, fps), path) if middle else path.astype(float)
     tracked = bars_of(moved, supported, "tracked", step, window, tolerance, stride, lead_in)
-    return tracked if which == "tracked" or len(tracked.bars) > len(bars.bars) else bars
+    return tracked if which == "tracked" else choose_bars(detected, tracked)
+
+
+def choose_bars(detected: Bars, tracked: Bars) -> Bars:
+    """Choose between detected and tracked beats, and say why.
+
+    If their bars have the same tempo within 2 %, those with more bars, detected ones if equal. Otherwise detected ones,
+    unless they give fewer than four bars and tracked ones more.
+    """
+    first, second = detected.period, tracked.period
+    more = len(tracked.bars) > len(detected.bars)
+    reason: Reason = "more bars" if more else "no more bars"
+    if more and (first is None or second is None or abs(first / second - 1) > SAME_TEMPO):
+        more = len(detected.bars) < ENOUGH
+        reason = "few bars" if more else "other tempo"
+    counts = len(detected.bars), len(tracked.bars)
+    return replace(tracked if more else detected, reason=reason, compared=counts)
 
 
 def beat_strength(speed: Array, candidates: Frames, window: int) -> Array:

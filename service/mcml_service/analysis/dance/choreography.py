@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
 from typing import Literal
@@ -14,10 +14,21 @@ from numpy.typing import NDArray
 from mcml.motion.skeleton import Array
 from mcml_service.analysis.dance.assembly import Dance, assemble
 from mcml_service.analysis.dance.bar_graph import AllBars, BarGraph, keep_only, threshold_for_two
+from mcml_service.analysis.dance.beam import MAX_RUN, Costs, Route, beam_path, cheapest_path
 from mcml_service.analysis.dance.blend import Blend, Placement
+from mcml_service.analysis.dance.energy import (
+    Loudness,
+    energy_costs,
+    find_bar_loudness,
+    find_efforts,
+    match_energy,
+)
+from mcml_service.analysis.dance.floor import fit_to_stage, make_floor, place_dance, turn_to_face
 from mcml_service.analysis.dance.motion_beats import half_up
-from mcml_service.analysis.dance.path import MAX_RUN, beam_path, feasible, first_impossible, random_path, successors
+from mcml_service.analysis.dance.motion_graph import Edges
+from mcml_service.analysis.dance.path import feasible, first_impossible, random_path, successors
 from mcml_service.analysis.dance.sources import Clip
+from mcml_service.analysis.dance.stage import Stage
 from mcml_service.analysis.dance.time_warp import (
     PULSES,
     Warp,
@@ -30,12 +41,15 @@ from mcml_service.analysis.dance.time_warp import (
 from mcml_service.analysis.interface import AnalysisError
 
 MOST_OUT = 512
+VARIATION = 0.5
+"""Thresholds: random cost of a jump, at most, by which seeds give different paths."""
 Strategy = Literal["beam", "random"]
 
 
 @dataclass(frozen=True)
 class Wish:
-    """The bars allowed at a position (from 0; None: everywhere). bars: from 0. document, label: of the source."""
+    """The bars allowed at a position (from 0, or -1: the last; None: everywhere). bars: from 0. document, label: of the
+    source."""
 
     position: int | None = None
     bars: tuple[int, ...] = ()
@@ -45,7 +59,7 @@ class Wish:
 
 @dataclass(frozen=True)
 class Choice:
-    """How a path is chosen. docs/analyses/dance.md describes the fields."""
+    """How a path is chosen. docs/analyses/dance.md describes the fields; most_turn and facing are in radians."""
 
     pulse: Fraction | None = None
     max_stretch: float = 2.0
@@ -54,13 +68,21 @@ class Choice:
     repeat_cost: float = 1.0
     max_run: int = MAX_RUN
     wishes: tuple[Wish, ...] = ()
+    novelty: float = 0.0
+    energy: float = 0.0
+    loudness: Loudness | None = None
+    stage: Stage | None = None
+    most_turn: float = 0.0
+    facing: float | None = None
 
 
 @dataclass(frozen=True)
 class Plan:
     """path: (M,) bars. natural: (M - 1,) whether the step to the next is. distances: (M - 1,), transforms: (M - 1, 3).
 
-    grid: (4 M + 1,) motion beats, seconds. kept: (B,) bars that could have been danced.
+    grid: (4 M + 1,) motion beats, seconds. kept: (B,) bars that could have been danced. turns: (M,) radians that the
+    dancer turns in each bar, start: before the first one, to stay on the stage or face a direction. energy_match: rank
+    correlation of the music's loudness and the bars' effort, None where unknown.
     """
 
     path: tuple[int, ...]
@@ -70,6 +92,9 @@ class Plan:
     pulse: Fraction
     grid: Array
     kept: NDArray[np.bool_]
+    turns: Array
+    start: float = 0.0
+    energy_match: float | None = None
 
 
 def check_pulse(music_bars: int, pulse: Fraction) -> None:
@@ -123,21 +148,52 @@ def plan_dance(clips: Sequence[Clip], graph: BarGraph, grid: Array, choice: Choi
             remedy="Allow more bars there or before it, or raise the threshold.",
             position=place,
         )
-    ways = successors(len(bars), inside, graph.threshold)
-    if choice.strategy == "random":
-        path = random_path(ways, reach, np.random.default_rng(choice.seed))
-    else:
-        path = beam_path(ways, reach, choice.repeat_cost, max_run=choice.max_run)
-    steps = [_edge(inside.first, inside.second, a, b) for a, b in pairwise(path)]
+    starts = None if choice.facing is None else turn_to_face(clips, bars, choice.facing)
+    levels, efforts = None, None
+    if choice.loudness is not None:
+        levels, efforts = find_bar_loudness(choice.loudness, beats), find_efforts(clips, bars)
+    energies = None
+    if choice.energy and levels is not None and efforts is not None:
+        energies = energy_costs(levels, efforts, graph.kept, choice.energy)
+    route = _find_route(clips, graph, inside, reach, choice, starts, energies)
+    steps = [_edge(inside.first, inside.second, a, b) for a, b in pairwise(route.path)]
     return Plan(
-        tuple(path),
+        tuple(route.path),
         tuple(bool(natural) for natural in inside.natural[steps]),
         inside.distances[steps],
         inside.transforms[steps],
         pulse,
         beats,
         graph.kept,
+        route.turns,
+        0.0 if starts is None else float(starts[route.path[0]]),
+        None if levels is None or efforts is None else match_energy(levels, efforts[route.path]),
     )
+
+
+def _find_route(
+    clips: Sequence[Clip],
+    graph: BarGraph,
+    inside: Edges,
+    reach: NDArray[np.bool_],
+    choice: Choice,
+    starts: Array | None,
+    energies: Array | None,
+) -> Route:
+    """Return the path and its turns."""
+    ways = successors(len(graph.bars), inside, graph.threshold)
+    if choice.strategy == "random":
+        path = random_path(ways, reach, np.random.default_rng(choice.seed))
+        return Route(path, np.zeros(len(path)), 0.0)
+    floor = None
+    if choice.stage is not None:
+        floor = make_floor(clips, graph.bars, inside, choice.stage, choice.most_turn, starts)
+    if choice.novelty and choice.seed:
+        varied = VARIATION * np.random.default_rng(choice.seed).random(len(inside)) * ~inside.natural
+        ways = replace(ways, costs=ways.costs + varied)
+    costs = Costs(choice.repeat_cost, max_run=choice.max_run, novelty=choice.novelty, energies=energies)
+    plain = not choice.novelty and floor is None and energies is None
+    return beam_path(ways, reach, costs) if plain else cheapest_path(ways, reach, costs, floor)
 
 
 def _edge(first: NDArray[np.intp], second: NDArray[np.intp], a: int, b: int) -> int:
@@ -198,7 +254,7 @@ def find_allowed_bars(
             fits &= _find_labelled(clips, bars, wish.label)
         if wish.position is None:
             allowed &= fits
-        elif wish.position < length:
+        elif -length <= wish.position < length:
             allowed[wish.position] &= fits
     return allowed
 
@@ -225,7 +281,7 @@ def dance_of(
     warp: Warp = "beats",
     placement: Placement = "cloud",
 ) -> Dance:
-    """The motion of a plan at a frame rate."""
+    """The motion of a plan at a frame rate, as its bars lead: `stage_dance` places it."""
     runs = segments(
         plan.path, plan.natural, bars.frames, bars.entries, bars.leaves, plan.grid, warp, blend == "classic"
     )
@@ -233,3 +289,18 @@ def dance_of(
     jumps = plan.transforms[[not natural for natural in plan.natural]]
     frames = frame_count(plan.grid, fps)
     return assemble(clips, owners, runs, jumps, frames, fps, blend, blend_beats, placement)
+
+
+def stage_dance(clips: Sequence[Clip], plan: Plan, dance: Dance, fps: float, choice: Choice) -> Plan:
+    """The plan with turns that keep its dance on the stage, if there is one."""
+    if choice.stage is None:
+        return plan
+    turns = fit_to_stage(dance, clips[0], plan.grid, fps, choice.stage, plan.turns, plan.start, choice.most_turn)
+    return replace(plan, turns=turns)
+
+
+def turn_dance(clips: Sequence[Clip], plan: Plan, dance: Dance, fps: float, choice: Choice) -> Dance:
+    """The dance with the turns of its plan; on a stage it starts in the middle, at the origin."""
+    if choice.stage is None and not plan.start:
+        return dance
+    return place_dance(dance, clips[0], plan.grid, fps, plan.turns, plan.start, choice.stage is not None)

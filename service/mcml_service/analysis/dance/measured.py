@@ -9,6 +9,7 @@ import numpy as np
 
 from mcml_service.analysis.dance.assembly import Dance
 from mcml_service.analysis.dance.choreography import Plan
+from mcml_service.analysis.dance.floor import measure_way
 from mcml_service.analysis.dance.metrics import (
     Watched,
     clip_extremes,
@@ -20,6 +21,7 @@ from mcml_service.analysis.dance.metrics import (
     watch,
 )
 from mcml_service.analysis.dance.sources import Clip, Search
+from mcml_service.analysis.dance.stage import Stage
 from mcml_service.analysis.dance.tables import table
 from mcml_service.analysis.interface import Part
 
@@ -36,7 +38,13 @@ class Measured:
 
 
 def measure(
-    clips: Sequence[Clip], dance: Dance, classic: Dance | None, plan: Plan, fps: float, search: Search
+    clips: Sequence[Clip],
+    dance: Dance,
+    classic: Dance | None,
+    plan: Plan,
+    fps: float,
+    search: Search,
+    stage: Stage | None = None,
 ) -> Measured:
     """Figures of a dance. classic: the same path with the classic blend; None where the dance is that."""
     figure = clips[0].figure
@@ -70,6 +78,9 @@ def measure(
         "frames": len(time),
         "bars": len(plan.path),
         "jumps": len(jumped),
+        **_uses(plan),
+        **_places(dance, clips[0], stage),
+        "energy_match": plan.energy_match,
         **grid_metrics(watched, plan.grid),
         "beats_in_transitions": sum(int(found["beats_inside"] or 0) for found in own),
         "classic_beats_in_transitions": sum(int(found["beats_inside"] or 0) for found in other),
@@ -85,3 +96,22 @@ def measure(
     }
     metrics = table(["metric", "value"], list(values.items()))
     return Measured(watched, metrics, table(columns, rows))
+
+
+def _uses(plan: Plan) -> dict[str, float | int | None]:
+    """Different bars of the dance, those that it could have, the share of the ones in the others, most uses of one."""
+    uses = np.bincount(plan.path)
+    used, available = int((uses > 0).sum()), int(plan.kept.sum())
+    return {
+        "bars_used": used,
+        "bars_available": available,
+        "coverage": used / available,
+        "most_uses": int(uses.max()),
+    }
+
+
+def _places(dance: Dance, first: Clip, stage: Stage | None) -> dict[str, float | int | None]:
+    """The farthest place of the root from its first one, the middle of the stage, and how far it leaves the stage."""
+    way = measure_way(dance.translations, first)
+    outside = None if stage is None else greatest(stage.outside(way))
+    return {"farthest_from_centre": greatest(np.abs(way)), "outside_stage": outside}

@@ -14,6 +14,7 @@ import numpy as np
 
 from mcml.errors import LimitError, UnsupportedError
 from mcml.motion.skeleton import Array
+from mcml_service.analysis.dance.energy import measure_levels
 from mcml_service.analysis.dance.music_tempo import Heard, Meter, Rival, is_clear, meters_of, rivals_of
 from mcml_service.analysis.dance.time_warp import even_grid
 from mcml_service.analysis.interface import AnalysisError
@@ -125,12 +126,14 @@ def is_sound(first: bytes) -> bool:
 @dataclass(frozen=True)
 class Beats:
     """beats: (n,) seconds. rivals: the tempi that the music may have, the taken one first. clear: whether it fits
-    clearly better than the others, or was given. meters: beats of a bar, the likelier first."""
+    clearly better than the others, or was given. meters: beats of a bar, the likelier first. loudness: (n,) RMS of the
+    sound from each beat to the next."""
 
     beats: Array
     rivals: tuple[Rival, ...]
     clear: bool
     meters: tuple[Meter, ...]
+    loudness: Array
 
 
 def track_beats(stream: BinaryIO, name: str = "music", bpm: float | None = None) -> Beats:
@@ -175,4 +178,5 @@ def track_beats(stream: BinaryIO, name: str = "music", bpm: float | None = None)
     meters = tuple(meters_of(beats, heard))
     beats = np.maximum(0.0, beats - LATENESS)
     fit_tempo(beats.tolist())
-    return Beats(beats, tuple(rivals), bpm is not None or (bool(rivals) and is_clear(rivals)), meters)
+    clear = bpm is not None or (bool(rivals) and is_clear(rivals))
+    return Beats(beats, tuple(rivals), clear, meters, measure_levels(samples, rate, beats))

@@ -12,11 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.motion.skeleton import Array
+from mcml_service.analysis.dance.assembly import Dance
 from mcml_service.analysis.dance.bar_graph import FAR, AllBars, BarGraph
 from mcml_service.analysis.dance.bars import find_held_frames
 from mcml_service.analysis.dance.choreography import Plan
+from mcml_service.analysis.dance.floor import measure_way
 from mcml_service.analysis.dance.motion_beats import REASONS, half_up, whole
 from mcml_service.analysis.dance.sources import Clip
+from mcml_service.analysis.dance.stage import Stage
 from mcml_service.analysis.interface import Part
 
 SHOWN = 2000
@@ -54,10 +57,12 @@ def table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> Part:
 
 
 def clips_table(clips: Sequence[Clip]) -> Part:
-    """One row a clip: rate, mean speed, candidates by verdict, beats, period and its rivals, bars, which beats."""
+    """One row a clip: rate, mean speed, candidates by verdict, beats, period and its rivals, bars, which beats and
+    why."""
     columns = ["document", "name", "frames", "fps", "mean_speed", "candidates", *(f"refused_{r}" for r in REASONS[1:])]
     columns += ["beats", "period", "bpm", "peaks", "bars", "beats_from", "support"]
-    columns += ["tempo_clear", "tempo_rival", "tempo_octave", "tempo_steady", "jump"]
+    columns += ["tempo_clear", "tempo_rival", "tempo_octave", "tempo_steady"]
+    columns += ["beats_reason", "bars_detected", "bars_tracked", "jump"]
     rows = []
     for clip in clips:
         refused = [int((clip.candidates.verdicts == verdict).sum()) for verdict in range(1, len(REASONS))]
@@ -68,7 +73,7 @@ def clips_table(clips: Sequence[Clip]) -> Part:
         row += [len(clip.bars.bars), clip.bars.source, clip.bars.support]
         tempo = clip.tempo
         row += [None] * 4 if tempo is None else [tempo.clear, tempo.rival, tempo.octave, tempo.steady]
-        rows.append([*row, jump_of(clip)])
+        rows.append([*row, clip.bars.reason, *(clip.bars.compared or (None, None)), jump_of(clip)])
     return table(columns, rows)
 
 
@@ -222,6 +227,24 @@ def graph_warnings(clips: Sequence[Clip], graph: BarGraph) -> list[str]:
     ]
     if graph.threshold > FAR:
         warnings.append(f"The threshold is {graph.threshold:.3f} body sizes: jumps above {FAR} slide visibly.")
+    return warnings
+
+
+def stage_warnings(clips: Sequence[Clip], dance: Dance, stage: Stage | None) -> list[str]:
+    """Return warnings about the places of a dance."""
+    if stage is None:
+        return []
+    warnings = []
+    outside = float(stage.outside(measure_way(dance.translations, clips[0])).max(initial=0.0))
+    if outside > 0:
+        warnings.append(
+            f"The dance leaves the stage, {stage.text}, by up to {outside:.2f} m. Use a larger stage, more clips, or "
+            "raise stage_turn."
+        )
+    if clips[0].motion.metres is None:
+        warnings.append(
+            f"{clips[0].motion.name} states no unit of length: metres are those of an adult of its proportions."
+        )
     return warnings
 
 

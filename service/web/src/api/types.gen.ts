@@ -2498,9 +2498,18 @@ export interface components {
             seed: number;
             /** @default 1 */
             repeat_cost: number;
+            /** @default 0.5 */
+            novelty: number;
+            /** @default 0 */
+            energy: number;
+            stage?: number | components["schemas"]["StageSize"] | null;
+            /** @default 10 */
+            stage_turn: number;
+            facing?: number | null;
             /** @default 4 */
             max_run: number;
             start?: number | null;
+            end?: number | null;
             allowed?: components["schemas"]["AllowedBars"][];
             /**
              * @default hold
@@ -2519,6 +2528,8 @@ export interface components {
              * @enum {string}
              */
             placement: "cloud" | "facing";
+            /** @default false */
+            lock_feet: boolean;
             /** @default false */
             dry_run: boolean;
             /** @default dance */
@@ -3596,6 +3607,7 @@ export interface components {
             factor: "1/2" | "1" | "2";
             /** @default 4 */
             beats_per_bar: number;
+            loudness?: number[] | null;
         };
         MusicBeats: {
             music: components["schemas"]["Music"];
@@ -4491,6 +4503,10 @@ export interface components {
             at: number[];
             label?: string | null;
             project?: string | null;
+        };
+        StageSize: {
+            width: number;
+            depth: number;
         };
         StoredFile: {
             part: string;

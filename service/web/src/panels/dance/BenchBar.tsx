@@ -215,15 +215,7 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
             onChange={write("bars")}
           />
         </label>
-        <label class="row" title={d("help.seedHelp")}>
-          {d("label.seed")}
-          <NumberField
-            least={0}
-            step={1}
-            value={Number(param("seed")) || 0}
-            onChange={(value) => write("seed")(value || null)}
-          />
-        </label>
+        <PathFields />
         <span class="grow" />
         {job ? (
           <span class="row grow bench-job" role="status">
@@ -256,6 +248,26 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
         </p>
       )}
       <Trouble error={error} />
+    </>
+  );
+}
+
+function PathFields() {
+  return (
+    <>
+      <label class="row" title={d("help.seedHelp")}>
+        {d("label.seed")}
+        <NumberField
+          least={0}
+          step={1}
+          value={Number(param("seed")) || 0}
+          onChange={(value) => write("seed")(value || null)}
+        />
+      </label>
+      <label class="row" title={d("help.stageHelp")}>
+        {d("label.stageRadius")}
+        <NumberField least={0.5} step={0.5} value={Number(param("stage")) || null} onChange={write("stage")} />
+      </label>
     </>
   );
 }

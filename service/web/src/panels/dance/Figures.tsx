@@ -43,6 +43,7 @@ export function Figures({ bench, result, dry }: { bench: Bench; result: Result; 
   const sizes = (value?: number | null) =>
     value === null || value === undefined ? "–" : d("label.perSecond", { n: number(value, 3) });
   const rows: [string, string, string, string?][] = [
+    ...varietyOf(values),
     [d("label.onBeat"), percent(values.grid_hits_70ms), ""],
     [d("label.alignMusic"), percent(values.beat_align_music), ""],
     [d("label.alignMotion"), percent(values.beat_align_motion), ""],
@@ -98,6 +99,17 @@ export function Figures({ bench, result, dry }: { bench: Bench; result: Result; 
       )}
     </div>
   );
+}
+
+/** Rows about variety and place; results of earlier versions have none. */
+function varietyOf(values: Record<string, number | null | undefined>): [string, string, string][] {
+  const { bars_used: used, bars_available: available, most_uses: most, farthest_from_centre: farthest } = values;
+  if (used == null || available == null || most == null || farthest == null) return [];
+  return [
+    [d("label.coverage"), d("label.ofAvailable", { used, available }), ""],
+    [d("label.mostUses"), number(most), ""],
+    [d("label.farthest"), d("label.metres", { n: number(farthest, 1) }), ""],
+  ];
 }
 
 function Transitions({ bench, result, dry }: { bench: Bench; result: Result; dry: boolean }) {

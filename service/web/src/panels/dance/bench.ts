@@ -266,7 +266,8 @@ export class Bench {
       start: number("start"),
       allowed,
       threshold: number("near"),
-      ...(seed ? { seed, strategy: "random" } : {}),
+      stage: number("stage"),
+      ...(seed ? { seed } : {}),
     };
   }
 }
