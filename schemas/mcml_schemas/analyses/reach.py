@@ -18,6 +18,9 @@ _ATTRIBUTES = {"age": 23, "height": 175, "hbp": 355}
 _WARNING = {"code": "in-gap", "what": "No example has an age near the requested one."}
 _CLIP = {"document": DOCUMENT, "revision": 1, "name": "reach_01_001", "subject": "S01"}
 
+_TARGET = [-0.26, 0.8, 0.12]
+
+Coordinate = Annotated[FiniteFloat, Field(ge=-1000, le=1000)]
 Fps = Annotated[float, Field(gt=0, le=1000)]
 
 
@@ -136,6 +139,13 @@ class ReachParameters(RequestBody):
     legacy_time_map: bool = Field(
         False, description="Play back by the printed time map, which leaps over two samples", examples=[False]
     )
+    align: Literal["none", "start"] = Field(
+        "none",
+        description="Places of clips: as they are, or moved on the ground and turned about the vertical so that the "
+        "root is above the origin, and faces as in the rest pose, when the reach begins. Use start for clips that were "
+        "captured at different places",
+        examples=["start"],
+    )
     force: bool = Field(False, description="Take attributes outside the usual ranges as they are", examples=[False])
 
 
@@ -157,7 +167,23 @@ class ReachWish(RequestBody):
         True, description="Whether attributes outside those of the examples are answered", examples=[True]
     )
     clamp: bool = Field(
-        False, description="Use the nearest attributes within those of the examples instead", examples=[False]
+        False,
+        description="Use the nearest attributes within those of the examples instead, and the nearest place that the "
+        "hand can reach",
+        examples=[False],
+    )
+    target: tuple[Coordinate, Coordinate, Coordinate] | None = Field(
+        None,
+        description="Place of the hand when the reach ends (t2): x, y, z in metres, in the world of the made motion, "
+        "as an answer without target tells in hand_place. A model fitted with align=start begins its reaches above the "
+        "origin, so there the target is relative to the body",
+        examples=[_TARGET],
+    )
+    method: Literal["blend", "arrive"] | None = Field(
+        None,
+        description="blend: the mixture of examples as it is; arrive: then arm, spine and pelvis bring the hand to the "
+        "target. If left out, requests with a target arrive",
+        examples=["arrive"],
     )
     force: bool = Field(False, description="Take attributes outside the usual ranges as they are", examples=[False])
 
@@ -200,6 +226,16 @@ class ReachWarning(BaseModel):
     what: str = Field(description="One sentence", examples=[_WARNING["what"]])
 
 
+class ReachMoves(BaseModel):
+    """How far parts of the body moved so that the hand arrives, at the end of the reach."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"arm": 0.12, "spine": 0.03, "pelvis": 0.0}))
+
+    arm: float = Field(description="Metres that the hand moved in the axes of the trunk", examples=[0.12])
+    spine: float = Field(description="Metres that the shoulder moved in the axes of the pelvis", examples=[0.03])
+    pelvis: float = Field(description="Metres that the pelvis moved", examples=[0.0])
+
+
 class ReachMotion(BaseModel):
     """A synthesised motion, with measures of its reliability."""
 
@@ -220,6 +256,11 @@ class ReachMotion(BaseModel):
                 "in_gaps": [],
                 "weights": [{"clip": _CLIP, "weight": 0.31}],
                 "skeleton_source": _CLIP,
+                "method": "arrive",
+                "target": _TARGET,
+                "hand_place": _TARGET,
+                "hand_error": 0.0001,
+                "moved": {"arm": 0.12, "spine": 0.03, "pelvis": 0.0},
                 "warnings": [],
             }
         )
@@ -248,7 +289,23 @@ class ReachMotion(BaseModel):
     in_gaps: list[str] = Field(description="Attributes in a gap between the examples", examples=[["age"]])
     weights: list[ReachWeight] = Field(description="The ten examples that count most")
     skeleton_source: ReachClip = Field(description="The clip whose body the motion has: height does not scale it")
-    warnings: list[ReachWarning] = Field(description="sparse-region, in-gap, clamped, attribute-not-modelled, …")
+    method: Literal["blend", "arrive"] = Field("blend", description="How it was made", examples=["arrive"])
+    target: list[float] | None = Field(None, description="As requested", examples=[_TARGET])
+    hand_place: list[float] | None = Field(
+        None,
+        description="Where the hand is in the frame nearest to t2: x, y, z in metres, in the world of the motion; null "
+        "where the model knows no unit of length or no arm",
+        examples=[_TARGET],
+    )
+    hand_error: float | None = Field(
+        None, description="Metres from hand_place to the target; null without a target", examples=[0.0001]
+    )
+    moved: ReachMoves | None = Field(
+        None, description="Moves of arm, spine and pelvis that bring the hand there; null for a blend"
+    )
+    warnings: list[ReachWarning] = Field(
+        description="sparse-region, in-gap, clamped, out-of-reach, attribute-not-modelled, …"
+    )
 
 
 class ReachClipChoice(RequestBody):

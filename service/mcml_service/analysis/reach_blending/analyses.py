@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from mcml_schemas.analyses.reach import (
     ReachClipChoice,
     ReachMoment,
     ReachMotion,
+    ReachMoves,
     ReachParameters,
     ReachPhases,
     ReachWarning,
@@ -103,7 +104,8 @@ def prepare(parts: Parts) -> Ready:
 def make(ready: Ready, wish: ReachWish) -> Answer:
     """A motion for attributes."""
     model = ready.model
-    made = synthesize(model, Wish(wish.attributes, wish.fps, wish.template, wish.extrapolate, wish.clamp, wish.force))
+    made = synthesize(model, Wish(**{name: getattr(wish, name) for name in ReachWish.model_fields}))
+    hand = made.hand
     fps = 1.0 / made.clip.frame_time
     turned = made.clip.rotations[:, made.clip.skeleton.names.index(ready.phase_joint)]
     t1, t2, end = (ReachMoment(seconds=time, frames=time * fps) for time in made.times)
@@ -122,6 +124,11 @@ def make(ready: Ready, wish: ReachWish) -> Answer:
         in_gaps=list(made.in_gaps),
         weights=[ReachWeight(clip=_clip(model.sources[place]), weight=weight) for place, weight in made.weights],
         skeleton_source=_clip(model.sources[made.template]),
+        method=made.method,
+        target=None if wish.target is None else list(wish.target),
+        hand_place=None if hand is None else hand.place.tolist(),
+        hand_error=None if hand is None else hand.error,
+        moved=None if hand is None or hand.moved is None else ReachMoves(**asdict(hand.moved)),
         warnings=[ReachWarning(code=code, what=text) for code, text in made.warnings],
     )
     return Answer(answer, clip=made.clip)

@@ -17,6 +17,7 @@ from mcml_service.analysis.reach_blending.options import Options
 from mcml_service.analysis.reach_blending.phases import Phases, angular_speed, check_phases, find_phases
 from mcml_service.analysis.reach_blending.principal_components import principal_components
 from mcml_service.analysis.reach_blending.quaternion_tracks import continuous, fill_gaps, jumps, second_moments, unit
+from mcml_service.analysis.reach_blending.standpoint import Standpoint, find_standpoint
 
 RANGES: Mapping[str, tuple[float, float, str]] = {
     "age": (0.0, 120.0, "year"),
@@ -35,6 +36,7 @@ class Clip:
     places: (J,) of the joints in the motion. subject: the person; the document's id if unknown. attributes: (A,).
     speed: (F,) of the phase joint, rad/s. offsets: (J, 3) of each joint in its parent. moments: (J, 4, 4), see
     `second_moments`. arm: (F, 3) principal components of the joints from above the phase joint to the hand.
+    standpoint: where the clip is put, see `Options.align`.
     """
 
     motion: Motion
@@ -47,11 +49,15 @@ class Clip:
     arm: Array
     warnings: tuple[tuple[str, str], ...]
     places: NDArray[np.intp]
+    standpoint: Standpoint | None
 
     def tracks(self) -> tuple[Array, Array]:
         """Root (F, 3) and continuous rotations (F, J, 4): computed on use, because thousands of clips have many."""
         rotations, translations, _ = _fill(self.motion, self.places)
-        return translations[:, 0], continuous(unit(rotations))
+        root, rotations = translations[:, 0], unit(rotations)
+        if self.standpoint is not None:
+            root, rotations = self.standpoint.move(root, rotations)
+        return root, continuous(rotations)
 
 
 @dataclass(frozen=True)
@@ -129,6 +135,10 @@ def read_clip(motion: Motion, places: NDArray[np.intp], body: Body, options: Opt
         phases = check_phases(joint_rotations, motion.fps, options.times[motion.document], options.phase_method)
     else:
         phases = find_phases(joint_rotations, motion.fps, options.phase_method)
+    standpoint = None
+    if options.align == "start":
+        standpoint = find_standpoint(translations[:, 0], rotations[:, 0], phases.t1, motion.up)
+        _, rotations = standpoint.move(translations[:, 0], rotations)
     offsets = np.median(translations, axis=0)
     offsets[0] = 0.0
     subject = motion.properties.get(options.subject, ("", ""))[0] if options.subject else ""
@@ -143,6 +153,7 @@ def read_clip(motion: Motion, places: NDArray[np.intp], body: Body, options: Opt
         arm=_arm(rotations, body),
         warnings=tuple(warnings),
         places=places,
+        standpoint=standpoint,
     )
 
 
@@ -310,6 +321,15 @@ def _hand_of(skeleton: Skeleton, phase_joint: int) -> int:
     while children := skeleton.children(last):
         last = children[0]
     return last
+
+
+def find_arm(body: Body) -> tuple[int, int] | None:
+    """Find the places of shoulder and elbow in the chain to the hand, by their names, else as its last two bones."""
+    names = [body.skeleton.joints[joint].name for joint in body.chain]
+    last = len(names) - 1
+    shoulder = next((place for place, name in enumerate(names) if name.endswith("_up_arm")), last - 2)
+    elbow = next((place for place, name in enumerate(names) if name.endswith("_low_arm")), shoulder + 1)
+    return (shoulder, elbow) if 0 < shoulder < elbow < last else None
 
 
 def _chain(skeleton: Skeleton, joint: int) -> tuple[int, ...]:

@@ -11,8 +11,11 @@ from numpy.typing import NDArray
 
 from mcml.motion.hub import rest_of
 from mcml.motion.skeleton import Array
+from mcml.motion.solving.arms import arm_length
+from mcml.motion.solving.joint_ranges import learn_ranges
 from mcml_service.analysis.interface import AnalysisError, Motion, Progress, silent
 from mcml_service.analysis.reach_blending.accuracy import Ruler, Sampled
+from mcml_service.analysis.reach_blending.arrival import SHORTEST_FADE
 from mcml_service.analysis.reach_blending.attribute_space import (
     AttributeSpace,
     attribute_space,
@@ -27,12 +30,13 @@ from mcml_service.analysis.reach_blending.clips import (
     check_ranges,
     common_body,
     differing_bones,
+    find_arm,
     minority,
     read_clip,
     turning_freely,
     unit_of,
 )
-from mcml_service.analysis.reach_blending.model import Model, Source, cardinal_of, to_time_values
+from mcml_service.analysis.reach_blending.model import Model, Reaching, Source, cardinal_of, to_time_values
 from mcml_service.analysis.reach_blending.motion_spaces import (
     EigenposeSpace,
     GlobalPoseSpace,
@@ -54,6 +58,8 @@ from mcml_service.analysis.reach_blending.time_normalisation import (
 )
 
 MIXED_UNITS = "unit-mismatch"
+HELD = 0.1
+"""Of the arm's length: within this the hand holds its place."""
 
 
 @dataclass(frozen=True)
@@ -171,6 +177,7 @@ def fit(motions: Sequence[Motion], options: Options, progress: Progress = silent
         base_fps=options.base_fps,
         log_times=options.log_times,
         legacy_time_map=options.legacy_time_map,
+        reaching=_reaching(body, sampled, reference, ruler, times, knots, options),
     )
     return Fitted(
         model, body, tuple(clips), tuple(excluded), times, shares, components, sampled, ruler, selected, tuple(warnings)
@@ -319,6 +326,34 @@ def _vectors(
     eigenposes = EigenposeSpace(len(reference), options.pose_components)
     vectors, pose_shares = eigenposes.vectors(tracks, options.sign_align)
     return eigenposes, vectors, pose_shares
+
+
+def _reaching(
+    body: Body, sampled: Sampled, reference: Array, ruler: Ruler, times: Array, knots: Knots, options: Options
+) -> Reaching | None:
+    """Learn what targets need from the sampled clips; None where the hand has no arm of two bones."""
+    arm = find_arm(body)
+    if arm is None:
+        return None
+    joints = list(body.chain)
+    rotations = sampled.rotations[:, :, joints].reshape(-1, len(joints), 4)
+    ranges = learn_ranges(rotations, reference[joints])
+    hands = ruler.hand(sampled.root, sampled.rotations)
+    near = HELD * arm_length(ruler.offsets[joints], arm)
+    rest = (times[:, 2] - times[:, 1]) / options.base_fps >= SHORTEST_FADE
+    return Reaching(body.chain, *arm, ranges, middle_hold(hands[rest, knots[1] :], near))
+
+
+def middle_hold(hands: Array, near: float) -> float:
+    """Return the median share of frames, of hands (N, n, 3), before a hand is farther than near from its first place.
+
+    Without clips, 1: no hand is known to leave.
+    """
+    if not len(hands):
+        return 1.0
+    left = np.linalg.norm(hands - hands[:, :1], axis=2) > near
+    frames = np.where(left.any(axis=1), left.argmax(axis=1) - 1, hands.shape[1] - 1)
+    return float(np.median(frames / max(hands.shape[1] - 1, 1)))
 
 
 def _middle(x: Array) -> int:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.motion.skeleton import Array, Skeleton
+from mcml.motion.solving.joint_ranges import JointRanges
 from mcml_service.analysis.interface import AnalysisError
 from mcml_service.analysis.reach_blending.attribute_space import AttributeSpace
 from mcml_service.analysis.reach_blending.blend import Blend, invert, kernel, terms
@@ -26,6 +27,21 @@ class Source:
 
 
 @dataclass(frozen=True)
+class Reaching:
+    """The arm of a model, for targets.
+
+    chain: joints from the root to the hand. shoulder, elbow: places in the chain. ranges: of the chain's joints, learnt
+    from the examples. hold: the share of the time after t2 during which the hand stays, middle of the examples.
+    """
+
+    chain: tuple[int, ...]
+    shoulder: int
+    elbow: int
+    ranges: JointRanges
+    hold: float
+
+
+@dataclass(frozen=True)
 class Model:
     """N clips, n examples (clips of equal attributes may be one), A attributes, d coordinates, K components.
 
@@ -33,7 +49,8 @@ class Model:
     length, None if unknown. names, units: (A,) of the attributes. attributes: (N, A). example_of: (N,) each clip's
     example. gaps: by attribute, intervals without examples. neighbour: mean distance to the nearest example.
     mean: (D,). basis: (K, D). coefficients: of x (q, d) the K coefficients. times: of x the three times, as logarithms
-    of durations where log_times is set; frames at base_fps. cardinal: (n, n + m), see `Inverse`.
+    of durations where log_times is set; frames at base_fps. cardinal: (n, n + m), see `Inverse`. reaching: None of
+    models fitted by earlier releases, and where the hand has no arm of two bones.
     """
 
     skeleton: Skeleton
@@ -59,6 +76,7 @@ class Model:
     base_fps: float
     log_times: bool
     legacy_time_map: bool
+    reaching: Reaching | None = None
 
     @property
     def centres(self) -> Array:

@@ -24,7 +24,8 @@ class Options:
     hand below phase_joint. times: (t1, t2, end) by document, in frames since the first, set by a person. knots: None:
     rounded means. components: K at most; variance: instead, the share that K must explain. s, lam: None: by
     cross-validation. duplicates: of attributes; None: averaged where lam is 0, else kept. log_times: times as
-    logarithms of durations.
+    logarithms of durations. align: "start" moves clips on the ground, and turns them about the vertical, so that the
+    root of each is above the origin and faces as in the rest pose when the reach begins.
     """
 
     method: Method = "robust"
@@ -51,6 +52,7 @@ class Options:
     duplicates: Duplicates | None = None
     log_times: bool = True
     legacy_time_map: bool = False
+    align: Literal["none", "start"] = "none"
     force: bool = False
 
 

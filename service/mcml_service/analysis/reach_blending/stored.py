@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.motion.skeleton import Convention, EndSite, Joint, Skeleton
+from mcml.motion.solving.joint_ranges import JointRanges
 from mcml_service.analysis.reach_blending.attribute_space import AttributeSpace
 from mcml_service.analysis.reach_blending.blend import Blend
-from mcml_service.analysis.reach_blending.model import Model, Source, cardinal_of
+from mcml_service.analysis.reach_blending.model import Model, Reaching, Source, cardinal_of
 from mcml_service.analysis.reach_blending.motion_spaces import (
     EigenposeSpace,
     GlobalPoseSpace,
@@ -46,6 +47,14 @@ def to_arrays(model: Model) -> dict[str, NDArray[Any]]:
         arrays["reference"] = space.reference
     elif isinstance(space, GlobalPoseSpace):
         arrays |= {"pose_mean": space.mean, "pose_basis": space.basis}
+    if model.reaching is not None:
+        ranges = model.reaching.ranges
+        arrays |= {
+            "range_reference": ranges.reference,
+            "range_axes": ranges.axes,
+            "range_low": ranges.low,
+            "range_high": ranges.high,
+        }
     return arrays
 
 
@@ -77,6 +86,7 @@ def to_values(model: Model) -> dict[str, Any]:
         "base_fps": model.base_fps,
         "log_times": model.log_times,
         "legacy_time_map": model.legacy_time_map,
+        "reaching": _reaching_values(model.reaching),
     }
 
 
@@ -123,6 +133,7 @@ def from_stored(values: Mapping[str, Any], arrays: Arrays) -> Model:
         base_fps=values["base_fps"],
         log_times=values["log_times"],
         legacy_time_map=values["legacy_time_map"],
+        reaching=_reaching(values.get("reaching"), arrays),
     )
 
 
@@ -132,6 +143,25 @@ def _space(kind: Mapping[str, Any], arrays: Arrays) -> MotionSpace:
     if kind["name"] == "eigenposes":
         return EigenposeSpace(kind["joints"], kind["count"])
     return GlobalPoseSpace(np.asarray(arrays["pose_mean"]), np.asarray(arrays["pose_basis"]))
+
+
+def _reaching_values(reaching: Reaching | None) -> dict[str, Any] | None:
+    if reaching is None:
+        return None
+    return {
+        "chain": list(reaching.chain),
+        "shoulder": reaching.shoulder,
+        "elbow": reaching.elbow,
+        "hold": reaching.hold,
+    }
+
+
+def _reaching(values: Mapping[str, Any] | None, arrays: Arrays) -> Reaching | None:
+    """The arm of a stored model; models of earlier releases have none."""
+    if values is None:
+        return None
+    ranges = (np.asarray(arrays[f"range_{name}"]) for name in ("reference", "axes", "low", "high"))
+    return Reaching(tuple(values["chain"]), values["shoulder"], values["elbow"], JointRanges(*ranges), values["hold"])
 
 
 def _joint(values: Mapping[str, Any]) -> Joint:

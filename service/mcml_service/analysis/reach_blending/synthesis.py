@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -13,6 +13,7 @@ from mcml_service.analysis.interface import AnalysisError, MadeClip
 from mcml_service.analysis.reach_blending.clips import check_ranges
 from mcml_service.analysis.reach_blending.model import Model
 from mcml_service.analysis.reach_blending.quaternion_tracks import continuous, unit
+from mcml_service.analysis.reach_blending.targets import NEAR, Hand, Method, choose_method, measure_hand, move_hand
 from mcml_service.analysis.reach_blending.time_normalisation import positions, read_rotations, read_values
 from mcml_service.analysis.reach_blending.trust import TOUCHING, most_influential, nearest_in_hull
 
@@ -24,7 +25,12 @@ OFF_PLANE = 0.05
 
 @dataclass(frozen=True)
 class Wish:
-    """A request for a motion. template: document whose body is used, None: the nearest clip's."""
+    """A request for a motion.
+
+    template: document whose body is used, None: the nearest clip's. clamp: take the nearest attributes inside, and the
+    nearest place of the hand. target: place of the hand at t2, metres in the world of the motion. method: None: arrive
+    if there is a target.
+    """
 
     attributes: Mapping[str, float]
     fps: float | None = None
@@ -33,6 +39,8 @@ class Wish:
     clamp: bool = False
     force: bool = False
     name: str | None = None
+    target: Sequence[float] | None = None
+    method: Method | None = None
 
 
 @dataclass(frozen=True)
@@ -40,7 +48,8 @@ class Made:
     """A synthesised motion and its facts.
 
     used: attributes after clamping. times: (3,) seconds. weights: (index of the clip, weight), the ten largest.
-    template: index of the clip whose body it has. in_gaps: names of attributes. warnings: (code, sentence).
+    template: index of the clip whose body it has. in_gaps: names of attributes. warnings: (code, sentence). hand: None
+    where the model does not know its unit or its arm.
     """
 
     clip: MadeClip
@@ -53,14 +62,17 @@ class Made:
     weights: tuple[tuple[int, float], ...]
     template: int
     warnings: tuple[tuple[str, str], ...]
+    method: Method
+    hand: Hand | None
 
 
 def synthesize(model: Model, wish: Wish) -> Made:
     """The motion at the attributes of a wish.
 
     Raises AnalysisError `missing-attribute`, `unknown-attribute`, `attribute-not-a-number`, `unit-suspect`,
-    `outside-hull`, `time-order`, `unknown-template`.
+    `outside-hull`, `time-order`, `unknown-template`, `no-target`, `unknown-unit`, `no-arm`, `out-of-reach`.
     """
+    method = choose_method(wish.method, wish.target)
     asked = _read_request(model, wish)
     warnings = _not_modelled(model, asked)
     x = model.attribute_space.coordinates(asked[None])[0]
@@ -92,6 +104,12 @@ def synthesize(model: Model, wish: Wish) -> Made:
         warnings.append(("in-gap", f"No example has {' or '.join(in_gaps)} near the requested one."))
     template = _template(model, wish, int(np.argmin(distances)))
     clip, times = _motion(model, x, wish, template)
+    hand: Hand | None
+    if method == "arrive" and wish.target is not None:
+        clip, hand = move_hand(model, clip, times[:2], wish.target, wish.clamp)
+        warnings += _about_hand(hand)
+    else:
+        hand = measure_hand(model, clip, times[1], wish.target)
     weights = model.weights(x)
     first_clip = {int(example): place for place, example in reversed(list(enumerate(model.example_of)))}
     # Clamped requests were outside of the examples too: the answer shows it in the used attributes.
@@ -107,7 +125,15 @@ def synthesize(model: Model, wish: Wish) -> Made:
         weights=tuple((first_clip[int(place)], float(weights[place])) for place in most_influential(weights)),
         template=template,
         warnings=tuple(warnings),
+        method=method,
+        hand=hand,
     )
+
+
+def _about_hand(hand: Hand | None) -> list[tuple[str, str]]:
+    if hand is None or hand.error is None or hand.error <= NEAR:
+        return []
+    return [("out-of-reach", f"The hand stays {100 * hand.error:.1f} cm from the target, at the nearest place.")]
 
 
 def _read_request(model: Model, wish: Wish) -> Array:

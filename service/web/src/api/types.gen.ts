@@ -3954,7 +3954,21 @@ export interface components {
             in_gaps: string[];
             weights: components["schemas"]["ReachWeight"][];
             skeleton_source: components["schemas"]["ReachClip"];
+            /**
+             * @default blend
+             * @enum {string}
+             */
+            method: "blend" | "arrive";
+            target?: number[] | null;
+            hand_place?: number[] | null;
+            hand_error?: number | null;
+            moved?: components["schemas"]["ReachMoves"] | null;
             warnings: components["schemas"]["ReachWarning"][];
+        };
+        ReachMoves: {
+            arm: number;
+            spine: number;
+            pelvis: number;
         };
         ReachParameters: {
             /**
@@ -4021,6 +4035,11 @@ export interface components {
             duplicates?: ("error" | "mean" | "keep") | null;
             /** @default false */
             legacy_time_map: boolean;
+            /**
+             * @default none
+             * @enum {string}
+             */
+            align: "none" | "start";
             /** @default false */
             force: boolean;
         };
@@ -4067,6 +4086,12 @@ export interface components {
             extrapolate: boolean;
             /** @default false */
             clamp: boolean;
+            target?: [
+                number,
+                number,
+                number
+            ] | null;
+            method?: ("blend" | "arrive") | null;
             /** @default false */
             force: boolean;
         };

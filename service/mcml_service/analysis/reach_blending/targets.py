@@ -1,0 +1,119 @@
+"""Requests for a place of the hand: checks, units, and measures of the result."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from mcml.motion.skeleton import Array
+from mcml.motion.solving.chains import walk_chain
+from mcml_service.analysis.interface import AnalysisError, MadeClip
+from mcml_service.analysis.reach_blending.arrival import Share, solve_contact, spread_solution
+from mcml_service.analysis.reach_blending.model import Model, Reaching
+
+Method = Literal["blend", "arrive"]
+NEAR = 0.001
+"""Metres from the target at which the hand is there."""
+
+
+@dataclass(frozen=True)
+class Hand:
+    """The hand of a made motion at the contact, in metres.
+
+    frame: the contact, from 0. place: (3,) in the world of the motion. error: distance from the target. moved: how far
+    parts of the body moved for it.
+    """
+
+    frame: int
+    place: Array
+    error: float | None = None
+    moved: Share | None = None
+
+
+def choose_method(method: Method | None, target: Sequence[float] | None) -> Method:
+    """Return how a motion is made: requests with a target arrive. Raises AnalysisError `no-target`."""
+    if method == "arrive" and target is None:
+        raise AnalysisError(
+            "no-target", 'The method "arrive" needs a target.', remedy="Set target to x, y, z in metres."
+        )
+    return method or ("blend" if target is None else "arrive")
+
+
+def measure_hand(model: Model, clip: MadeClip, t2: float, target: Sequence[float] | None) -> Hand | None:
+    """Measure where the hand of a clip is at t2 (seconds).
+
+    None where the model does not know its unit or its arm. Raises AnalysisError `unknown-unit`, `no-arm` if this is
+    asked for by a target.
+    """
+    reaching, metres = model.reaching, model.metres
+    if reaching is None or metres is None:
+        if target is not None:
+            raise _unable(model)
+        return None
+    frame = _contact(clip, t2)
+    place = _hand_at(reaching, clip, frame) * metres
+    return Hand(frame, place, None if target is None else float(np.linalg.norm(np.asarray(target) - place)))
+
+
+def move_hand(
+    model: Model, clip: MadeClip, times: tuple[float, float], target: Sequence[float], clamp: bool
+) -> tuple[MadeClip, Hand]:
+    """Correct a blended clip so that its hand is at the target at t2. times: t1, t2 in seconds.
+
+    target: metres, in the world of the clip. clamp: take the nearest place instead if the target is out of reach.
+    Raises AnalysisError `unknown-unit`, `no-arm`, `out-of-reach`.
+    """
+    reaching, metres = model.reaching, model.metres
+    if reaching is None or metres is None:
+        raise _unable(model)
+    fps = 1.0 / clip.frame_time
+    frame = _contact(clip, times[1])
+    chain = list(reaching.chain)
+    offsets = clip.translations[0, chain]
+    root, rotations = clip.translations[:, chain[0]], clip.rotations[:, chain]
+    goal = np.asarray(target, dtype=np.float64) / metres
+    solution = solve_contact(reaching, offsets, root[frame], rotations[frame], goal)
+    missed = solution.missed * metres
+    if missed > NEAR and not clamp:
+        raise AnalysisError(
+            "out-of-reach",
+            f"The target is {100 * missed:.1f} cm out of reach: arm, spine and pelvis bring the hand no nearer.",
+            remedy="Set clamp for the nearest place, or choose a nearer target or other attributes.",
+            distance=round(missed, 6),
+            nearest=[round(float(value) * metres, 6) for value in solution.place],
+        )
+    moved, turned = spread_solution(reaching, offsets, root, rotations, solution, (round(times[0] * fps), frame), fps)
+    all_rotations, translations = clip.rotations.copy(), clip.translations.copy()
+    all_rotations[:, chain] = turned
+    translations[:, chain[0]] = moved
+    clip = replace(clip, rotations=all_rotations, translations=translations)
+    hand = measure_hand(model, clip, times[1], target)
+    share = Share(*(part * metres for part in (solution.share.arm, solution.share.spine, solution.share.pelvis)))
+    return clip, replace(hand, moved=share) if hand else Hand(frame, solution.place * metres)
+
+
+def _contact(clip: MadeClip, t2: float) -> int:
+    return min(round(t2 / clip.frame_time), len(clip.rotations) - 1)
+
+
+def _hand_at(reaching: Reaching, clip: MadeClip, frame: int) -> Array:
+    chain = list(reaching.chain)
+    root, rotations = clip.translations[[frame], chain[0]], clip.rotations[[frame]][:, chain]
+    return np.asarray(walk_chain(root, rotations, clip.translations[0, chain])[0][0, -1])
+
+
+def _unable(model: Model) -> AnalysisError:
+    if model.metres is None:
+        return AnalysisError(
+            "unknown-unit",
+            "The unit of length of the model's clips is unknown, so a target in metres has no place.",
+            remedy="Set the unit of the clips and fit the model again, or leave the target out.",
+        )
+    return AnalysisError(
+        "no-arm",
+        "The model knows no arm: its hand has no upper arm and forearm, or an earlier release fitted it.",
+        remedy="Fit the model again, with hand_joint at the end of an arm, or leave the target out.",
+    )
