@@ -127,6 +127,12 @@ class ReachParameters(RequestBody):
     lam: FiniteFloat | None = Field(
         None, ge=0, description="Ridge; by cross-validation if left out (paper: 0)", examples=[0.1]
     )
+    choose_by: Literal["coefficients", "hand"] = Field(
+        "coefficients",
+        description="Error of left-out people that decides width and ridge: of the coefficients of whole motions, or "
+        "of the place of the hand when the reach ends (t2)",
+        examples=["hand"],
+    )
     degree: Literal[0, 1] = Field(
         1, description="Degree of the polynomial that complements the Gaussians", examples=[1]
     )

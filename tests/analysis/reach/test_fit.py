@@ -162,7 +162,7 @@ def test_more_components_reconstruct_better() -> None:
 def test_hands_are_where_forward_kinematics_puts_them() -> None:
     motion = generated()[0][0]
     found = fitted()
-    ruler = Ruler(found.body.phase_joint, found.body.chain, motion.translations[0])
+    ruler = Ruler(found.body.phase_joint, found.body.chain, motion.translations[0], 0)
     positions, _ = motion.walk()
     hand = ruler.hand(motion.translations[:, 0], motion.rotations)
     assert found.body.skeleton.joints[found.body.hand].name == "right_hand"

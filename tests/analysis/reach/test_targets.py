@@ -17,6 +17,7 @@ from mcml_schemas.analyses.reach import ReachMotion, ReachParameters, ReachWish
 from mcml_service.analysis.interface import AnalysisError, MadeClip, Motion
 from mcml_service.analysis.reach_blending.analyses import REACH
 from mcml_service.analysis.reach_blending.arrival import SHORTEST_FADE, find_weights, smoothstep
+from mcml_service.analysis.reach_blending.evaluation import own_prediction, predictions
 from mcml_service.analysis.reach_blending.fit import fit, middle_hold
 from mcml_service.analysis.reach_blending.options import options_of
 from mcml_service.analysis.reach_blending.synthesis import Made, Wish, synthesize
@@ -234,3 +235,38 @@ def test_courses_of_the_hand_stay_smooth() -> None:
     steps = [np.diff(positions(answer.clip)[:, fitted().body.hand], 2, axis=0) for answer in (blend, arrived)]
     before, after = (float(np.percentile(np.linalg.norm(step, axis=1), 99)) for step in steps)
     assert after < 1.2 * before
+
+
+def test_width_and_ridge_by_the_hand_have_the_least_error_of_hands() -> None:
+    by_hand = fitted(choose_by="hand")
+    assert by_hand.selected.choice is not None
+    tried = {(s, lam): error for s, lam, _, error in by_hand.selected.choice.tried}
+    people = {way.predictor: way.errors for way in predictions(by_hand) if way.left_out == "subject"}
+    assert tried[by_hand.selected.s, by_hand.selected.lam] == pytest.approx(people["model"].contact)
+    for s, lam in ((by_hand.selected.s, 100.0), (2 * by_hand.selected.s, by_hand.selected.lam)):
+        other = fitted(s=s, lam=lam)
+        contact = next(
+            w.errors.contact for w in predictions(other) if (w.left_out, w.predictor) == ("subject", "model")
+        )
+        assert contact >= people["model"].contact - 1e-9
+        assert tried[s, lam] == pytest.approx(contact) if (s, lam) in tried else True
+
+
+def test_the_table_of_errors_has_the_hand_at_the_contact() -> None:
+    parts = REACH.run(generated()[0], ReachParameters(choose_by="hand"), lambda stage, share: None)
+    table = parts["errors"].data
+    names = [column["name"] for column in table["columns"]]
+    unit = next(column["unit"] for column in table["columns"] if column["name"] == "hand_at_contact")
+    assert unit == "mm"
+    by_way = {tuple(row[:2]): row[names.index("hand_at_contact")] for row in table["rows"]}
+    assert by_way["nothing", "model"] <= by_way["subject", "model"]
+    assert by_way["subject", "model"] <= by_way["subject", "nearest"]
+    assert parts["model"].data["summary"]["choose_by"] == "hand"
+    found = fitted(choose_by="hand")
+    sample, missed = found.model.knots[1], []
+    for place, clip in enumerate(found.clips):
+        root, rotations = found.model.samples(found.model.attribute_space.coordinates(clip.attributes[None])[0])
+        true = found.ruler.hand(found.sampled.root[place, sample], found.sampled.rotations[place, sample])
+        missed.append(np.linalg.norm(found.ruler.hand(root[sample], rotations[sample]) - true))
+    assert own_prediction(found).contact == pytest.approx(np.mean(missed))
+    assert by_way["nothing", "model"] == pytest.approx(10 * np.mean(missed))

@@ -35,6 +35,11 @@ def reconstruction(fitted: Fitted) -> Errors:
     return _errors(fitted, fitted.components.coefficients)
 
 
+def own_prediction(fitted: Fitted) -> Errors:
+    """Errors of the model's own motions at the attributes of its clips, of which none is left out."""
+    return _errors(fitted, fitted.model.coefficients(fitted.selected.centres)[fitted.model.example_of])
+
+
 def predictions(fitted: Fitted) -> list[Prediction]:
     """Return the errors for each clip, and for each subject's clips if subjects are known, when left out.
 

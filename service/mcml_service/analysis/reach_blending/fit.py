@@ -14,7 +14,7 @@ from mcml.motion.skeleton import Array
 from mcml.motion.solving.arms import arm_length
 from mcml.motion.solving.joint_ranges import learn_ranges
 from mcml_service.analysis.interface import AnalysisError, Motion, Progress, silent
-from mcml_service.analysis.reach_blending.accuracy import Ruler, Sampled
+from mcml_service.analysis.reach_blending.accuracy import Ruler, Sampled, hand_error_of
 from mcml_service.analysis.reach_blending.arrival import SHORTEST_FADE
 from mcml_service.analysis.reach_blending.attribute_space import (
     AttributeSpace,
@@ -48,7 +48,7 @@ from mcml_service.analysis.reach_blending.options import Options
 from mcml_service.analysis.reach_blending.phases import angular_speed
 from mcml_service.analysis.reach_blending.principal_components import Components, principal_components
 from mcml_service.analysis.reach_blending.quaternion_tracks import align_tracks, mean_rotations
-from mcml_service.analysis.reach_blending.selection import Selected, examples_needed, select
+from mcml_service.analysis.reach_blending.selection import Selected, examples_needed, examples_of, select
 from mcml_service.analysis.reach_blending.time_normalisation import (
     Knots,
     instants,
@@ -130,7 +130,7 @@ def fit(motions: Sequence[Motion], options: Options, progress: Progress = silent
     progress("sampling", 0.3)
     reference = mean_rotations(sum((clip.moments for clip in clips), np.zeros(())))
     sampled = _sample(clips, reference, knots)
-    ruler = Ruler(body.phase_joint, body.chain, offsets[_middle(x)])
+    ruler = Ruler(body.phase_joint, body.chain, offsets[_middle(x)], knots[1])
     progress("components", 0.4)
     motion_space, vectors, shares = _vectors(clips, reference, knots, sampled, offsets, options)
     if isinstance(motion_space, TangentSpace) and motion_space.farthest(vectors) > 2.8:
@@ -146,13 +146,11 @@ def fit(motions: Sequence[Motion], options: Options, progress: Progress = silent
             to_time_values(times, options.log_times),
             _labels(clips, options),
             options,
+            hand_error_of(motion_space, components, sampled, ruler),
         )
     warnings += selected.warnings
     coefficients = fit_blend(selected.centres, selected.coefficients, selected.s, selected.lam, options.degree)
     time_blend = fit_blend(selected.centres, selected.time_values, selected.time_s, selected.time_lam, options.degree)
-    example_of = np.empty(len(clips), dtype=np.intp)
-    for example, rows in enumerate(selected.groups):
-        example_of[rows] = example
     model = Model(
         skeleton=turning_freely(body.skeleton),
         offsets=offsets,
@@ -164,7 +162,7 @@ def fit(motions: Sequence[Motion], options: Options, progress: Progress = silent
         units=units,
         attributes=attributes,
         attribute_space=space,
-        example_of=example_of,
+        example_of=examples_of(selected.groups),
         gaps=tuple(tuple(gaps(column)) for column in attributes.T),
         neighbour=selected.neighbour,
         motion_space=motion_space,

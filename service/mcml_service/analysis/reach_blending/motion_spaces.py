@@ -33,10 +33,13 @@ class Track:
     at: Array
 
 
-class MotionSpace(Protocol):
-    """Rows (N, D) of motion vectors to roots (N, F0, 3) and unit rotations (N, F0, J, 4)."""
+EVERY = slice(None)
 
-    def motions(self, vectors: Array) -> tuple[Array, Array]: ...
+
+class MotionSpace(Protocol):
+    """Rows (N, D) of motion vectors to roots (N, F0, 3) and unit rotations (N, F0, J, 4), or of some samples only."""
+
+    def motions(self, vectors: Array, samples: slice = EVERY) -> tuple[Array, Array]: ...
 
 
 @dataclass(frozen=True)
@@ -61,9 +64,9 @@ class TangentSpace:
             row[:, 3:] = log(multiply(opposite, clip)).reshape(samples, -1)
         return rows.reshape(count, -1)
 
-    def motions(self, vectors: Array) -> tuple[Array, Array]:
+    def motions(self, vectors: Array, samples: slice = EVERY) -> tuple[Array, Array]:
         joints = len(self.reference)
-        rows = vectors.reshape(len(vectors), -1, 3 + 3 * joints)
+        rows = vectors.reshape(len(vectors), -1, 3 + 3 * joints)[:, samples]
         tangents = rows[:, :, 3:].reshape(*rows.shape[:2], joints, 3)
         return rows[:, :, :3] * self.length, multiply(self.reference, exp(tangents))
 
@@ -100,11 +103,11 @@ class EigenposeSpace:
             shares.append(np.concatenate([cumulative, np.ones(self.count - len(cumulative))]))
         return np.stack(rows), np.stack(shares)
 
-    def motions(self, vectors: Array) -> tuple[Array, Array]:
+    def motions(self, vectors: Array, samples: slice = EVERY) -> tuple[Array, Array]:
         size = 3 + 4 * self.joints
         mean, rest = vectors[:, :size], vectors[:, size:]
         basis = rest[:, : size * self.count].reshape(-1, self.count, size)
-        coefficients = rest[:, size * self.count :].reshape(len(vectors), -1, self.count)
+        coefficients = rest[:, size * self.count :].reshape(len(vectors), -1, self.count)[:, samples]
         return from_poses(mean[:, None] + coefficients @ basis)
 
 
@@ -142,8 +145,8 @@ class GlobalPoseSpace:
             ]
         )
 
-    def motions(self, vectors: Array) -> tuple[Array, Array]:
-        coefficients = vectors.reshape(len(vectors), -1, len(self.basis))
+    def motions(self, vectors: Array, samples: slice = EVERY) -> tuple[Array, Array]:
+        coefficients = vectors.reshape(len(vectors), -1, len(self.basis))[:, samples]
         return from_poses(self.mean + coefficients @ self.basis)
 
 

@@ -23,9 +23,10 @@ class Options:
     phase_joint: the joint whose speed decides the phases. hand_joint: the joint whose position is compared; None: the
     hand below phase_joint. times: (t1, t2, end) by document, in frames since the first, set by a person. knots: None:
     rounded means. components: K at most; variance: instead, the share that K must explain. s, lam: None: by
-    cross-validation. duplicates: of attributes; None: averaged where lam is 0, else kept. log_times: times as
-    logarithms of durations. align: "start" moves clips on the ground, and turns them about the vertical, so that the
-    root of each is above the origin and faces as in the rest pose when the reach begins.
+    cross-validation; choose_by: which error of left-out clips decides then. duplicates: of attributes; None: averaged
+    where lam is 0, else kept. log_times: times as logarithms of durations. align: "start" moves clips on the ground,
+    and turns them about the vertical, so that the root of each is above the origin and faces as in the rest pose when
+    the reach begins.
     """
 
     method: Method = "robust"
@@ -47,6 +48,7 @@ class Options:
     scaling: Scaling = "whiten"
     s: float | None = None
     lam: float | None = None
+    choose_by: Literal["coefficients", "hand"] = "coefficients"
     degree: int = 1
     interpolate: bool = False
     duplicates: Duplicates | None = None

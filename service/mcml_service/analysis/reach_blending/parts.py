@@ -16,7 +16,7 @@ from mcml_service.analysis.interface import Part, Parts
 from mcml_service.analysis.reach_blending.accuracy import Errors
 from mcml_service.analysis.reach_blending.attribute_space import duplicates
 from mcml_service.analysis.reach_blending.blend import Choice
-from mcml_service.analysis.reach_blending.evaluation import Prediction, predictions, reconstruction
+from mcml_service.analysis.reach_blending.evaluation import Prediction, own_prediction, predictions, reconstruction
 from mcml_service.analysis.reach_blending.fit import Fitted
 from mcml_service.analysis.reach_blending.options import Options
 from mcml_service.analysis.reach_blending.stored import to_arrays, to_values
@@ -62,7 +62,12 @@ def _hand_unit(fitted: Fitted) -> tuple[float, str]:
 
 def _measures(fitted: Fitted, errors: Errors) -> list[float | None]:
     factor, _ = _hand_unit(fitted)
-    return [plain(errors.joints), plain(errors.phase_joint), plain(errors.hand * factor)]
+    return [
+        plain(errors.joints),
+        plain(errors.phase_joint),
+        plain(errors.hand * factor),
+        plain(errors.contact * factor),
+    ]
 
 
 def _summary(fitted: Fitted, options: Options, own: Errors, errors: Sequence[Prediction]) -> dict[str, Any]:
@@ -90,6 +95,7 @@ def _summary(fitted: Fitted, options: Options, own: Errors, errors: Sequence[Pre
         "components": len(model.basis),
         "variance": plain(float(fitted.components.cumulative()[: len(model.basis)][-1])) if len(model.basis) else None,
         "pose_variance": plain(float(fitted.pose_shares[:, -1].mean())) if fitted.pose_shares.size else None,
+        "choose_by": options.choose_by,
         "s": selected.s,
         "lam": selected.lam,
         "condition": plain(selected.condition),
@@ -126,7 +132,7 @@ def _summary(fitted: Fitted, options: Options, own: Errors, errors: Sequence[Pre
 
 
 def _name_values(measures: Sequence[float | None]) -> dict[str, float | None]:
-    return dict(zip(("joint_degrees", "phase_joint_degrees", "hand"), measures, strict=True))
+    return dict(zip(("joint_degrees", "phase_joint_degrees", "hand", "hand_at_contact"), measures, strict=True))
 
 
 def _clips(fitted: Fitted) -> Part:
@@ -179,11 +185,16 @@ def _variance(cumulative: Array, what: str, each: Array | None = None) -> Part:
 def _errors(fitted: Fitted, own: Errors, errors: Sequence[Prediction]) -> Part:
     _, hand_unit = _hand_unit(fitted)
     columns = [
-        *(("left_out", ""), ("predictor", ""), ("joint", "degree"), ("phase_joint", "degree"), ("hand", hand_unit)),
+        *(("left_out", ""), ("predictor", ""), ("joint", "degree"), ("phase_joint", "degree")),
+        *(("hand", hand_unit), ("hand_at_contact", hand_unit)),
         *((name, "frames") for name in ("t1", "t2", "end")),
         ("clips", ""),
     ]
-    rows: list[list[Any]] = [["nothing", "components", *_measures(fitted, own), None, None, None, own.clips]]
+    of_examples = own_prediction(fitted)
+    rows: list[list[Any]] = [
+        ["nothing", "components", *_measures(fitted, own), None, None, None, own.clips],
+        ["nothing", "model", *_measures(fitted, of_examples), None, None, None, of_examples.clips],
+    ]
     for prediction in errors:
         times = [plain(value) for value in prediction.times.tolist()]
         rows.append(
@@ -199,7 +210,9 @@ def _errors(fitted: Fitted, own: Errors, errors: Sequence[Prediction]) -> Part:
 
 
 def _selection(fitted: Fitted) -> Part:
-    """The widths and ridges tried: error of left-out coefficients, and of times in frames; null where skipped."""
+    """The widths and ridges tried: error of left-out coefficients, or of the hand in the clips' unit, and of times in
+    frames; null where skipped.
+    """
     rows: list[list[Any]] = []
     for of, choice in (("motion", fitted.selected.choice), ("times", fitted.selected.time_choice)):
         rows += [[of, s, lam, plain(condition), plain(error)] for s, lam, condition, error in _list_trials(choice)]

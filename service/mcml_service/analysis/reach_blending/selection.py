@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mcml.motion.skeleton import Array
 from mcml_service.analysis.interface import AnalysisError
@@ -97,10 +98,11 @@ def select(
     time_values: Array,
     labels: Sequence[str] | None,
     options: Options,
+    hand: Callable[[Array], float],
 ) -> Selected:
     """Select examples of clips at x (N, d) with coefficients (N, K) and time values (N, 3), and the parameters with the
-    best prediction. groups: clips of equal attributes. labels: people, (N,). Raises AnalysisError `too-few-examples`,
-    `singular`.
+    best prediction. groups: clips of equal attributes. labels: people, (N,). hand: error of the hand at the contact,
+    of predicted coefficients (N, K) with NaN. Raises AnalysisError `too-few-examples`, `singular`.
     """
     merged = options.duplicates == "mean" or (
         options.duplicates is None and (options.interpolate or options.lam == 0.0)
@@ -127,10 +129,14 @@ def select(
                 "The clips are too few to leave one out and predict it, which sets the blend's parameters.",
                 remedy="Add clips, or state s and lam.",
             )
+        example_of = examples_of(groups)
         choice, time_choice = choose(
             centres,
             (values, durations),
-            (_distance_to(values), _frames_to(durations, options.log_times)),
+            (
+                _distance_to(values) if options.choose_by == "coefficients" else lambda new: hand(new[example_of]),
+                _frames_to(durations, options.log_times),
+            ),
             widths,
             ridges,
             options.degree,
@@ -172,6 +178,14 @@ def select(
         time_choice=time_choice,
         warnings=warnings,
     )
+
+
+def examples_of(groups: Sequence[Sequence[int]]) -> NDArray[np.intp]:
+    """Return the example of each clip, (N,). groups: the clips of each example."""
+    example_of = np.empty(sum(map(len, groups)), dtype=np.intp)
+    for example, rows in enumerate(groups):
+        example_of[list(rows)] = example
+    return example_of
 
 
 def _alone(centres: Array) -> Groups:

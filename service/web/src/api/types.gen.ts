@@ -4026,6 +4026,11 @@ export interface components {
             s?: number | null;
             lam?: number | null;
             /**
+             * @default coefficients
+             * @enum {string}
+             */
+            choose_by: "coefficients" | "hand";
+            /**
              * @default 1
              * @enum {integer}
              */
