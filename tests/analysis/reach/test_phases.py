@@ -137,6 +137,19 @@ def test_clips_without_phases_say_why(method: str, speed: np.ndarray, code: str)
     assert error.value.code == code
 
 
+def test_the_fastest_of_several_movements_is_the_reach_and_flagged() -> None:
+    speed = np.repeat([3.6, 4.0, 3.7], 20) * np.abs(np.sin(np.arange(60) * np.pi / 20))
+    assert speed.max() < 2 * np.median(speed)
+    found = find_phases(turning(speed), FPS)
+    assert found.flags[0] == "peak-between-minima"
+    assert found.peak_frame == pytest.approx(30, abs=1)
+    assert 15 < found.t1 < 30 < found.t2 < 45
+    with pytest.raises(AnalysisError) as error:
+        find_phases(turning(speed), FPS, "paper")
+    assert error.value.code == "no-clear-peak"
+    assert "times" in str(error.value.remedy)
+
+
 def test_a_person_knows_better_but_not_out_of_order() -> None:
     rotations = turning(bell(60, 30, 8))
     found = check_phases(rotations, FPS, (10.5, 40, 59), "robust")

@@ -196,7 +196,7 @@ REACH = Analysis(
     },
     prepare=prepare,
     check=_check,
-    rules={"fit": "1"},
+    rules={"fit": "2 (clips with several fast movements)"},
     pictures=PICTURES,
     fewest=2,
     most=2000,

@@ -14,7 +14,7 @@ from mcml.motion.skeleton import Array, Convention, Joint, Skeleton
 from mcml.motion.units import UNITS
 from mcml_service.analysis.interface import AnalysisError, Motion
 from mcml_service.analysis.reach_blending.options import Options
-from mcml_service.analysis.reach_blending.phases import Phases, angular_speed, check_phases, find_phases
+from mcml_service.analysis.reach_blending.phases import SEVERAL, Phases, angular_speed, check_phases, find_phases
 from mcml_service.analysis.reach_blending.principal_components import principal_components
 from mcml_service.analysis.reach_blending.quaternion_tracks import continuous, fill_gaps, jumps, second_moments, unit
 from mcml_service.analysis.reach_blending.standpoint import Standpoint, find_standpoint
@@ -135,6 +135,9 @@ def read_clip(motion: Motion, places: NDArray[np.intp], body: Body, options: Opt
         phases = check_phases(joint_rotations, motion.fps, options.times[motion.document], options.phase_method)
     else:
         phases = find_phases(joint_rotations, motion.fps, options.phase_method)
+    if SEVERAL in phases.flags:
+        text = "has several fast movements, and the fastest counts as the reach; check its phases, or set its `times`"
+        warnings.append((SEVERAL, f"{motion.name}: {text}"))
     standpoint = None
     if options.align == "start":
         standpoint = find_standpoint(translations[:, 0], rotations[:, 0], phases.t1, motion.up)

@@ -200,7 +200,8 @@ def _read(
                 raise
             joint = np.nan_to_num(motion.rotations[:, kept[body.phase_joint]])
             speed = angular_speed(joint, motion.fps, options.phase_method)
-            excluded.append(Excluded(motion, error.code, error.what, speed))
+            reason = f"{error.what} {error.remedy}" if error.remedy else error.what
+            excluded.append(Excluded(motion, error.code, reason, speed))
     return clips, excluded
 
 

@@ -27,14 +27,19 @@ SETTLED = (0.04, 0.08, 0.16)
 PATIENCE = 0.15
 """Seconds by which a tighter threshold may be crossed later than the widest one."""
 PAPER_SETTLED = 0.10
+BY_HAND = (
+    "If the clip is a whole reach, set its phases yourself: `times` of its document, with t1, t2 and end in frames."
+)
+SEVERAL = "peak-between-minima"
+"""Flag of a clip with several fast movements."""
 
 
 @dataclass(frozen=True)
 class Phases:
     """t1: the reach begins. t2: it ends. end: the last frame used. peak: the greatest speed, at `peak_frame`.
 
-    flags: guesses: t1-from-threshold, no-preparation, t2-from-8-percent, t2-from-16-percent, speed-never-settles,
-    given.
+    flags: guesses: peak-between-minima, t1-from-threshold, no-preparation, t2-from-8-percent, t2-from-16-percent,
+    speed-never-settles, given.
     """
 
     t1: float
@@ -83,10 +88,11 @@ def find_phases(rotations: Array, fps: float, method: Method = "robust") -> Phas
     peak = float(judged[peak_frame])
     if peak < SLOWEST_PEAK:
         raise AnalysisError("too-slow", f"The joint turns by at most {peak:.2f} rad/s; {SLOWEST_PEAK} are needed.")
-    if peak < PEAK_OVER_MEDIAN * float(np.median(judged)):
-        raise AnalysisError("no-clear-peak", "The joint's greatest speed is less than twice its median speed.")
+    flags = _clearness(judged, peak_frame, method)
     if peak_frame <= 1 or peak_frame >= len(judged) - 2:
-        raise AnalysisError("peak-at-border", "The joint is fastest at the clip's border: the reach is cut.")
+        raise AnalysisError(
+            "peak-at-border", "The joint is fastest at the clip's border: the reach is cut.", remedy=BY_HAND
+        )
     if method == "paper":
         t1, t2 = _paper_times(speed, peak_frame)
         return Phases(t1, t2, float(len(speed) - 1), peak, peak_frame)
@@ -94,7 +100,26 @@ def find_phases(rotations: Array, fps: float, method: Method = "robust") -> Phas
     t2, after = _settle(judged, peak_frame, fps)
     end = float(len(speed) - 1)
     t2 = min(max(t2, peak_frame + 0.5), end - 1)
-    return Phases(t1, t2, end, peak, peak_frame, before + after)
+    return Phases(t1, t2, end, peak, peak_frame, flags + before + after)
+
+
+def _clearness(speed: Array, peak: int, method: Method) -> tuple[str, ...]:
+    """Flags of a clear peak. Raises AnalysisError `no-clear-peak`.
+
+    A peak is clear above twice the median. By the robust method it also is where the speed falls below 30 % of it both
+    before and after: clips cut to the movement alone, or with two fast movements, have a high median.
+    """
+    if speed[peak] >= PEAK_OVER_MEDIAN * float(np.median(speed)):
+        return ()
+    least = float(max(speed[:peak].min(initial=np.inf), speed[peak + 1 :].min(initial=np.inf)))
+    if method == "robust" and least < MINIMUM_BELOW * speed[peak]:
+        return (SEVERAL,)
+    raise AnalysisError(
+        "no-clear-peak",
+        "The joint's greatest speed is less than twice its median speed"
+        + (", and the speed does not fall below 30 % of it on both sides." if method == "robust" else "."),
+        remedy=BY_HAND,
+    )
 
 
 def check_phases(rotations: Array, fps: float, times: tuple[float, float, float], method: Method) -> Phases:
