@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mcml.motion.feet.two_bones import two_bones
-from mcml.motion.rotations import inverse, multiply
+from mcml.motion.feet.two_bones import hinge_of, two_bones
+from mcml.motion.rotations import inverse, multiply, rotate
 from mcml.motion.skeleton import Array
 from mcml.motion.solving.chains import solve_chain, walk_chain
 from mcml.motion.solving.joint_ranges import JointRanges
@@ -25,16 +25,19 @@ def bend_arm(
     arm: tuple[int, int],
     ranges: JointRanges,
     allowed: Array,
+    hinge: Array | None = None,
 ) -> Array:
     """Bend the arm of chains so that their end is at the goals (n, 3), or as near as ranges allow.
 
     The elbow bends in the plane in which it is bent, then the whole arm swings, so that its swivel stays. Where ranges
     forbid this, `turn_arm` goes on. start, rotations, offsets: of the chains. allowed: (n, C, 4), see
-    `JointRanges.limit`. Return local rotations (n, C, 4).
+    `JointRanges.limit`. hinge: (3,) unit axis of the elbow in the frame of the shoulder, about which a straight arm
+    bends. Return local rotations (n, C, 4).
     """
     shoulder, elbow = arm
     places, turned = walk_chain(start, rotations, offsets)
-    swing, bend = two_bones(places[:, shoulder], places[:, elbow], places[:, -1], goals)
+    axes = None if hinge is None else rotate(turned[:, shoulder], hinge)
+    swing, bend = two_bones(places[:, shoulder], places[:, elbow], places[:, -1], goals, axes)
     bent = rotations.copy()
     bent[:, shoulder] = multiply(inverse(turned[:, shoulder - 1]), multiply(swing, turned[:, shoulder]))
     # Joints between shoulder and elbow, if any, stay as they are.
@@ -62,6 +65,15 @@ def turn_arm(
     limited = rotations.copy()
     limited[:, joints] = ranges.of(joints).limit(rotations[:, joints], allowed[:, joints])
     return solve_chain(start, limited, offsets, goals, shares, arm_length(offsets, arm), ranges, allowed, _ROUNDS)
+
+
+def find_hinge(rotations: Array, offsets: Array, arm: tuple[int, int]) -> Array | None:
+    """Find the axis (3,) of the elbow in the frame of the shoulder, over frames (n, C, 4); None if it never bends."""
+    shoulder, elbow = arm
+    places, turned = walk_chain(np.zeros((len(rotations), 3)), rotations, offsets)
+    back = inverse(turned[:, shoulder])
+    upper, lower = places[:, elbow] - places[:, shoulder], places[:, -1] - places[:, elbow]
+    return hinge_of(rotate(back, upper), rotate(back, lower))
 
 
 def arm_length(offsets: Array, arm: tuple[int, int]) -> float:

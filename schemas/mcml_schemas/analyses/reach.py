@@ -18,6 +18,7 @@ _ATTRIBUTES = {"age": 23, "height": 175, "hbp": 355}
 _WARNING = {"code": "in-gap", "what": "No example has an age near the requested one."}
 _CLIP = {"document": DOCUMENT, "revision": 1, "name": "reach_01_001", "subject": "S01"}
 
+_FOOT = {"joint": "left_toes", "contacts": [[1, 70]], "slide_before": 0.031, "slide": 0.0}
 _TARGET = [-0.26, 0.8, 0.12]
 
 Coordinate = Annotated[FiniteFloat, Field(ge=-1000, le=1000)]
@@ -242,6 +243,21 @@ class ReachMoves(BaseModel):
     pelvis: float = Field(description="Metres that the pelvis moved", examples=[0.0])
 
 
+class ReachFoot(BaseModel):
+    """A foot that is held in place while it stands in the examples."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_FOOT))
+
+    joint: str = Field(description="The joint that is held", examples=["left_toes"])
+    contacts: list[tuple[int, int]] = Field(
+        description="First and last positions of frames in which it stands", examples=[[[1, 70]]]
+    )
+    slide_before: float = Field(
+        description="Metres that it slid over the ground during contacts, before it was held", examples=[0.031]
+    )
+    slide: float = Field(description="Metres that it slides afterwards", examples=[0.0])
+
+
 class ReachMotion(BaseModel):
     """A synthesised motion, with measures of its reliability."""
 
@@ -267,6 +283,7 @@ class ReachMotion(BaseModel):
                 "hand_place": _TARGET,
                 "hand_error": 0.0001,
                 "moved": {"arm": 0.12, "spine": 0.03, "pelvis": 0.0},
+                "feet": [_FOOT],
                 "warnings": [],
             }
         )
@@ -308,6 +325,9 @@ class ReachMotion(BaseModel):
     )
     moved: ReachMoves | None = Field(
         None, description="Moves of arm, spine and pelvis that bring the hand there; null for a blend"
+    )
+    feet: list[ReachFoot] = Field(
+        [], description="Feet that are held where the examples hold them; empty for a blend", examples=[[_FOOT]]
     )
     warnings: list[ReachWarning] = Field(
         description="sparse-region, in-gap, clamped, out-of-reach, attribute-not-modelled, …"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,12 +11,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mcml.motion.feet.legs import legs_of
 from mcml.motion.hub import walked
 from mcml.motion.rotation_vectors import from_vector
 from mcml.motion.rotations import multiply, rotate
 from mcml.motion.skeleton import Array
 from mcml_schemas.analyses.reach import ReachMotion, ReachParameters, ReachWish
-from mcml_service.analysis.interface import AnalysisError, MadeClip, Motion
+from mcml_service.analysis.interface import AnalysisError, MadeClip, Motion, Part
 from mcml_service.analysis.reach_blending.analyses import REACH
 from mcml_service.analysis.reach_blending.arrival import SHORTEST_FADE, find_weights, smoothstep
 from mcml_service.analysis.reach_blending.evaluation import own_prediction, predictions
@@ -68,10 +71,11 @@ def test_the_hand_arrives(way: tuple[float, float, float], fps: float) -> None:
 def test_only_the_way_to_the_hand_is_changed() -> None:
     blend, arrived = made(), made(place() + np.array([0.05, 0.05, -0.05]))
     chain = list(fitted().body.chain)
-    others = np.setdiff1d(np.arange(len(blend.clip.skeleton)), chain)
+    legs = [joint for leg in legs_of(blend.clip.skeleton) for joint in (leg.hip, leg.knee, leg.ankle)]
+    others = np.setdiff1d(np.arange(len(blend.clip.skeleton)), [*chain, *legs])
     assert np.array_equal(blend.clip.rotations[:, others], arrived.clip.rotations[:, others])
     assert np.array_equal(blend.clip.translations[:, 1:], arrived.clip.translations[:, 1:])
-    assert np.allclose(blend.clip.rotations[0], arrived.clip.rotations[0], atol=1e-12)
+    assert np.allclose(blend.clip.rotations[0, chain], arrived.clip.rotations[0, chain], atol=1e-12)
     assert blend.times == arrived.times
 
 
@@ -108,7 +112,7 @@ def test_places_out_of_reach_are_refused_with_the_distance() -> None:
     assert np.linalg.norm(target - nearest) == pytest.approx(distance, abs=1e-4)
     clamped = made(target, clamp=True)
     assert clamped.hand is not None
-    assert clamped.hand.error == pytest.approx(distance, abs=0.005)
+    assert clamped.hand.error == pytest.approx(distance, abs=0.05)
     assert "out-of-reach" in [code for code, _ in clamped.warnings]
     # The nearest place that the error names can be reached.
     again = made(nearest, clamp=True)
@@ -136,7 +140,8 @@ def test_models_of_earlier_releases_still_blend() -> None:
     parts = dict(REACH.run(generated()[0], ReachParameters(), lambda stage, share: None))
     stored = parts["model"]
     values = {name: value for name, value in stored.data["model"].items() if name != "reaching"}
-    arrays = {name: array for name, array in stored.arrays.items() if not name.startswith("range_")}
+    new = ("range_", "hinge", "contacts")
+    arrays = {name: array for name, array in stored.arrays.items() if not name.startswith(new)}
     parts["model"] = replace(stored, data={**stored.data, "model": values}, arrays=arrays)
     ready = REACH.prepare(parts)
     use = REACH.operations["synthesize"].run
@@ -146,6 +151,56 @@ def test_models_of_earlier_releases_still_blend() -> None:
     with pytest.raises(AnalysisError) as error:
         use(ready, ReachWish(attributes=ATTRIBUTES, target=(0.0, 0.0, 0.0)))
     assert error.value.code == "no-arm"
+
+
+def slide(clip: MadeClip, joint: int, contacts: Sequence[tuple[int, int]]) -> float:
+    """Metres over the ground, with Y up."""
+    ground = positions(clip)[:, joint][:, [0, 2]]
+    return sum(float(np.linalg.norm(np.diff(ground[a : b + 1], axis=0), axis=1).sum()) for a, b in contacts)
+
+
+@pytest.mark.parametrize("way", [0.05, 0.3])
+def test_feet_stay_where_they_stand_even_if_the_pelvis_moves(way: float) -> None:
+    blend, arrived = made(), made(place() + way * outward())
+    assert arrived.hand is not None
+    assert arrived.hand.moved is not None
+    assert arrived.hand.error is not None
+    assert arrived.hand.error < 0.001
+    assert (arrived.hand.moved.pelvis > 0.02) == (way > 0.2)
+    assert blend.feet == ()
+    assert len(arrived.feet) == 2
+    for report in arrived.feet:
+        assert sum(last - first for first, last in report.contacts) > 30
+        before, after = (slide(answer.clip, report.joint, report.contacts) for answer in (blend, arrived))
+        assert before > 0.01
+        assert after < 0.005
+        assert report.before * 0.01 == pytest.approx(before)
+        assert report.after * 0.01 == pytest.approx(after, abs=1e-9)
+
+
+def test_without_an_axis_that_points_up_hands_arrive_and_feet_are_left_alone() -> None:
+    model = fit([replace(motion, up=None) for motion in generated()[0]], options_of()).model
+    assert model.contacts is None
+    answer = synthesize(model, Wish(ATTRIBUTES, target=(place() + 0.05).tolist()))
+    assert answer.feet == ()
+    assert answer.hand is not None
+    assert answer.hand.error is not None
+    assert answer.hand.error < 0.001
+
+
+def test_a_stored_model_arrives_alike() -> None:
+    parts = REACH.run(generated()[0], ReachParameters(), lambda stage, share: None)
+    stored = {
+        name: Part(part.kind, json.loads(json.dumps(part.data, allow_nan=False)), dict(part.arrays))
+        for name, part in parts.items()
+    }
+    wish = ReachWish(attributes=ATTRIBUTES, target=tuple((place() + 0.1).tolist()), clamp=True)
+    fresh, again = (REACH.operations["synthesize"].run(REACH.prepare(each), wish) for each in (parts, stored))
+    assert fresh.value == again.value
+    assert fresh.clip is not None
+    assert again.clip is not None
+    assert np.array_equal(fresh.clip.rotations, again.clip.rotations)
+    assert np.array_equal(fresh.clip.translations, again.clip.translations)
 
 
 def test_answers_tell_of_the_hand() -> None:
@@ -163,6 +218,9 @@ def test_answers_tell_of_the_hand() -> None:
     assert value.hand_error < 0.001
     assert value.moved is not None
     assert value.moved.arm == pytest.approx(0.05, abs=1e-3)
+    assert {foot.joint for foot in value.feet} == {"left_toes", "right_toes"}
+    assert all(foot.slide < 0.002 < foot.slide_before for foot in value.feet)
+    assert all(1 <= first <= last <= value.frames for foot in value.feet for first, last in foot.contacts)
 
 
 @given(st.integers(2, 400), st.data())

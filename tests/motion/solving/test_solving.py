@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from mcml.motion.rotation_vectors import from_vector, to_vector
 from mcml.motion.rotations import IDENTITY, inverse, multiply
 from mcml.motion.skeleton import Array
-from mcml.motion.solving.arms import arm_length, bend_arm, turn_arm
+from mcml.motion.solving.arms import arm_length, bend_arm, find_hinge, turn_arm
 from mcml.motion.solving.chains import DAMPING, find_turns, solve_chain, walk_chain
 from mcml.motion.solving.joint_ranges import HINGE, WIDENING, JointRanges, learn_ranges
 
@@ -104,6 +104,28 @@ def test_an_arm_reaches_every_place_within_its_length(seed: int, part: float) ->
     assert np.linalg.norm(ends(start, bent, offsets) - goals, axis=1).max() < 1e-6
     others = [0, 1, 2, 5]
     assert np.array_equal(bent[:, others], rotations[:, others])
+
+
+def test_a_straight_arm_bends_about_the_hinge_of_its_elbow() -> None:
+    axis = np.array([1.0, 0.0, 0.0])
+    offsets = np.array([[0.0, 0.0, 0.0], [0.0, 0.3, 0.0], [0.0, 0.0, 0.3], [0.0, 0.0, 0.3]])
+    angles = np.linspace(-0.05, -1.5, 40)
+    measured = np.tile(IDENTITY, (40, 4, 1))
+    measured[:, 2] = from_vector(angles[:, None] * axis)
+    hinge = find_hinge(measured, offsets, (1, 2))
+    assert hinge is not None
+    assert np.allclose(hinge, -axis)
+    straight = np.tile(IDENTITY, (1, 4, 1))
+    ranges = learn_ranges(measured, np.tile(IDENTITY, (4, 1)))
+    free_shoulder = np.array([[0.0], [3.0], [0.0], [0.0]])
+    wide = JointRanges(ranges.reference, ranges.axes, ranges.low - free_shoulder, ranges.high + free_shoulder)
+    goal = np.array([[0.0, 0.3, 0.45]])
+    bent = bend_arm(np.zeros((1, 3)), straight, offsets, goal, (1, 2), wide, straight, hinge)
+    assert np.linalg.norm(ends(np.zeros((1, 3)), bent, offsets) - goal) < 1e-6
+    turn = to_vector(bent[:, 2])[0]
+    assert turn[0] < -1.0
+    assert np.abs(turn[1:]).max() < 1e-6
+    assert find_hinge(straight, offsets, (1, 2)) is None
 
 
 def test_an_arm_out_of_reach_is_stretched_towards_its_goal() -> None:

@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from mcml.motion.feet.locking import FootReport
 from mcml_schemas.analyses.reach import (
     ReachClip,
     ReachClipChoice,
+    ReachFoot,
     ReachMoment,
     ReachMotion,
     ReachMoves,
@@ -24,6 +26,7 @@ from mcml_service.analysis.interface import (
     Analysis,
     AnalysisError,
     Answer,
+    MadeClip,
     Motion,
     Part,
     PartInfo,
@@ -129,6 +132,7 @@ def make(ready: Ready, wish: ReachWish) -> Answer:
         hand_place=None if hand is None else hand.place.tolist(),
         hand_error=None if hand is None else hand.error,
         moved=None if hand is None or hand.moved is None else ReachMoves(**asdict(hand.moved)),
+        feet=[_foot(made.clip, report, model.metres or 1.0) for report in made.feet],
         warnings=[ReachWarning(code=code, what=text) for code, text in made.warnings],
     )
     return Answer(answer, clip=made.clip)
@@ -168,6 +172,15 @@ def phases(ready: Ready, choice: ReachClipChoice) -> Answer:
 
 def _moment(about: Mapping[str, Any], name: str) -> ReachMoment:
     return ReachMoment(seconds=about[f"{name}_seconds"], frames=about[f"{name}_frames"])
+
+
+def _foot(clip: MadeClip, report: FootReport, metres: float) -> ReachFoot:
+    return ReachFoot(
+        joint=clip.skeleton.joints[report.joint].name,
+        contacts=[(first + 1, last + 1) for first, last in report.contacts],
+        slide_before=report.before * metres,
+        slide=report.after * metres,
+    )
 
 
 def _clip(source: Source) -> ReachClip:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -82,21 +83,27 @@ def spread_solution(
     return moved, turn_arm(moved, turned, offsets, goals, arm, reaching.ranges, rotations)
 
 
-def solve_contact(reaching: Reaching, offsets: Array, root: Array, rotations: Array, target: Array) -> Solution:
+def solve_contact(
+    reaching: Reaching, offsets: Array, root: Array, rotations: Array, target: Array, pelvis: float = PELVIS
+) -> Solution:
     """Find the pose of the contact, with the least help of spine and pelvis that lets the arm reach the target (3,).
 
-    root: (3,), rotations: (C, 4), offsets: (C, 3) of the chain. There are two ways to turn the arm. The one that comes
-    nearer is used; if both arrive, the one with smaller moves of spine and pelvis.
+    root: (3,), rotations: (C, 4), offsets: (C, 3) of the chain. pelvis: how far it may move, in arm lengths. There are
+    two ways to turn the arm. The one that comes nearer is used; if both arrive, the one with smaller moves of spine and
+    pelvis.
     """
     length = arm_length(offsets, (reaching.shoulder, reaching.elbow))
+    bend = partial(bend_arm, hinge=reaching.hinge)
 
     def solve(turn: Callable[..., Array]) -> tuple[tuple[float, float], Solution]:
-        solution = _Contact(reaching, offsets, root[None], rotations[None], target[None], turn, length).solve()
+        solution = _Contact(
+            reaching, offsets, root[None], rotations[None], target[None], turn, length, pelvis * length
+        ).solve()
         costs = np.array([solution.missed, solution.share.spine + solution.share.pelvis])
         missed, rest = np.where(costs > TOLERANCE * length, costs, 0.0).tolist()
         return (missed, rest), solution
 
-    cost, solution = solve(bend_arm)
+    cost, solution = solve(bend)
     if cost > (0.0, 0.0):
         other_cost, other = solve(turn_arm)
         solution = other if other_cost < cost else solution
@@ -119,7 +126,10 @@ class _Pose:
 
 @dataclass(frozen=True)
 class _Contact:
-    """The frame of the contact: root (1, 3), own rotations (1, C, 4), goal (1, 3). turn: how the arm is turned."""
+    """The frame of the contact: root (1, 3), own rotations (1, C, 4), goal (1, 3).
+
+    turn: how the arm is turned. length: of the arm. farthest: that the pelvis may move.
+    """
 
     reaching: Reaching
     offsets: Array
@@ -128,13 +138,14 @@ class _Contact:
     goal: Array
     turn: Callable[..., Array]
     length: float
+    farthest: float
 
     def solve(self) -> Solution:
         pose = self._improve(self._pose(self.own, np.zeros((1, 3))), self._turn_spine)
         pose = self._improve(pose, self._move_pelvis)
         pose = self._improve(pose, self._turn_all)
         turns = to_vector(multiply(inverse(self.own[0]), pose.bent[0]))
-        share = _share(self.offsets, self.own, pose.bent, pose.pelvis, self.reaching.shoulder)
+        share = measure_share(self.offsets, self.own, pose.bent, pose.pelvis, self.reaching.shoulder)
         return Solution(turns, pose.pelvis[0], (self.goal - pose.missed)[0], pose.distance, share)
 
     def _improve(self, pose: _Pose, step: Callable[[_Pose], _Pose]) -> _Pose:
@@ -182,12 +193,12 @@ class _Contact:
     def _pelvis(self, pose: _Pose) -> Array:
         """Return a place of the pelvis (1, 3) that is nearer by the miss of the hand, as far as it may go."""
         pelvis = pose.pelvis + pose.missed
-        farthest = PELVIS * self.length
-        return np.asarray(pelvis * min(1.0, farthest / max(float(np.linalg.norm(pelvis)), farthest)))
+        distance = float(np.linalg.norm(pelvis))
+        return np.asarray(pelvis * (self.farthest / distance if distance > self.farthest else 1.0))
 
 
-def _share(offsets: Array, own: Array, bent: Array, pelvis: Array, shoulder: int) -> Share:
-    """Measure what moved between poses (1, C, 4) of the blend and of the contact."""
+def measure_share(offsets: Array, own: Array, bent: Array, pelvis: Array, shoulder: int) -> Share:
+    """Measure moves between chains (1, C, 4) of the blend and of the contact. offsets: (C, 3). pelvis: its move."""
     origin = np.zeros((1, 3))
     (old, old_turns), (new, new_turns) = walk_chain(origin, own, offsets), walk_chain(origin, bent, offsets)
     hands = [

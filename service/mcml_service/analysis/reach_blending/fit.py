@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mcml.motion.hub import rest_of
 from mcml.motion.skeleton import Array
-from mcml.motion.solving.arms import arm_length
+from mcml.motion.solving.arms import arm_length, find_hinge
 from mcml.motion.solving.joint_ranges import learn_ranges
 from mcml_service.analysis.interface import AnalysisError, Motion, Progress, silent
 from mcml_service.analysis.reach_blending.accuracy import Ruler, Sampled, hand_error_of
@@ -49,6 +49,7 @@ from mcml_service.analysis.reach_blending.phases import angular_speed
 from mcml_service.analysis.reach_blending.principal_components import Components, principal_components
 from mcml_service.analysis.reach_blending.quaternion_tracks import align_tracks, mean_rotations
 from mcml_service.analysis.reach_blending.selection import Selected, examples_needed, examples_of, select
+from mcml_service.analysis.reach_blending.standing import learn_contacts
 from mcml_service.analysis.reach_blending.time_normalisation import (
     Knots,
     instants,
@@ -175,6 +176,7 @@ def fit(motions: Sequence[Motion], options: Options, progress: Progress = silent
         base_fps=options.base_fps,
         log_times=options.log_times,
         legacy_time_map=options.legacy_time_map,
+        contacts=_contacts(clips, body, reference, knots, offsets, selected.groups),
         reaching=_reaching(body, sampled, reference, ruler, times, knots, options),
     )
     return Fitted(
@@ -340,7 +342,18 @@ def _reaching(
     hands = ruler.hand(sampled.root, sampled.rotations)
     near = HELD * arm_length(ruler.offsets[joints], arm)
     rest = (times[:, 2] - times[:, 1]) / options.base_fps >= SHORTEST_FADE
-    return Reaching(body.chain, *arm, ranges, middle_hold(hands[rest, knots[1] :], near))
+    hinge = find_hinge(rotations, ruler.offsets[joints], arm)
+    return Reaching(body.chain, *arm, hinge, ranges, middle_hold(hands[rest, knots[1] :], near))
+
+
+def _contacts(
+    clips: Sequence[Clip], body: Body, reference: Array, knots: Knots, offsets: Array, groups: Sequence[list[int]]
+) -> Array | None:
+    """Contacts of the feet of examples: means of their clips."""
+    up = next((clip.motion.up for clip in clips if clip.motion.up), None)
+    tracks, times = _tracks(clips, reference, knots), [clip.motion.frame_time for clip in clips]
+    contacts = learn_contacts(body.skeleton, tracks, offsets, times, up)
+    return None if contacts is None else np.stack([contacts[rows].mean(axis=0) for rows in groups])
 
 
 def middle_hold(hands: Array, near: float) -> float:

@@ -30,13 +30,15 @@ class Source:
 class Reaching:
     """The arm of a model, for targets.
 
-    chain: joints from the root to the hand. shoulder, elbow: places in the chain. ranges: of the chain's joints, learnt
+    chain: joints from the root to the hand. shoulder, elbow: places in the chain. hinge: (3,) axis of the elbow in the
+    upper arm, None if it never bends. ranges: of the chain's joints, learnt
     from the examples. hold: the share of the time after t2 during which the hand stays, middle of the examples.
     """
 
     chain: tuple[int, ...]
     shoulder: int
     elbow: int
+    hinge: Array | None
     ranges: JointRanges
     hold: float
 
@@ -50,7 +52,8 @@ class Model:
     example. gaps: by attribute, intervals without examples. neighbour: mean distance to the nearest example.
     mean: (D,). basis: (K, D). coefficients: of x (q, d) the K coefficients. times: of x the three times, as logarithms
     of durations where log_times is set; frames at base_fps. cardinal: (n, n + m), see `Inverse`. reaching: None of
-    models fitted by earlier releases, and where the hand has no arm of two bones.
+    models fitted by earlier releases, and where the hand has no arm of two bones. contacts: (n, legs, 2, F0) when feet
+    of the examples stand, see `learn_contacts`.
     """
 
     skeleton: Skeleton
@@ -77,6 +80,7 @@ class Model:
     log_times: bool
     legacy_time_map: bool
     reaching: Reaching | None = None
+    contacts: Array | None = None
 
     @property
     def centres(self) -> Array:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from mcml.motion.rotation_vectors import from_vector, twist
 from mcml.motion.rotations import multiply, rotate
 from mcml.motion.skeleton import Array
 from mcml_service.analysis.interface import AnalysisError
+from mcml_service.analysis.reach_blending.standing import axis_of
 
 
 @dataclass(frozen=True)
@@ -39,7 +38,7 @@ def find_standpoint(root: Array, rotations: Array, t1: float, up: str | None) ->
             "The clip does not state which axis points up, so it has no heading.",
             remedy='Set its property "up", or fit with align "none".',
         )
-    axis = np.eye(3)["XYZ".index(up)]
+    axis = axis_of(up)
     frame = min(round(t1), len(root) - 1)
     turn = from_vector(-float(twist(rotations[frame], axis)) * axis)
     return Standpoint(root[frame] * (1.0 - axis), turn)

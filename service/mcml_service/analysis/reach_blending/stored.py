@@ -55,6 +55,10 @@ def to_arrays(model: Model) -> dict[str, NDArray[Any]]:
             "range_low": ranges.low,
             "range_high": ranges.high,
         }
+        if model.reaching.hinge is not None:
+            arrays["hinge"] = model.reaching.hinge
+    if model.contacts is not None:
+        arrays["contacts"] = model.contacts
     return arrays
 
 
@@ -134,6 +138,7 @@ def from_stored(values: Mapping[str, Any], arrays: Arrays) -> Model:
         log_times=values["log_times"],
         legacy_time_map=values["legacy_time_map"],
         reaching=_reaching(values.get("reaching"), arrays),
+        contacts=np.asarray(arrays["contacts"]) if "contacts" in arrays else None,
     )
 
 
@@ -161,7 +166,14 @@ def _reaching(values: Mapping[str, Any] | None, arrays: Arrays) -> Reaching | No
     if values is None:
         return None
     ranges = (np.asarray(arrays[f"range_{name}"]) for name in ("reference", "axes", "low", "high"))
-    return Reaching(tuple(values["chain"]), values["shoulder"], values["elbow"], JointRanges(*ranges), values["hold"])
+    return Reaching(
+        chain=tuple(values["chain"]),
+        shoulder=values["shoulder"],
+        elbow=values["elbow"],
+        hinge=np.asarray(arrays["hinge"]) if "hinge" in arrays else None,
+        ranges=JointRanges(*ranges),
+        hold=values["hold"],
+    )
 
 
 def _joint(values: Mapping[str, Any]) -> Joint:

@@ -8,11 +8,13 @@ from typing import Literal
 
 import numpy as np
 
+from mcml.motion.feet.locking import FootReport
 from mcml.motion.skeleton import Array, EndSite, Skeleton
 from mcml_service.analysis.interface import AnalysisError, MadeClip
 from mcml_service.analysis.reach_blending.clips import check_ranges
 from mcml_service.analysis.reach_blending.model import Model
 from mcml_service.analysis.reach_blending.quaternion_tracks import continuous, unit
+from mcml_service.analysis.reach_blending.standing import find_feet
 from mcml_service.analysis.reach_blending.targets import NEAR, Hand, Method, choose_method, measure_hand, move_hand
 from mcml_service.analysis.reach_blending.time_normalisation import positions, read_rotations, read_values
 from mcml_service.analysis.reach_blending.trust import TOUCHING, most_influential, nearest_in_hull
@@ -49,7 +51,7 @@ class Made:
 
     used: attributes after clamping. times: (3,) seconds. weights: (index of the clip, weight), the ten largest.
     template: index of the clip whose body it has. in_gaps: names of attributes. warnings: (code, sentence). hand: None
-    where the model does not know its unit or its arm.
+    where the model does not know its unit or its arm. feet: of each leg that is held, by method "arrive".
     """
 
     clip: MadeClip
@@ -64,6 +66,7 @@ class Made:
     warnings: tuple[tuple[str, str], ...]
     method: Method
     hand: Hand | None
+    feet: tuple[FootReport, ...]
 
 
 def synthesize(model: Model, wish: Wish) -> Made:
@@ -103,14 +106,22 @@ def synthesize(model: Model, wish: Wish) -> Made:
     if in_gaps:
         warnings.append(("in-gap", f"No example has {' or '.join(in_gaps)} near the requested one."))
     template = _template(model, wish, int(np.argmin(distances)))
-    clip, times = _motion(model, x, wish, template)
+    clip, times, at = _motion(model, x, wish, template)
+    weights = model.weights(x)
     hand: Hand | None
+    reports: tuple[FootReport, ...] = ()
     if method == "arrive" and wish.target is not None:
-        clip, hand = move_hand(model, clip, times[:2], wish.target, wish.clamp)
+        feet = None
+        if model.contacts is not None and model.up is not None:
+            feet = find_feet(clip, model.contacts, weights, model.up, at)
+            clip, reports = feet.hold(clip)
+        clip, hand = move_hand(model, clip, times[:2], wish.target, wish.clamp, feet)
+        if feet is not None:
+            slides = feet.measure(clip)
+            reports = tuple(replace(report, after=slide) for report, slide in zip(reports, slides, strict=True))
         warnings += _about_hand(hand)
     else:
         hand = measure_hand(model, clip, times[1], wish.target)
-    weights = model.weights(x)
     first_clip = {int(example): place for place, example in reversed(list(enumerate(model.example_of)))}
     # Clamped requests were outside of the examples too: the answer shows it in the used attributes.
     hull = inside or wish.clamp
@@ -127,6 +138,7 @@ def synthesize(model: Model, wish: Wish) -> Made:
         warnings=tuple(warnings),
         method=method,
         hand=hand,
+        feet=reports,
     )
 
 
@@ -186,8 +198,11 @@ def _template(model: Model, wish: Wish, nearest: int) -> int:
     )
 
 
-def _motion(model: Model, x: Array, wish: Wish, template: int) -> tuple[MadeClip, tuple[float, float, float]]:
-    """Return frames at the requested rate: frame i is shown at i / fps seconds."""
+def _motion(model: Model, x: Array, wish: Wish, template: int) -> tuple[MadeClip, tuple[float, float, float], Array]:
+    """Return frames at the requested rate, t1, t2 and end, and the samples (F,) of frames.
+
+    Frame i is shown at i / fps seconds.
+    """
     times = model.phase_times(x)
     root, rotations = model.samples(x)
     fps = wish.fps or model.base_fps
@@ -212,7 +227,7 @@ def _motion(model: Model, x: Array, wish: Wish, template: int) -> tuple[MadeClip
         description=f"Made for {asked}; body of {model.sources[template].name}.",
         labels=tuple(span for span in spans if 0 <= span[1] <= span[2] < frames),
     )
-    return clip, (t1, t2, end)
+    return clip, (t1, t2, end), at
 
 
 def _properties(model: Model, used: Array) -> tuple[tuple[str, str, str], ...]:

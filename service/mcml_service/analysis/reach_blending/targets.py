@@ -11,8 +11,16 @@ import numpy as np
 from mcml.motion.skeleton import Array
 from mcml.motion.solving.chains import walk_chain
 from mcml_service.analysis.interface import AnalysisError, MadeClip
-from mcml_service.analysis.reach_blending.arrival import Share, solve_contact, spread_solution
+from mcml_service.analysis.reach_blending.arrival import (
+    PELVIS,
+    Share,
+    Solution,
+    measure_share,
+    solve_contact,
+    spread_solution,
+)
 from mcml_service.analysis.reach_blending.model import Model, Reaching
+from mcml_service.analysis.reach_blending.standing import Feet
 
 Method = Literal["blend", "arrive"]
 NEAR = 0.001
@@ -59,40 +67,58 @@ def measure_hand(model: Model, clip: MadeClip, t2: float, target: Sequence[float
 
 
 def move_hand(
-    model: Model, clip: MadeClip, times: tuple[float, float], target: Sequence[float], clamp: bool
+    model: Model, clip: MadeClip, times: tuple[float, float], target: Sequence[float], clamp: bool, feet: Feet | None
 ) -> tuple[MadeClip, Hand]:
     """Correct a blended clip so that its hand is at the target at t2. times: t1, t2 in seconds.
 
     target: metres, in the world of the clip. clamp: take the nearest place instead if the target is out of reach.
-    Raises AnalysisError `unknown-unit`, `no-arm`, `out-of-reach`.
+    feet: stay where they are if the pelvis moves. Raises AnalysisError `unknown-unit`, `no-arm`, `out-of-reach`.
     """
     reaching, metres = model.reaching, model.metres
     if reaching is None or metres is None:
         raise _unable(model)
-    fps = 1.0 / clip.frame_time
-    frame = _contact(clip, times[1])
+    frames = round(times[0] / clip.frame_time), _contact(clip, times[1])
     chain = list(reaching.chain)
     offsets = clip.translations[0, chain]
-    root, rotations = clip.translations[:, chain[0]], clip.rotations[:, chain]
     goal = np.asarray(target, dtype=np.float64) / metres
-    solution = solve_contact(reaching, offsets, root[frame], rotations[frame], goal)
+    made = clip
+    for range_of_pelvis in (PELVIS, 0.0):
+        root, rotations = made.translations[:, chain[0]], made.rotations[:, chain]
+        solution = solve_contact(reaching, offsets, root[frames[1]], rotations[frames[1]], goal, range_of_pelvis)
+        if range_of_pelvis and not clamp and solution.missed * metres > NEAR:
+            raise _out_of_reach(solution, metres)
+        moved, turned = spread_solution(reaching, offsets, root, rotations, solution, frames, 1.0 / clip.frame_time)
+        made = _with_chain(made, chain, moved, turned)
+        if feet is None or not solution.pelvis.any():
+            break
+        # Legs that are too short lower the body, for which arm and spine make up in the second round.
+        made = feet.bring_back(made, moved - root)
+    row = [frames[1]]
+    pelvis = made.translations[row, chain[0]] - clip.translations[row, chain[0]]
+    own, bent = clip.rotations[row][:, chain], made.rotations[row][:, chain]
+    share = measure_share(offsets, own, bent, pelvis, reaching.shoulder)
+    hand = Hand(frames[1], _hand_at(reaching, made, frames[1]) * metres)
+    error = float(np.linalg.norm(np.asarray(target) - hand.place))
+    parts = Share(arm=share.arm * metres, spine=share.spine * metres, pelvis=share.pelvis * metres)
+    return made, replace(hand, error=error, moved=parts)
+
+
+def _out_of_reach(solution: Solution, metres: float) -> AnalysisError:
     missed = solution.missed * metres
-    if missed > NEAR and not clamp:
-        raise AnalysisError(
-            "out-of-reach",
-            f"The target is {100 * missed:.1f} cm out of reach: arm, spine and pelvis bring the hand no nearer.",
-            remedy="Set clamp for the nearest place, or choose a nearer target or other attributes.",
-            distance=round(missed, 6),
-            nearest=[round(float(value) * metres, 6) for value in solution.place],
-        )
-    moved, turned = spread_solution(reaching, offsets, root, rotations, solution, (round(times[0] * fps), frame), fps)
+    return AnalysisError(
+        "out-of-reach",
+        f"The target is {100 * missed:.1f} cm out of reach: arm, spine and pelvis bring the hand no nearer.",
+        remedy="Set clamp for the nearest place, or choose a nearer target or other attributes.",
+        distance=round(missed, 6),
+        nearest=[round(float(value) * metres, 6) for value in solution.place],
+    )
+
+
+def _with_chain(clip: MadeClip, chain: list[int], root: Array, rotations: Array) -> MadeClip:
     all_rotations, translations = clip.rotations.copy(), clip.translations.copy()
-    all_rotations[:, chain] = turned
-    translations[:, chain[0]] = moved
-    clip = replace(clip, rotations=all_rotations, translations=translations)
-    hand = measure_hand(model, clip, times[1], target)
-    share = Share(*(part * metres for part in (solution.share.arm, solution.share.spine, solution.share.pelvis)))
-    return clip, replace(hand, moved=share) if hand else Hand(frame, solution.place * metres)
+    all_rotations[:, chain] = rotations
+    translations[:, chain[0]] = root
+    return replace(clip, rotations=all_rotations, translations=translations)
 
 
 def _contact(clip: MadeClip, t2: float) -> int:

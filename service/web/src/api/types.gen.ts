@@ -3930,6 +3930,15 @@ export interface components {
         ReachClipChoice: {
             document: string;
         };
+        ReachFoot: {
+            joint: string;
+            contacts: [
+                number,
+                number
+            ][];
+            slide_before: number;
+            slide: number;
+        };
         ReachMoment: {
             seconds: number;
             frames: number;
@@ -3963,6 +3972,8 @@ export interface components {
             hand_place?: number[] | null;
             hand_error?: number | null;
             moved?: components["schemas"]["ReachMoves"] | null;
+            /** @default [] */
+            feet: components["schemas"]["ReachFoot"][];
             warnings: components["schemas"]["ReachWarning"][];
         };
         ReachMoves: {
