@@ -17,6 +17,7 @@ from mcml_service.analysis.reach_blending.options import options_of
 from mcml_service.analysis.reach_blending.phases import find_phases
 from mcml_service.analysis.reach_blending.quaternion_tracks import angle_between
 from mcml_service.demo.reach_clips import reach_clips
+from tests.analysis.reach.arrivals import hand_path, leave_people_out
 from tests.analysis.reach.hdm05 import read_reaches
 from tests.analysis.reach.reach_motions import motion_of
 from tests.conftest import shared_folder
@@ -126,6 +127,36 @@ def phase_times() -> None:
             row(fps, method, f"{100 * np.mean(within):.1f}", f"{mean[0]:+.2f}", f"{mean[1]:+.2f}")
 
 
+def arrivals(name: str, motions: Sequence[Motion], **stated: object) -> None:
+    """Medians and greatest values of centimetres to the target, m/s^2 of the hand and cm/s of standing feet."""
+    compared = list(leave_people_out(motions, **stated))
+    for what, factor, columns in (
+        ("hand, cm: arrive, blend, nearest", 100, [(each.arrive, each.blend, each.nearest) for each in compared]),
+        ("acceleration, m/s2: arrive, blend, clip", 1, [each.acceleration for each in compared]),
+        ("standing feet, cm/s: arrive, blend", 100, [each.slide for each in compared]),
+    ):
+        table = factor * np.array(columns)
+        cells = [f"{middle:.3g} ({most:.3g})" for middle, most in zip(np.median(table, 0), table.max(0), strict=True)]
+        row(name, what, len(compared), *cells)
+
+
+def chosen_by_hand(motions: Sequence[Motion]) -> None:
+    """Hands of people left out, cm, where the place of the hand is the attributes: two ways to choose the width."""
+    whole = fit(motions, options_of(attributes=("target",), align="start"))
+    metres = whole.model.metres or 1.0
+    labelled = []
+    for clip in whole.clips:
+        path, frame = hand_path(whole.model, clip)
+        place = {name: (repr(float(value)), "m") for name, value in zip("xyz", path[frame] * metres, strict=True)}
+        labelled.append(replace(clip.motion, properties={**clip.motion.properties, **place}))
+    for count in (10, 20):
+        for choose_by in ("coefficients", "hand"):
+            options = options_of(attributes=tuple("xyz"), align="start", components=count, choose_by=choose_by)
+            ways = predictions(fit(labelled, options))
+            errors = next(way.errors for way in ways if (way.left_out, way.predictor) == ("subject", "model"))
+            row(count, choose_by, 100 * metres * errors.contact)
+
+
 def main() -> None:
     motions = [motion_of(clip) for clip in reach_clips(1)]
     assert motions[0].skeleton.names[12] == "right_up_arm"
@@ -134,7 +165,14 @@ def main() -> None:
     components("generated, root in m", in_metres(motions))
     folder = shared_folder()
     if folder is not None:
-        components("HDM05", read_reaches(folder / "asfamc" / "hdm05_reach"), attributes=("target",))
+        reaches = read_reaches(folder / "asfamc" / "hdm05_reach")
+        components("HDM05", reaches, attributes=("target",))
+        print("hands of people left out: median (greatest)")
+        arrivals("HDM05", reaches, attributes=("target",), align="start")
+        arrivals("HDM05 where they stand", reaches, attributes=("target",))
+        print("place of the hand as attributes: components, choose_by, hands of people left out, cm")
+        chosen_by_hand(reaches)
+    arrivals("generated", motions)
     print("signs of eigenposes: first %, ten %, joints deg")
     signs(motions)
     print("people left out: predictor, joints deg, arm deg, hand mm, t1, t2, end frames")

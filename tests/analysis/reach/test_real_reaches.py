@@ -11,6 +11,7 @@ from mcml_service.analysis.interface import AnalysisError, Motion
 from mcml_service.analysis.reach_blending.fit import Fitted, fit
 from mcml_service.analysis.reach_blending.options import options_of
 from mcml_service.analysis.reach_blending.synthesis import Wish, synthesize
+from tests.analysis.reach.arrivals import leave_people_out
 from tests.analysis.reach.hdm05 import INCHES, read_reaches
 
 
@@ -59,6 +60,17 @@ def test_the_hand_rises_with_the_target(reaches: list[Motion], fitted: Fitted, s
     # Measured hands go to 0.1 m and to 1.6 m; means of people who move at different times go less far.
     assert heights[0].min() < 0.5
     assert heights[-1].max() > 1.2
+
+
+def test_hands_of_people_left_out_arrive_and_feet_stay(reaches: list[Motion]) -> None:
+    compared = list(leave_people_out(reaches, attributes=("target",), align="start"))
+    assert len(compared) >= 29
+    # Blends miss by decimetres, because a clip of another person is the nearest that they know.
+    assert np.median([each.blend for each in compared]) > 0.2
+    assert max(each.arrive for each in compared) < 0.01
+    assert max(each.slide[0] for each in compared) < 0.03
+    assert np.median([each.slide[1] for each in compared]) > 0.2
+    assert np.median([each.acceleration[0] / each.acceleration[1] for each in compared]) < 1.2
 
 
 def test_two_targets_are_equal_attributes_to_the_paper(reaches: list[Motion]) -> None:
