@@ -269,3 +269,26 @@ def test_real_reaches_are_blended_over_their_target(shared: Path, open_studio: S
             page.keyboard.press("PageUp")
         moved(page)
     assert len(set(heights)) == 3, "each place of the slider has a motion of its own"
+
+
+def test_the_hand_goes_to_a_target_and_misses_are_shown(open_studio: Served, visit_of: Any) -> None:
+    reaches = open_studio
+    visit = visit_of(reaches)
+    visit.wanted.add(422)  # out of reach
+    page = visit.open(f"/reach/{keep_model(reaches)}")
+    moved(page)
+    page.get_by_text("Hand target").click()
+    field = page.get_by_label("Hand target Y (m)")
+    before = float(field.input_value())
+    field.fill(f"{before + 0.05:.3f}")
+    field.press("Enter")
+    expect(page.get_by_text("Hand 0 cm from the target")).to_be_visible()
+    place = page.evaluate("() => mcmlReach.shown.value.answer.hand_place")
+    assert place[1] == pytest.approx(before + 0.05, abs=0.002)
+    assert "target=" in page.url
+    field.fill("5")
+    field.press("Enter")
+    expect(page.get_by_text("cm out of reach")).to_be_visible()
+    page.get_by_role("button", name="Remove target").click()
+    expect(page.get_by_text("cm out of reach")).to_have_count(0)
+    assert page.evaluate("() => mcmlReach.wish().target") is None

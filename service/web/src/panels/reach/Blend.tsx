@@ -18,6 +18,7 @@ import { useNearest } from "./nearest";
 import { Pad } from "./Pad";
 import { PhaseChart, type Curve } from "./PhaseChart";
 import type { Speeds } from "./speeds";
+import { Target } from "./Target";
 import { Trust } from "./Trust";
 import { b } from "./words";
 
@@ -122,6 +123,7 @@ export function Blend({ model, speeds }: { model: Model; speeds: Speeds | undefi
         <Head model={model} />
         <Wrong blending={blending} />
         <Sliders model={model} blending={blending} onHome={home} />
+        <Target blending={blending} />
         <Trust model={model} blending={blending} />
         <TwoAtOnce model={model} blending={blending} onHome={home} />
         <Errors model={model} />

@@ -36,7 +36,7 @@ export function Keep({
   picture: () => Promise<Blob> | undefined;
 }) {
   const [asking, setAsking] = useState(false);
-  const wish = () => ({ attributes: blending.values.peek() });
+  const wish = () => blending.wish();
   const suggested = () =>
     `reach, ${model.attributes.map((one) => `${one.name} ${blending.values.peek()[one.name]}`).join(", ")}`;
   const file = async (format: string, extension: string) => {

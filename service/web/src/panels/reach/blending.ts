@@ -15,14 +15,24 @@ export interface Shown {
   moments: Moments;
 }
 
+/** X, Y and Z in metres, in the world of the made motion. */
+export type Place = [number, number, number];
+
+export interface Wish {
+  attributes: Values;
+  target?: Place;
+}
+
 export class Blending {
   readonly values;
+  /** Where the hand is to be at the end of the reach; null: where the blend has it. */
+  readonly target;
   readonly shown = signal<Shown | null>(null);
   readonly error = signal<unknown>(null);
   /** Milliseconds from the question to its answer. */
   readonly took = signal(0);
   readonly player = new Player(1, 30);
-  private wanted: { values: Values; moved: number } | null = null;
+  private wanted: { wish: Wish; moved: number } | null = null;
   private busy = false;
   /** When the slider was moved for the motion that waits to be drawn. */
   private undrawn: number | null = null;
@@ -30,6 +40,7 @@ export class Blending {
 
   constructor(readonly model: Model) {
     this.values = signal<Values>(valuesNow(model));
+    this.target = signal<Place | null>(targetNow());
     this.want();
   }
 
@@ -40,11 +51,26 @@ export class Blending {
     this.want();
   }
 
+  /** Set or remove the place of the hand. */
+  aim(target: Place | null): void {
+    this.target.value = target;
+    noteParams({ target: target && target.join(",") });
+    this.want();
+  }
+
+  /** The request for the motion that is shown. */
+  wish(): Wish {
+    const target = this.target.peek();
+    return { attributes: this.values.peek(), ...(target && { target }) };
+  }
+
   /** As the address says, after going back and forth in it. */
   read(): void {
     const now = valuesNow(this.model);
-    if (JSON.stringify(now) === JSON.stringify(this.values.peek())) return;
+    const target = targetNow();
+    if (JSON.stringify([now, target]) === JSON.stringify([this.values.peek(), this.target.peek()])) return;
     this.values.value = now;
+    this.target.value = target;
     this.want();
   }
 
@@ -54,24 +80,18 @@ export class Blending {
   }
 
   private want(): void {
-    this.wanted = { values: this.values.peek(), moved: performance.now() };
+    this.wanted = { wish: this.wish(), moved: performance.now() };
     if (!this.busy) void this.follow();
   }
 
   private async follow(): Promise<void> {
     this.busy = true;
     while (this.wanted && !this.stop.signal.aborted) {
-      const { values, moved } = this.wanted;
+      const { wish, moved } = this.wanted;
       this.wanted = null;
       const asked = performance.now();
       try {
-        const made = await makeMotion<Answer>(
-          this.model.id,
-          "synthesize",
-          { attributes: values },
-          {},
-          this.stop.signal,
-        );
+        const made = await makeMotion<Answer>(this.model.id, "synthesize", wish, {}, this.stop.signal);
         this.show(made.value, wholeOf(made.motion, made.positions), moved);
         this.took.value = performance.now() - asked;
         this.error.value = null;
@@ -98,6 +118,11 @@ export class Blending {
     performance.measure("new-motion", { start: this.undrawn });
     this.undrawn = null;
   }
+}
+
+function targetNow(): Place | null {
+  const place = param("target").split(",").map(Number);
+  return place.length === 3 && place.every(Number.isFinite) ? (place as Place) : null;
 }
 
 function valuesNow(model: Model): Values {
