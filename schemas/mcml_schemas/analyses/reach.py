@@ -12,13 +12,14 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from mcml_schemas.examples import DOCUMENT, shown
 from mcml_schemas.request_body import RequestBody
+from mcml_schemas.revisions import FrameRange
 
 _TIMES = {"t1": 6.4, "t2": 30.2, "end": 70}
 _ATTRIBUTES = {"age": 23, "height": 175, "hbp": 355}
 _WARNING = {"code": "in-gap", "what": "No example has an age near the requested one."}
 _CLIP = {"document": DOCUMENT, "revision": 1, "name": "reach_01_001", "subject": "S01"}
 
-_FOOT = {"joint": "left_toes", "contacts": [[1, 70]], "slide_before": 0.031, "slide": 0.0}
+_FOOT = {"joint": "left_toes", "contacts": [{"first": 1, "last": 70}], "slide_before": 0.031, "slide": 0.0}
 _TARGET = [-0.26, 0.8, 0.12]
 
 Coordinate = Annotated[FiniteFloat, Field(ge=-1000, le=1000)]
@@ -249,9 +250,7 @@ class ReachFoot(BaseModel):
     model_config = ConfigDict(json_schema_extra=shown(_FOOT))
 
     joint: str = Field(description="The joint that is held", examples=["left_toes"])
-    contacts: list[tuple[int, int]] = Field(
-        description="First and last positions of frames in which it stands", examples=[[[1, 70]]]
-    )
+    contacts: list[FrameRange] = Field(description="Frames in which it stands", examples=[[{"first": 1, "last": 70}]])
     slide_before: float = Field(
         description="Metres that it slid over the ground during contacts, before it was held", examples=[0.031]
     )

@@ -220,7 +220,7 @@ def test_answers_tell_of_the_hand() -> None:
     assert value.moved.arm == pytest.approx(0.05, abs=1e-3)
     assert {foot.joint for foot in value.feet} == {"left_toes", "right_toes"}
     assert all(foot.slide < 0.002 < foot.slide_before for foot in value.feet)
-    assert all(1 <= first <= last <= value.frames for foot in value.feet for first, last in foot.contacts)
+    assert all(1 <= span.first <= span.last <= value.frames for foot in value.feet for span in foot.contacts)
 
 
 @given(st.integers(2, 400), st.data())

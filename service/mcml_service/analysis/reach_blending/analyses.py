@@ -22,6 +22,7 @@ from mcml_schemas.analyses.reach import (
     ReachWeight,
     ReachWish,
 )
+from mcml_schemas.revisions import FrameRange
 from mcml_service.analysis.interface import (
     Analysis,
     AnalysisError,
@@ -177,7 +178,7 @@ def _moment(about: Mapping[str, Any], name: str) -> ReachMoment:
 def _foot(clip: MadeClip, report: FootReport, metres: float) -> ReachFoot:
     return ReachFoot(
         joint=clip.skeleton.joints[report.joint].name,
-        contacts=[(first + 1, last + 1) for first, last in report.contacts],
+        contacts=[FrameRange(first=first + 1, last=last + 1) for first, last in report.contacts],
         slide_before=report.before * metres,
         slide=report.after * metres,
     )

@@ -3932,10 +3932,7 @@ export interface components {
         };
         ReachFoot: {
             joint: string;
-            contacts: [
-                number,
-                number
-            ][];
+            contacts: components["schemas"]["FrameRange"][];
             slide_before: number;
             slide: number;
         };
