@@ -125,6 +125,18 @@ class LockFrames(_Range):
     sides: list[Literal["left", "right"]] = Field(["left", "right"], min_length=1)
 
 
+class LoopFrames(_Range):
+    """Make a loop: cut the range where poses are most alike, and lead its end to its beginning. Other frames go."""
+
+    do: Literal["loop"]
+    seconds: float = Field(0.3, ge=0, le=60, description="Length of the end that is changed")
+    search: float = Field(
+        0.4, ge=0, le=0.5, description="Part of the range at either end in which the cut is; 0: keep all of the range"
+    )
+    lock_feet: bool = Field(True, description="Standing feet stay in place at the end")
+    in_place: bool = Field(False, description="The body does not travel from round to round")
+
+
 FrameEdit = Annotated[
     DeleteFrames
     | KeepFrames
@@ -138,7 +150,8 @@ FrameEdit = Annotated[
     | FillFrames
     | LowPassFrames
     | UnrollFrames
-    | LockFrames,
+    | LockFrames
+    | LoopFrames,
     Field(discriminator="do"),
 ]
 

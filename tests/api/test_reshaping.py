@@ -192,3 +192,28 @@ def test_feet_of_markers_cannot_be_locked(client: TestClient, trial: str) -> Non
     assert refused.status_code == 422
     assert "leg from hip to knee to ankle" in refused.json()["detail"]
     assert "map the joints" in refused.json()["remedy"]
+
+
+def test_a_loop_ends_where_it_begins(client: TestClient, uuid: str) -> None:
+    before = values(client, uuid)
+    notes = edit(client, uuid, do="loop", first=21, last=340, in_place=True)["notes"]
+    assert isinstance(notes, list)
+    first, last = (int(number) for number in re.findall(r"frames (\d+) to (\d+)", notes[0])[0])
+    assert 21 <= first < last <= 340
+    assert client.get(f"{API}/documents/{uuid}").json()["frames"] == last - first + 1
+    there = values(client, uuid, space="positions")
+    # One round later the body is where it was, but for one step.
+    step = np.abs(np.diff(there, axis=0)).max()
+    assert np.abs(there[0] - there[-1]).max() <= 1.5 * step
+    client.post(f"{API}/documents/{uuid}/undo", headers=ANY)
+    assert np.array_equal(values(client, uuid), before)
+    whole = edit(client, uuid, do="loop", first=1, last=360, search=0, seconds=0.2)["notes"]
+    assert isinstance(whole, list)
+    assert "frames 1 to 360 are the loop" in whole[0]
+    # Nothing but the end was changed.
+    assert np.array_equal(values(client, uuid)[:340], before[:340])
+    refused = client.post(
+        f"{API}/documents/{uuid}/frames", json={"edits": [{"do": "loop", "first": 1, "last": 3}]}, headers=ANY
+    )
+    assert refused.status_code == 422
+    assert "at least 4 frames" in refused.json()["detail"]

@@ -12,6 +12,7 @@ from mcml.errors import DocumentError
 from mcml.formats.measurements import has_capture_numbers
 from mcml.language.elements import to_head
 from mcml.motion.clip import FrameBlock
+from mcml.motion.edits.looping import close_loop
 from mcml.motion.frames import reversed_frames
 from mcml.motion.skeleton import CHANNEL_INDEX, Array
 from mcml_schemas.frames import (
@@ -20,11 +21,13 @@ from mcml_schemas.frames import (
     FrameEdits,
     InsertFrames,
     KeepFrames,
+    LoopFrames,
     MoveFrames,
     ResampleFrames,
     ReverseFrames,
     UnrollFrames,
 )
+from mcml_service.actions.checking.check_timed import seconds_of
 from mcml_service.actions.editing.frame_splicing import (
     check_range,
     counts_up,
@@ -32,7 +35,7 @@ from mcml_service.actions.editing.frame_splicing import (
     splice_frames,
     write_counts,
 )
-from mcml_service.actions.editing.motion_processing import reshape
+from mcml_service.actions.editing.motion_processing import number_bones, read_whole, reshape
 from mcml_service.storage.core.schema import CHUNK
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.documents.motion_names import names_of_frames
@@ -62,6 +65,8 @@ def edit_frames(
         elif isinstance(edit, InsertFrames):
             source = current if edit.document is None else tx.documents.get(edit.document)
             insert_frames(tx, current, edit.at, source, edit.first, edit.last, renumber=request.renumber)
+        elif isinstance(edit, LoopFrames):
+            told += loop_frames(tx, current, edit, renumber=request.renumber)
         else:
             told += reshape(tx, current, edit)
         done.append(_summarise(edit))
@@ -73,6 +78,34 @@ def _summarise(edit: FrameEdit) -> str:
     if isinstance(edit, ResampleFrames):
         return f"{edit.do} {edit.rate:g} Hz"
     return edit.do if isinstance(edit, UnrollFrames) else f"{edit.do} {edit.first}-{edit.last}"
+
+
+def loop_frames(tx: Transaction, stored: StoredDocument, edit: LoopFrames, *, renumber: bool = True) -> list[str]:
+    """Keep a loop of a range. Returns sentences about it."""
+    check_range(stored, edit.first, edit.last)
+    whole = read_whole(tx, stored, edit.first, edit.last)
+    made = close_loop(
+        whole.head.skeleton,
+        whole.block,
+        seconds_of(stored),
+        edit.seconds,
+        edit.search,
+        lock_feet=edit.lock_feet,
+        in_place=edit.in_place,
+        up=whole.up,
+        reading=whole.reading,
+    )
+    first, last = edit.first + made.first, edit.first + made.last
+    blocks = [number_bones(tx, stored, whole, made.block)]
+    trim(tx, stored, first, last, renumber=renumber)
+    current = tx.documents.get(stored.uuid)
+    splice_frames(tx, current, 1, current.frames, blocks, renumber=False, same_instants=True)
+    held = " and ".join(made.locked)
+    return [
+        f"frames {first:,} to {last:,} are the loop: the largest step from its end to its beginning is {made.jump:.2f} "
+        f"of those inside, and it turns by {np.degrees(made.turn):.1f} degrees a round"
+        + (f"; {held} foot held at its end" if held else "")
+    ]
 
 
 def delete_frames(tx: Transaction, stored: StoredDocument, first: int, last: int, *, renumber: bool = True) -> None:

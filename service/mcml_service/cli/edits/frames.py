@@ -37,9 +37,14 @@ def frames(
     source: Annotated[str | None, typer.Option("--from", help="insert: document that has the frames")] = None,
     rate: Annotated[float | None, typer.Option(help="resample: frames a second")] = None,
     seconds: Annotated[
-        float | None, typer.Option(help="smooth: standard deviation of the Gaussian; fill: longest gap of a spline")
+        float | None,
+        typer.Option(help="smooth: standard deviation; fill: longest gap of a spline; loop: length of the changed end"),
     ] = None,
     longest: Annotated[float | None, typer.Option(help="fill: seconds of the longest gap")] = None,
+    search: Annotated[
+        float | None, typer.Option(help="loop: part of the range at either end in which the cut is; 0: keep all")
+    ] = None,
+    in_place: Annotated[bool | None, typer.Option("--in-place", help="loop: without travel")] = None,
     sides: Annotated[list[str] | None, typer.Option("--side", help="lock-feet: left or right; default both")] = None,
     hertz: Annotated[float | None, typer.Option(help="low-pass: cut-off; default by residual analysis")] = None,
     channels: Annotated[list[str] | None, typer.Option("--channel", help="adjust: Rx, Ty …; may be repeated")] = None,
@@ -59,7 +64,7 @@ def frames(
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Delete, keep, move, insert, reverse, mirror, fill, filter, smooth, unroll, adjust, resample frames; lock feet."""
+    """Delete, keep, move, insert, reverse, loop, mirror, fill, filter, smooth, adjust or resample frames, lock feet."""
     kind = _EDITS.get(do)
     if kind is None:
         raise typer.BadParameter(f"say one of {', '.join(_EDITS)}", param_hint="DO")
@@ -69,6 +74,8 @@ def frames(
         "rate": rate,
         "seconds": seconds,
         "longest": longest,
+        "search": search,
+        "in_place": in_place,
         "sides": sides,
         "hertz": hertz,
         "channels": channels,

@@ -3008,7 +3008,7 @@ export interface components {
             data?: string | null;
         };
         FrameEdits: {
-            edits: (components["schemas"]["DeleteFrames"] | components["schemas"]["KeepFrames"] | components["schemas"]["ReverseFrames"] | components["schemas"]["MoveFrames"] | components["schemas"]["InsertFrames"] | components["schemas"]["MirrorFrames"] | components["schemas"]["SmoothFrames"] | components["schemas"]["AdjustFrames"] | components["schemas"]["ResampleFrames"] | components["schemas"]["FillFrames"] | components["schemas"]["LowPassFrames"] | components["schemas"]["UnrollFrames"] | components["schemas"]["LockFrames"])[];
+            edits: (components["schemas"]["DeleteFrames"] | components["schemas"]["KeepFrames"] | components["schemas"]["ReverseFrames"] | components["schemas"]["MoveFrames"] | components["schemas"]["InsertFrames"] | components["schemas"]["MirrorFrames"] | components["schemas"]["SmoothFrames"] | components["schemas"]["AdjustFrames"] | components["schemas"]["ResampleFrames"] | components["schemas"]["FillFrames"] | components["schemas"]["LowPassFrames"] | components["schemas"]["UnrollFrames"] | components["schemas"]["LockFrames"] | components["schemas"]["LoopFrames"])[];
             /** @default true */
             renumber: boolean;
             /** @default  */
@@ -3455,6 +3455,23 @@ export interface components {
              *     ]
              */
             sides: ("left" | "right")[];
+        };
+        LoopFrames: {
+            first: number;
+            last: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "loop";
+            /** @default 0.3 */
+            seconds: number;
+            /** @default 0.4 */
+            search: number;
+            /** @default true */
+            lock_feet: boolean;
+            /** @default false */
+            in_place: boolean;
         };
         LowPassFrames: {
             first: number;
