@@ -16,6 +16,7 @@ from mcml.motion.clip import ClipStream
 from mcml.motion.conventions.resizing import scale, turn_up
 from mcml_service.demo import body
 from tests.builders import bvh, c3d_file, one_kind
+from tests.clips.test_references import floating
 
 API = "/api/v1"
 
@@ -256,3 +257,16 @@ def test_a_document_in_parts(client: TestClient, walk: str) -> None:
         assert client.post(f"{API}/documents/{walk}/split", json=wrong).status_code == 404
     for wrong in ({}, {"at": [1]}, {"at": [5], "label": "walk"}):
         assert client.post(f"{API}/documents/{walk}/split", json=wrong).status_code == 422
+
+
+def test_a_skeleton_without_lengths_at_rest_is_known_by_its_frames(client: TestClient, walk: str) -> None:
+    """Where its joints are comes with its motion: as the skeleton of the result, and as the first segment."""
+    content = floating(4)
+    answer = client.post(f"{API}/documents", files=[("file", ("floating.bvh", content))])
+    other = str(answer.json()["documents"][0]["id"])
+    for request in ({"skeleton": other}, {}):
+        pieces = [{"document": walk, "first": 1, "last": 40}]
+        if not request:
+            pieces.insert(0, {"document": other, "first": 1, "last": 10})
+        made = compose(client, *pieces, preview=True, **request)
+        assert made["frames"] >= 40

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -13,6 +14,8 @@ from mcml.motion.skeleton import Array, Skeleton
 
 _NOTHING = 0.01
 """Length of a bone at rest, in parts of that in the motion, under which it says nothing."""
+_LOOKED_AT = 100
+"""Frames of a motion, from which lengths are taken."""
 _FOLDED = 0.5
 """Cosine of the angle between legs and trunk, from which a rest pose does not show a body: 60 degrees."""
 
@@ -28,18 +31,21 @@ class Known:
 
     def posed(self, pose: Array | None) -> PosedBody:
         """The body in a pose, by default its rest pose, with lengths of its motion where most have none at rest."""
-        return PosedBody.of(self.skeleton, replace(self.rest, offsets=self._offsets()), pose)
+        return PosedBody.of(self.skeleton, replace(self.rest, offsets=self._offsets), pose)
 
     @property
     def has_no_lengths(self) -> bool:
         """Whether most bones have a length in the motion alone."""
-        return self._offsets() is not self.rest.offsets
+        return self._offsets is not self.rest.offsets
 
+    @cached_property
     def _offsets(self) -> Array:
         if self.motion is None or not len(self.motion.translations):
             return self.rest.offsets
         below = [index for index, joint in enumerate(self.skeleton.joints) if joint.parent >= 0]
-        offsets = np.median(self.motion.translations, axis=0)
+        count = len(self.motion.translations)
+        rows = np.unique(np.linspace(0, count - 1, min(count, _LOOKED_AT)).astype(np.intp))
+        offsets = np.median(self.motion.translations[rows], axis=0)
         moving, resting = (np.linalg.norm(each[below], axis=1) for each in (offsets, self.rest.offsets))
         has_length = moving > 0
         if 2 * int((resting[has_length] < _NOTHING * moving[has_length]).sum()) <= int(has_length.sum()):

@@ -18,6 +18,7 @@ from mcml.errors import ConversionError
 from mcml.motion.clip import FrameBlock, full_shape
 from mcml.motion.feet.legs import legs_of
 from mcml.motion.feet.locking import FootReport, foot_contacts, lock_feet
+from mcml.motion.frames import rows_of
 from mcml.motion.hub import HubReader, walked
 from mcml.motion.hub_writer import HubWriter, Shortfall
 from mcml.motion.retargeting.bone_mapping import Match, check_matches
@@ -85,7 +86,7 @@ def retarget(
     writer = HubWriter(target, target_reading)
     shown = hub if target == source else None
     if target_block is not None:
-        shown = HubReader(target, target_reading).read(target_block)
+        shown = HubReader(target, target_reading).read(rows_of(target_block, 0, min(len(target_block), _LOOKED_AT)))
     one, two = comparable_bodies(
         Known(source, HubReader(source, reading).rest, source_pose, hub),
         Known(target, writer.rest, target_pose, shown),

@@ -71,7 +71,7 @@ def compose_frames(
     with database.read() as tx:
         sources = [_source(tx, request.project, number, segment) for number, segment in segments]
         head = _head(tx, request, sources[0])
-        fitting = _Fitting(tx, head, request.project)
+        fitting = _Fitting(tx, head, _frames_of_body(tx, request, sources[0]), request.project)
         blocks = fitting.all(sources, segments)
     frame_time = sources[0].frame_time if request.rate is None else 1 / request.rate
     speeds = [segment.speed for _, segment in segments]
@@ -198,6 +198,12 @@ def _head(tx: Transaction, request: ComposeRequest, first: _Source) -> ClipHead:
     return head if head is body else with_body(head, body)
 
 
+def _frames_of_body(tx: Transaction, request: ComposeRequest, first: _Source) -> FrameBlock:
+    if request.skeleton is None:
+        return first.whole.block
+    return read_whole(tx, tx.documents.get(request.skeleton), 1, 1).block
+
+
 def _head_of(tx: Transaction, uuid: str) -> ClipHead:
     return read_clip(tx, tx.documents.get(uuid), first=1, last=1).clip.head
 
@@ -218,8 +224,9 @@ def _set_frame_time(head: ClipHead, frame_time: float, sources: list[_Source]) -
 class _Fitting:
     """Brings frames onto the skeleton of the result."""
 
-    def __init__(self, tx: Transaction, head: ClipHead, project: str) -> None:
-        self._tx, self._head, self._project = tx, head, project
+    def __init__(self, tx: Transaction, head: ClipHead, shown: FrameBlock, project: str) -> None:
+        """shown: frames on the skeleton of the result."""
+        self._tx, self._head, self._shown, self._project = tx, head, shown, project
         self.notices: list[str] = []
 
     def all(self, sources: list[_Source], segments: list[tuple[int, Segment]]) -> list[FrameBlock]:
@@ -247,7 +254,7 @@ class _Fitting:
     def _fit_skeleton(
         self, stored: StoredDocument, whole: Whole, mapping: JointMapping | None, frame_time: float
     ) -> FrameBlock:
-        fitted = fit(whole, self._head, mapping, frame_time)
+        fitted = fit(whole, self._head, mapping, frame_time, self._shown)
         notices = [f"{stored.name}: {notice}" for notice in fitted.notices]
         self.notices += [notice for notice in notices if notice not in self.notices]
         return fitted.block

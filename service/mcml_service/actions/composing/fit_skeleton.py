@@ -48,12 +48,15 @@ class Fitted:
     notices: tuple[str, ...] = ()
 
 
-def fit(source: Whole, body: ClipHead, mapping: JointMapping | None, frame_time: float) -> Fitted:
+def fit(
+    source: Whole, body: ClipHead, mapping: JointMapping | None, frame_time: float, shown: FrameBlock | None = None
+) -> Fitted:
     """Convert frames to the skeleton of `body`: bit by bit if it is the same one, in any order of its joints.
 
     Markers keep their places, in the unit of `body`. Another body is retargeted by its MCML names, or by `mapping`; its
-    travel is scaled by the legs, which also converts units. frame_time: seconds. Raises DocumentError for markers on a
-    skeleton or that lack some of `body`'s, and if almost no joints match.
+    travel is scaled by the legs, which also converts units. frame_time: seconds. shown: frames of `body`, for skeletons
+    without lengths at rest. Raises DocumentError for markers on a skeleton or that lack some of `body`'s, and if almost
+    no joints match.
     """
     own, two = source.head.skeleton, body.skeleton
     kinds = are_markers(own), are_markers(two)
@@ -83,6 +86,7 @@ def fit(source: Whole, body: ClipHead, mapping: JointMapping | None, frame_time:
         reading=source.reading,
         target_reading=reading_of(body),
         up=source.up,
+        target_block=shown,
     )
     notices += [notice.what for notice in [*made.report.notices(own, two), *made.shortfall.notices(two)]]
     return Fitted(made.block, tuple(notices))

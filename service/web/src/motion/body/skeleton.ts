@@ -26,6 +26,7 @@ export interface Skeleton {
 
 const SIDES: Record<string, Side> = { centre: 0, left: 1, right: 2 };
 const USUAL_HEIGHT = 1.7;
+const LEAST = 0.01; // metres
 
 export function skeletonOf(answer: SkeletonView): Skeleton {
   // Browsers keep answers of a revision for ever: those of an earlier release lack newer lists.
@@ -74,7 +75,8 @@ export function skeletonOf(answer: SkeletonView): Skeleton {
     metres,
     unitKnown: Boolean(view.unit),
     zUp: view.likely_up.endsWith("Z"),
-    height: view.markers ? USUAL_HEIGHT : Math.min(3, Math.max(0.1, extent * metres)),
+    // A rest pose without lengths shows no height: places of joints come with the motion.
+    height: view.markers || extent * metres < LEAST ? USUAL_HEIGHT : Math.min(3, Math.max(0.1, extent * metres)),
     head: view.bones.findIndex((bone) => bone.name.toLowerCase() === "head"),
     byName: new Map(view.bones.map((bone, index) => [bone.name, index])),
   };
