@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from mcml.errors import ConversionError
 from mcml.motion.clip import ClipStream, FrameBlock, full_shape
 from mcml.motion.edits.composing import Composed, Piece, compose
-from mcml.motion.edits.layering import layered
+from mcml.motion.edits.layering import lay_over
 from mcml.motion.edits.transitions import LARGEST_JUMP
 from mcml.motion.frames import in_columns
 from mcml.motion.hub import HubReader
@@ -292,7 +292,7 @@ def test_layers_take_bones_of_another_clip(convention: Convention, seed: int) ->
     joints = [index for index in range(len(skeleton)) if rng.random() < 0.5]
     strength = rng.choice([0.0, 0.25, 1.0], len(base))
     begin = int(rng.choice([0, rng.integers(0, len(base))]))
-    result = layered(skeleton, base, over, joints, strength, reading, begin).block
+    result = lay_over(skeleton, base, over, joints, strength, reading, begin).block
     one, two, made = (HubReader(skeleton, reading).read(part) for part in (base, over, result))
     for index, (joint, _) in enumerate(skeleton.columns()):
         for frame in range(len(base)):

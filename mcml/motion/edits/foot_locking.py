@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -85,4 +85,4 @@ def _inside(contacts: Contacts, rows: slice) -> Contacts:
 
 
 def _in_legs(report: FootReport, size: float) -> FootReport:
-    return FootReport(report.joint, report.contacts, report.before / size, report.after / size, report.missed / size)
+    return replace(report, before=report.before / size, after=report.after / size)

@@ -15,7 +15,7 @@ from mcml.motion.skeleton import Array, Skeleton
 from mcml.motion.units import DEGREES, Reading
 
 
-def layered(
+def lay_over(
     skeleton: Skeleton,
     base: FrameBlock,
     over: FrameBlock,

@@ -83,9 +83,9 @@ def close_loop(
     locked: tuple[Side, ...] = ()
     if tail:
         start = placed(skeleton, loop.rows(0, 2), carry, placement)
-        end = _reversed(inertialize(_reversed(start), _reversed(loop.rows(size - tail - 2, size)), tail))
+        end = _reverse(inertialize(_reverse(start), _reverse(loop.rows(size - tail - 2, size)), tail))
         if feet is not None and placement.shift is not None:
-            again = stance.rows(0, 1).moved(placement.turn(), placement.shift).over(tail)
+            again = stance.rows(0, 1).place(placement.turn(), placement.shift).over(tail)
             end, locked = feet.lock(end, stance.rows(size - tail, size), again, HubWriter(skeleton, reading))
         loop = joined_poses([loop.rows(0, size - tail), end])
     if in_place:
@@ -103,7 +103,7 @@ def close_loop(
     return Looped(made, first, last, _jump(skeleton, loop, carry, axis, points), placement.angle, locked)
 
 
-def _reversed(poses: Poses) -> Poses:
+def _reverse(poses: Poses) -> Poses:
     return Poses(poses.translations[::-1], poses.rotations[::-1], poses.scales[::-1])
 
 

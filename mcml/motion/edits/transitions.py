@@ -60,7 +60,7 @@ class Stretch:
         if self.stance is None:
             return None
         rows = self.stance.rows(first, end)
-        return rows if placement.shift is None else rows.moved(placement.turn(), placement.shift)
+        return rows if placement.shift is None else rows.place(placement.turn(), placement.shift)
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,8 @@ FADE = 0.15
 """Seconds over which a correction fades out."""
 _FARTHEST = 0.25
 """Leg lengths: the most that a foot is moved."""
+_MISSED = 0.02
+"""Leg lengths: a foot that misses its place by more is told."""
 _LOWEST = 0.08
 """Leg lengths: the most that the body is lowered."""
 _CALM = 0.2
@@ -40,8 +42,8 @@ class FootReport:
     """joint: the planted joint of the target.
 
     contacts: (first frame, last frame) from 0. before, after: distance that it slides over the ground during contacts,
-    in the target's unit, over all frames. missed: the farthest that it is from where it should be held; 0 if nothing is
-    locked.
+    in the target's unit, over all frames. missed: the farthest that it is from where it should be held, in lengths of
+    the leg; 0 if nothing is locked. left: number of contacts that are left alone, since the foot slides too far.
     """
 
     joint: int
@@ -49,6 +51,16 @@ class FootReport:
     before: float
     after: float
     missed: float = 0.0
+    left: int = 0
+
+    def shortcomings(self) -> list[str]:
+        """Words for contacts left alone, and for a place that the leg does not reach."""
+        told = []
+        if self.left:
+            told.append(f"{self.left} contacts slide too far and are left alone")
+        if self.missed > _MISSED:
+            told.append(f"it misses its place by up to {self.missed:.2f} leg lengths")
+        return told
 
 
 @dataclass(frozen=True)
@@ -97,10 +109,11 @@ def lock_feet(
     be moved by over a quarter of the leg are left alone.
     """
     places = walked(skeleton, translations, rotations)[0]
-    moves = []
+    moves, left = [], []
     for leg, stands in zip(legs, contacts, strict=True):
         most = _FARTHEST * leg.length(places)
         held = hold_moves(places[:, leg.toe], places[:, leg.ankle], stands.toe, stands.ankle, up, most)
+        left.append(sum(bool(np.isnan(held[first, 0])) for first, _ in find_true(stands.any).tolist()) if lock else 0)
         moves.append(spread_moves(held, max(1, round(FADE / frame_time))))
     missed = np.zeros(len(legs))
     after = places
@@ -110,11 +123,12 @@ def lock_feet(
         )
         after = walked(skeleton, translations, rotations)[0]
     reports = []
-    for leg, stands, miss in zip(legs, contacts, missed, strict=True):
+    for leg, stands, miss, alone in zip(legs, contacts, missed, left, strict=True):
         flags = stands.toe if leg.toe != leg.ankle else stands.ankle
         spans = tuple((first, end - 1) for first, end in find_true(flags).tolist())
         slid = [sliding(at[:, leg.toe], spans, up) for at in (places, after)]
-        reports.append(FootReport(leg.toe, spans, slid[0], slid[1], float(miss)))
+        length = leg.length(places)
+        reports.append(FootReport(leg.toe, spans, slid[0], slid[1], float(miss) / length if length else 0.0, alone))
     return Locked(translations, rotations, tuple(reports))
 
 

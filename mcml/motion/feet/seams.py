@@ -36,7 +36,7 @@ class Stance:
             return self
         return Stance(np.repeat(self.places[:1], frames, axis=0), np.repeat(self.stands[:1], frames, axis=0))
 
-    def moved(self, turn: Array, shift: Array) -> Stance:
+    def place(self, turn: Array, shift: Array) -> Stance:
         """Turned by a rotation (4,), then shifted by (3,)."""
         return Stance(rotate(turn, self.places) + shift, self.stands)
 

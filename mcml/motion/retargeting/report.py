@@ -67,6 +67,9 @@ class RetargetReport:
         if worst is not None and worst.largest > 1.0:
             name = target.joints[worst.joint].name
             lines.append(Notice("warning", f"{name!r} points up to {worst.largest:.1f} degrees elsewhere"))
+        for foot in self.feet:
+            if shortcomings := foot.shortcomings():
+                lines.append(Notice("warning", f"{target.joints[foot.joint].name!r}: {'; '.join(shortcomings)}"))
         for line in self.across:
             if line.mean > _TOLD:
                 told = f"the {line.what} point {line.mean:.0f} degrees elsewhere on the mean, up to {line.largest:.0f}"

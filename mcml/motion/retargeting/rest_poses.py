@@ -29,7 +29,7 @@ class Known:
     pose: Array | None
     motion: HubBlock | None
 
-    def posed(self, pose: Array | None) -> PosedBody:
+    def pose_body(self, pose: Array | None) -> PosedBody:
         """The body in a pose, by default its rest pose, with lengths of its motion where most have none at rest."""
         return PosedBody.of(self.skeleton, replace(self.rest, offsets=self._offsets), pose)
 
@@ -56,7 +56,9 @@ class Known:
 
     def in_first_frame(self) -> PosedBody | None:
         """The body in the first frame; None without frames."""
-        return None if self.motion is None or not len(self.motion.rotations) else self.posed(self.motion.rotations[0])
+        if self.motion is None or not len(self.motion.rotations):
+            return None
+        return self.pose_body(self.motion.rotations[0])
 
 
 def comparable_bodies(source: Known, target: Known) -> tuple[PosedBody, PosedBody]:
@@ -65,10 +67,10 @@ def comparable_bodies(source: Known, target: Known) -> tuple[PosedBody, PosedBod
     The first frame is compared where bones have no length at rest, or where one body is folded at rest, with the legs
     beside the trunk, and the other is not.
     """
-    folded = [known.pose is None and _is_folded(known.posed(None)) for known in (source, target)]
+    folded = [known.pose is None and _is_folded(known.pose_body(None)) for known in (source, target)]
     bodies = []
     for known, is_folded in zip((source, target), folded, strict=True):
-        body = known.posed(known.pose)
+        body = known.pose_body(known.pose)
         if known.pose is None and (known.has_no_lengths or (is_folded and not all(folded))):
             body = known.in_first_frame() or body
         bodies.append(body)

@@ -251,16 +251,16 @@ class _Transfer:
             )
             source = self.pairs.get(index)
             if source is None:
-                local[:, index] = self._connected(index, above, world, positions)
+                local[:, index] = self._turn_connector(index, above, world, positions)
             elif self._from_rest:
                 local[:, index] = multiply(inverse(above), self._wanted(index, turned))
             else:
                 local[:, index] = self._pointed(index, above, self._wanted(index, turned), positions)
-                local[:, index] = self._faced(index, above, local[:, index], positions)
+                local[:, index] = self._face_sides(index, above, local[:, index], positions)
             world[:, index] = multiply(above, local[:, index])
         return local
 
-    def _connected(self, index: int, above: Array, world: Array, positions: Array) -> Array:
+    def _turn_connector(self, index: int, above: Array, world: Array, positions: Array) -> Array:
         """Local rotations (n, 4) of a joint without a match: as in the pose, or as the line between two sides needs."""
         held = np.broadcast_to(self.two.local[index], (len(positions), 4))
         line = next((line for line in self._lines if index in line.connectors), None)
@@ -272,7 +272,7 @@ class _Transfer:
         wanted = multiply(shortest_arcs(own, goal), multiply(above, held))
         return self._writer.nearest(index, multiply(inverse(above), wanted))
 
-    def _faced(self, index: int, above: Array, local: Array, positions: Array) -> Array:
+    def _face_sides(self, index: int, above: Array, local: Array, positions: Array) -> Array:
         """Local rotations (n, 4) of a matched joint, turned about its bone for the line of the sides below it."""
         line = next((line for line in self._lines if line.above == index and not line.connectors), None)
         end = self._ends[index]

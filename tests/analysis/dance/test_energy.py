@@ -48,7 +48,7 @@ def test_costs_are_least_for_bars_of_the_same_rank(seed: int, weight: float) -> 
         assert [efforts[row.argmin()] for row in costs[[0, 2, 3]]] == [6, 0, 3]
 
 
-def danced(**options: Any) -> dict[str, Any]:
+def make_dance(**options: Any) -> dict[str, Any]:
     """Metrics of a dance to music that is soft and loud in turns of four bars."""
     beats = (np.arange(4 * 32 + 1) * 60 / 112).tolist()
     music = {"beats": beats, "loudness": np.tile(np.repeat([0.05, 0.3], 16), 5)[: len(beats)].tolist()}
@@ -57,7 +57,7 @@ def danced(**options: Any) -> dict[str, Any]:
 
 
 def test_a_dance_follows_the_loudness() -> None:
-    before, after = danced(), danced(energy=4)
+    before, after = make_dance(), make_dance(energy=4)
     assert after["energy_match"] > 0.6
     assert after["energy_match"] > before["energy_match"] + 0.3
     assert after["most_uses"] <= before["most_uses"] + 2

@@ -29,7 +29,7 @@ TRAVELLERS = [replace(generated("step", f"{seed}", bars=10, seed=seed, tempo=112
 points = st.complex_numbers(max_magnitude=20, allow_nan=False)
 
 
-def danced(**parameters: Any) -> tuple[Parts, np.ndarray]:
+def make_dance(**parameters: Any) -> tuple[Parts, np.ndarray]:
     """The parts of a dance, and the way of its root, metres."""
     parts = DANCE.run(TRAVELLERS, DanceParameters.model_validate({"bpm": 112, "bars": 48, **parameters}), silent)
     clip = parts["clip"].clip
@@ -118,10 +118,10 @@ def test_the_beam_turns_back_at_the_edge() -> None:
 
 @pytest.mark.parametrize("stage", [1.2, {"width": 3.0, "depth": 1.6}])
 def test_a_dance_stays_on_its_stage(stage: Any) -> None:
-    free, left = danced()
+    free, left = make_dance()
     assert value_of(free, "farthest_from_centre") == pytest.approx(np.abs(left - left[0]).max(), rel=1e-6)
     assert value_of(free, "outside_stage") is None
-    parts, way = danced(stage=stage)
+    parts, way = make_dance(stage=stage)
     assert way[0] == pytest.approx(0)
     area = Stage(stage) if isinstance(stage, float) else Stage(None, stage["width"], stage["depth"])
     assert area.outside(way).max() == pytest.approx(value_of(parts, "outside_stage"), abs=1e-9)
@@ -130,13 +130,13 @@ def test_a_dance_stays_on_its_stage(stage: Any) -> None:
 
 
 def test_a_stage_that_is_left_is_told() -> None:
-    parts, way = danced(stage=0.3)
+    parts, way = make_dance(stage=0.3)
     assert value_of(parts, "outside_stage") == pytest.approx(np.abs(way).max() - 0.3)
     assert any("leaves the stage, a circle of 0.3 m radius" in row[0] for row in parts["warnings"].data["rows"])
 
 
 def test_turns_change_no_pose_and_no_height() -> None:
-    parts, _ = danced(stage=1.2, stage_turn=10)
+    parts, _ = make_dance(stage=1.2, stage_turn=10)
     clip = parts["clip"].clip
     assert clip is not None
     straight = DanceParameters.model_validate({"bpm": 112, "bars": 48, "stage": 1.2, "stage_turn": 0})
@@ -164,7 +164,7 @@ def test_the_dancer_faces_as_asked(heading: float) -> None:
 def test_seeds_give_other_paths_of_the_same_variety() -> None:
     paths = []
     for options in ({}, {"seed": 7}, {"seed": 7}, {"seed": 8}, {"seed": 8, "novelty": 0}, {"novelty": 0}):
-        parts, _ = danced(dry_run=False, **options)
+        parts, _ = make_dance(dry_run=False, **options)
         paths.append([row[1] for row in parts["path"].data["rows"]])
     assert paths[1] == paths[2]
     assert len({tuple(path) for path in (paths[0], paths[1], paths[3])}) == 3

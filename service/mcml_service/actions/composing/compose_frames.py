@@ -11,7 +11,7 @@ import numpy as np
 from mcml.errors import DocumentError
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock
 from mcml.motion.edits.composing import Piece, compose
-from mcml.motion.edits.layering import layered
+from mcml.motion.edits.layering import lay_over
 from mcml.motion.edits.mirroring import mirrored
 from mcml.motion.edits.resampling import resampled
 from mcml.motion.frames import eased, joined, rows_of
@@ -280,4 +280,4 @@ class _Fitting:
         strength = np.zeros(len(block))
         strength[begin : begin + count] = layer.strength * eased(count, 0, count - 1, layer.ease)
         joints = [skeleton.names.index(bone) for bone in layer.bones]
-        return layered(skeleton, block, other, joints, strength, reading, begin).block
+        return lay_over(skeleton, block, other, joints, strength, reading, begin).block

@@ -170,7 +170,7 @@ def _lock_feet(tx: Transaction, stored: StoredDocument, edit: LockFrames) -> lis
         splice_frames(tx, stored, edit.first, edit.last - edit.first + 1, blocks, renumber=False, same_instants=True)
     notes = [
         f"{leg.side} foot: {len(foot.contacts)} contacts, slides {foot.before:.2f} leg lengths before, "
-        f"{foot.after:.2f} after"
+        f"{'; '.join([f'{foot.after:.2f} after', *foot.shortcomings()])}"
         for leg, foot in made.feet
     ]
     notes += [notice.what for notice in made.edited.shortfall.notices(whole.head.skeleton)]
