@@ -49,6 +49,7 @@ from mcml_schemas.jobs import (
     Selection,
 )
 from mcml_schemas.labels import LabelChange, LabelQuery, SuggestedLabels
+from mcml_schemas.matching import MatchingFacts, MatchingSelection, PathFollowed, PathRequest
 from mcml_schemas.measurements import MeasurementList
 from mcml_schemas.media import MediaChange, MediaInfo
 from mcml_schemas.names import AliasTable, AppliedNames, SavedAliases
@@ -871,6 +872,25 @@ class Operations:
         progress: FileProgress | None = None,
     ) -> Content:
         """Retarget the motions of all selected documents to one skeleton, each as a new document."""
+    def follow_path(
+        self,
+        *,
+        request: PathRequest | dict[str, Any],
+        positions: Literal["f4"] | None = ...,
+        first: int | None = ...,
+        last: int | None = ...,
+        step: int | None = ...,
+        progress: FileProgress | None = None,
+    ) -> PathFollowed:
+        """Make a document in which a body follows a path, of frames of many clips (motion matching)."""
+    def get_matching_library(
+        self,
+        *,
+        request: MatchingSelection | dict[str, Any],
+        format: Literal["json", "npy"] | None = ...,
+        progress: FileProgress | None = None,
+    ) -> MatchingFacts | Content:
+        """Get the features of clips by which motion matching finds its frames."""
     def list_collections(
         self,
         *,

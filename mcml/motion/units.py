@@ -44,11 +44,6 @@ def metres_of(head: ClipHead) -> float | None:
     return UNITS.get(unit.strip().lower()) if unit else None
 
 
-def up_of(head: ClipHead) -> str:
-    """The axis that points up, "X", "Y" or "Z": Y if the header does not state it."""
-    return head.fields.get("global_axis_of_gravity", "Y").strip().upper()[-1:]
-
-
 @dataclass(frozen=True, slots=True)
 class Reading:
     """The units of the numbers of a clip.

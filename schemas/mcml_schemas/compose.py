@@ -27,6 +27,13 @@ class Layer(RequestBody):
     mapping: WantedMapping = None
 
 
+class Place(RequestBody):
+    """Where a segment is placed: turned about the up axis through the origin, then shifted, in the document's unit."""
+
+    degrees: float = Field(0.0, ge=-1e6, le=1e6)
+    shift: Annotated[list[Annotated[float, Field(ge=-1e12, le=1e12)]], Field(min_length=3, max_length=3)]
+
+
 class Segment(RequestBody):
     """Frames of a document, or the runs of frames that an XPath expression finds, in order."""
 
@@ -44,6 +51,9 @@ class Segment(RequestBody):
         None, ge=0, le=2000, description="Frames of the transition before it; default the request's"
     )
     style: Style | None = Field(None, description="Of that transition; default the request's")
+    place: Place | None = Field(
+        None, description="Where it is placed, as `degrees` and `shift` of a seam; default by `align`"
+    )
 
     @model_validator(mode="after")
     def _names_something(self) -> Segment:

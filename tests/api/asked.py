@@ -202,6 +202,8 @@ def request_of(operation: Operation, things: Things, word: str) -> Asked | None:
         "retarget_many": Asked(
             "thing", {}, {}, {"json": {"selection": {"documents": [one]}, "skeleton": things.stored[1], **where}}
         ),
+        "follow_path": Asked("thing", {}, {}, {"json": {"selection": selected, "path": [[0, 0], [1, 0]], **where}}),
+        "get_matching_library": Asked("thing", {}, {}, {"json": {"selection": selected}}),
         "search_file": Asked("all", {}, {}, files),
         "complete_query": Asked("all", {}, {"q": "//frame[motion_name='"}, {}),
         "get_query": Asked("all", {}, {"q": "//bone/name | //header/filename | //motion_name"}, {}),

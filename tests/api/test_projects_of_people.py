@@ -84,6 +84,8 @@ UNFIT = {
     "undo_revision",
     "suggest_labels",
     "get_analog",
+    "follow_path",
+    "get_matching_library",
 }
 """Those whose example cannot be done even by who may: short clips, a result without a model."""
 

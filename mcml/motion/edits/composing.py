@@ -30,13 +30,15 @@ from mcml.numerics.runs import find_true
 class Piece:
     """Frames of a clip, on the skeleton of the result (`retarget` brings them there).
 
-    frame_time: seconds. source: which clip, "" for none. first: the place of the first frame in it.
+    frame_time: seconds. source: which clip, "" for none. first: the place of the first frame in it. placement: where
+    it is placed, if that is given; it follows no other piece then.
     """
 
     block: FrameBlock
     frame_time: float
     source: str = ""
     first: int = 0
+    placement: Placement | None = None
 
 
 @dataclass(frozen=True)
@@ -97,10 +99,10 @@ def compose(
     if they differ (None: as `transition`); styles likewise. "bridge" makes new frames between them, "crossfade" blends
     existing ones of both, "inertial" lets the difference at the seam decay over the first frames of the second; 0:
     none. lengthen: add frames until no step of the root or of a joint angle is larger than 1.1 times the largest inside
-    the pieces (blended frames only as far as the pieces go). align: rotate each piece about the up axis
-    and shift it on the ground so that the body continues; else it keeps its place. lock_feet: feet that stand at a seam
-    stay where they stand during its transition. Raises ConversionError without
-    pieces, for empty ones and for a negative transition.
+    the pieces (blended frames only as far as the pieces go). align: rotate each piece about the up axis and shift it on
+    the ground so that the body continues, unless its placement is given; else it keeps its place. lock_feet: feet that
+    stand at a seam stay where they stand during its transition. Raises ConversionError without pieces, for empty ones
+    and for a negative transition.
     """
     if not pieces or any(not len(piece.block) for piece in pieces):
         raise ConversionError("there is nothing to compose", remedy="Name pieces that have frames.")
@@ -135,6 +137,7 @@ def _runs(pieces: Sequence[Piece]) -> list[list[tuple[int, Piece]]]:
         follows = (
             last is not None
             and bool(piece.source)
+            and piece.placement is None
             and piece.source == last.source
             and piece.frame_time == last.frame_time
             and piece.first == last.first + len(last.block)
@@ -160,7 +163,8 @@ def _part(skeleton: Skeleton, run: list[tuple[int, Piece]], frame_time: float, u
     first = [(index, int(start)) for (index, _), start in zip(run, starts, strict=True)]
     raw = in_columns(block, skeleton.columns())
     poses = Poses(hub.translations, hub.rotations, hub.scales)
-    return Stretch(first, block, raw, poses, hub.values, Placement(up), shortfall)
+    given = run[0][1].placement
+    return Stretch(first, block, raw, poses, hub.values, given or Placement(up), shortfall, fixed=given is not None)
 
 
 class _Track:
@@ -177,7 +181,7 @@ class _Track:
 
     def start(self, part: Stretch) -> None:
         self._parts.append(part)
-        self._placed.append(part.poses)
+        self._placed.append(placed(self._skeleton, part.poses, self._carry, part.placement))
         self._cuts.append((0, len(part.poses)))
 
     def add(self, part: Stretch, transition: int, style: Style, align: bool, lengthen: bool) -> None:

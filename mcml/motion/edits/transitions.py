@@ -43,7 +43,8 @@ _CALM = 1.0
 class Stretch:
     """Pieces that follow one another in their source, at the frame rate of the result.
 
-    pieces: (piece, its first frame in this part). stance: of the feet, as they are before it is placed.
+    pieces: (piece, its first frame in this part). fixed: its placement is given and not to be found. stance: of the
+    feet, as they are before it is placed.
     """
 
     pieces: list[tuple[int, int]]
@@ -53,6 +54,7 @@ class Stretch:
     values: Array
     placement: Placement
     shortfall: Shortfall
+    fixed: bool = False
     stance: Stance | None = None
 
     def standing(self, first: int, end: int, placement: Placement) -> Stance | None:
@@ -172,7 +174,7 @@ class TransitionMaker:
         self, last: Ending, part: Stretch, rows: tuple[int, int], ahead: float, align: bool, feet: SeamFeet | None
     ) -> Placement:
         """Place a part. rows: the frames of the last part and of this one that meet, `ahead` frames apart."""
-        if not align:
+        if not align or part.fixed:
             return part.placement
         one, two = rows
         points = all(joint.convention is Convention.MARKER for joint in self.skeleton.joints)

@@ -39,6 +39,7 @@ BY_HAND = {
     "gait": "gait:gait",
     "compose": "edits.composing:compose",
     "retarget": "edits.composing:retarget",
+    "follow": "edits.matching:follow",
     "labels suggest": "edits.labels:suggest",
     "element set": "edits.elements:set_",
     "element move": "edits.elements:move",

@@ -22,7 +22,8 @@ from mcml.motion.bodies.clip_body import (
 )
 from mcml.motion.bodies.positions import clip_positions, filled
 from mcml.motion.bodies.stretch import Stretch
-from mcml.motion.clip import Reference
+from mcml.motion.clip import ClipHead, Reference
+from mcml.motion.guesses import stated_up
 from mcml.motion.landmarks.centres import body_names, doubtful_names
 from mcml.motion.skeleton import Array
 from mcml.motion.units import Reading, reading_of
@@ -185,6 +186,15 @@ def read_bodies(tx: Transaction, documents: Sequence[Listed]) -> dict[int, Body]
     missing = [listed for listed in documents if listed.key not in sound]
     made = zip(missing, derive_bodies(tx, missing, {}), strict=True)
     return sound | {listed.key: body for listed, body in made}
+
+
+def read_up(tx: Transaction, stored: StoredDocument, head: ClipHead) -> str:
+    """The axis that points up, "X", "Y" or "Z": as the header states it, else as the body shows it."""
+    stated = stated_up(head)
+    if stated is None:
+        (listed,) = tx.columns.documents([stored.key])
+        stated = read_bodies(tx, [listed])[stored.key].calibration.up
+    return stated[-1]
 
 
 def read_turned(tx: Transaction, stored: StoredDocument | Listed, name: str, body: Body) -> Array:

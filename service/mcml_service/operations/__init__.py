@@ -142,8 +142,7 @@ _ROWS = [
 
     # labels
     Operation("list_labels", "GET /documents/{id}/labels", READS, READ,
-              "List the labels of a document with their frame ranges, in order.",
-              "edits.labels", "labels list ID",
+              "List the labels of a document with their frame ranges, in order.", "edits.labels", "labels list ID",
               open_to_links=True),
     Operation("suggest_labels", "GET /documents/{id}/labels/suggested", READS, READ,
               "Suggest labels: anatomical movements recognised in the motion.", "edits.labels", queued=True),
@@ -160,8 +159,8 @@ _ROWS = [
               "Export the labels of documents as a CSV table: document, label, first, last.", "edits.labels",
               "labels export OUTPUT"),
     Operation("import_labels", "PUT /labels", WRITES, EDIT,
-              "Import labels from a CSV table in the format of the export.",
-              "edits.labels", "labels import TABLE", queued=True),
+              "Import labels from a CSV table in the format of the export.", "edits.labels", "labels import TABLE",
+              queued=True),
 
     # elements
     Operation("list_children", "GET /documents/{id}/children", READS, READ,
@@ -184,8 +183,7 @@ _ROWS = [
 
     Operation("make_changes", "POST /documents/{id}/changes", WRITES, EDIT,
               "Change values of frames, elements, labels and fields of a document as one revision: all, or none.",
-              "edits.changes",
-              "change ID CHANGES"),
+              "edits.changes", "change ID CHANGES"),
 
     # queries
     Operation("get_query", "GET /xpath", STREAMS, READ,
@@ -195,8 +193,7 @@ _ROWS = [
               "Evaluate a long XPath expression, or one with variables.", "queries", omit_null=True,
               cancel_on_disconnect=True, queued=True),
     Operation("complete_query", "GET /xpath/complete", READS, READ,
-              "Complete an expression: elements, attributes, axes, functions, and names in use.",
-              "queries"),
+              "Complete an expression: elements, attributes, axes, functions, and names in use.", "queries"),
     Operation("search_motion", "POST /search", READS, READ,
               "Find the poses or motions most similar to a pose or motion of a document, or to joint positions.",
               "searching", cancel_on_disconnect=True, queued=True),
@@ -213,12 +210,15 @@ _ROWS = [
               "edits.composing", "split ID [AT]", status=201, queued=True),
     Operation("retarget", "POST /documents/{id}/retarget", WRITES, EDIT,
               "Retarget a motion to the skeleton of another document, as a new document.", "edits.composing",
-              status=201,
-              omit_null=True, ok_description=PREVIEW, queued=True),
+              status=201, omit_null=True, ok_description=PREVIEW, queued=True),
     Operation("retarget_many", "POST /retarget", WRITES, EDIT,
               "Retarget the motions of all selected documents to one skeleton, each as a new document.",
-              "edits.composing",
-              queued=True),
+              "edits.composing", queued=True),
+    Operation("follow_path", "POST /motion-matching/path", WRITES, EDIT,
+              "Make a document in which a body follows a path, of frames of many clips (motion matching).",
+              "edits.matching", status=201, omit_null=True, ok_description=PREVIEW, queued=True),
+    Operation("get_matching_library", "POST /motion-matching/library", STREAMS, READ,
+              "Get the features of clips by which motion matching finds its frames.", "edits.matching", queued=True),
 
     # saved in projects
     Operation("list_collections", "GET /collections", READS, READ,

@@ -14,8 +14,9 @@ from mcml.motion.edits.composing import Piece, compose
 from mcml.motion.edits.layering import lay_over
 from mcml.motion.edits.mirroring import mirrored
 from mcml.motion.edits.resampling import resampled
+from mcml.motion.edits.splicing import Placement
 from mcml.motion.frames import eased, joined, rows_of
-from mcml.motion.units import reading_of, up_of
+from mcml.motion.pictures.figures import axis_of
 from mcml_schemas.compose import Composed, ComposedSeam, ComposedSegment, ComposeRequest, Layer, Segment
 from mcml_schemas.querying.queries import QueryRequest, RunItem
 from mcml_service.actions.checking.check_timed import seconds_of
@@ -70,9 +71,10 @@ def compose_frames(
     segments = list(_resolve_segments(queries, request.segments))
     with database.read() as tx:
         sources = [_source(tx, request.project, number, segment) for number, segment in segments]
-        head = _head(tx, request, sources[0])
-        fitting = _Fitting(tx, head, _frames_of_body(tx, request, sources[0]), request.project)
+        body = _body(tx, request, sources[0])
+        fitting = _Fitting(tx, body, request.project)
         blocks = fitting.all(sources, segments)
+    head = body.head
     frame_time = sources[0].frame_time if request.rate is None else 1 / request.rate
     speeds = [segment.speed for _, segment in segments]
     seconds = sum(
@@ -81,7 +83,13 @@ def compose_frames(
     if seconds / frame_time > MOST_FRAMES:
         raise DocumentError(f"The document would have more than {MOST_FRAMES:,} frames.", remedy="Compose it in parts.")
     pieces = [
-        Piece(block, source.frame_time / segment.speed, _name(source, segment), source.first)
+        Piece(
+            block,
+            source.frame_time / segment.speed,
+            _name(source, segment),
+            source.first,
+            _placement(segment, body.up),
+        )
         for block, source, (_, segment) in zip(blocks, sources, segments, strict=True)
     ]
     made = compose(
@@ -95,8 +103,8 @@ def compose_frames(
         lengthen=request.lengthen,
         align=request.align,
         lock_feet=request.lock_feet,
-        up=up_of(head),
-        reading=reading_of(head),
+        up=body.up,
+        reading=body.reading,
     )
     block = made.block if request.labels else replace(made.block, motion_names=None)
     uuid = None
@@ -144,6 +152,11 @@ def _name(source: _Source, segment: Segment) -> str:
     return "" if changed else source.name
 
 
+def _placement(segment: Segment, up: str) -> Placement | None:
+    place = segment.place
+    return None if place is None else Placement(axis_of(up), np.radians(place.degrees), np.array(place.shift))
+
+
 def _segment(source: _Source, first: int, last: int) -> ComposedSegment:
     return ComposedSegment(
         segment=source.segment,
@@ -188,24 +201,15 @@ def _source(tx: Transaction, project: str, number: int, segment: Segment) -> _So
     return _Source(number, stored, whole, seconds, segment.first - 1, mapping_of(tx, project, segment.mapping))
 
 
-def _head(tx: Transaction, request: ComposeRequest, first: _Source) -> ClipHead:
-    """Header of one document, skeleton of another."""
-    head = body = first.whole.head
-    if request.header is not None:
-        head = _head_of(tx, request.header)
+def _body(tx: Transaction, request: ComposeRequest, first: _Source) -> Whole:
+    """Header of one document, skeleton and frames of another."""
+    body = first.whole
     if request.skeleton is not None:
-        body = _head_of(tx, request.skeleton)
-    return head if head is body else with_body(head, body)
-
-
-def _frames_of_body(tx: Transaction, request: ComposeRequest, first: _Source) -> FrameBlock:
-    if request.skeleton is None:
-        return first.whole.block
-    return read_whole(tx, tx.documents.get(request.skeleton), 1, 1).block
-
-
-def _head_of(tx: Transaction, uuid: str) -> ClipHead:
-    return read_clip(tx, tx.documents.get(uuid), first=1, last=1).clip.head
+        body = read_whole(tx, tx.documents.get(request.skeleton), 1, 1)
+    head = first.whole.head
+    if request.header is not None:
+        head = read_clip(tx, tx.documents.get(request.header), first=1, last=1).clip.head
+    return body if head is body.head else replace(body, head=with_body(head, body.head))
 
 
 def _set_frame_time(head: ClipHead, frame_time: float, sources: list[_Source]) -> ClipHead:
@@ -224,9 +228,8 @@ def _set_frame_time(head: ClipHead, frame_time: float, sources: list[_Source]) -
 class _Fitting:
     """Brings frames onto the skeleton of the result."""
 
-    def __init__(self, tx: Transaction, head: ClipHead, shown: FrameBlock, project: str) -> None:
-        """shown: frames on the skeleton of the result."""
-        self._tx, self._head, self._shown, self._project = tx, head, shown, project
+    def __init__(self, tx: Transaction, body: Whole, project: str) -> None:
+        self._tx, self._body, self._project = tx, body, project
         self.notices: list[str] = []
 
     def all(self, sources: list[_Source], segments: list[tuple[int, Segment]]) -> list[FrameBlock]:
@@ -247,20 +250,20 @@ class _Fitting:
             for layer in segment.layers:
                 blocks[index] = self._layer(source, blocks[index], layer)
             if segment.mirror:
-                skeleton, reading = self._head.skeleton, reading_of(self._head)
-                blocks[index] = mirrored(skeleton, blocks[index], up=up_of(self._head), reading=reading).block
+                body = self._body
+                blocks[index] = mirrored(body.head.skeleton, blocks[index], up=body.up, reading=body.reading).block
         return blocks
 
     def _fit_skeleton(
         self, stored: StoredDocument, whole: Whole, mapping: JointMapping | None, frame_time: float
     ) -> FrameBlock:
-        fitted = fit(whole, self._head, mapping, frame_time, self._shown)
+        fitted = fit(whole, self._body, mapping, frame_time)
         notices = [f"{stored.name}: {notice}" for notice in fitted.notices]
         self.notices += [notice for notice in notices if notice not in self.notices]
         return fitted.block
 
     def _layer(self, source: _Source, block: FrameBlock, layer: Layer) -> FrameBlock:
-        skeleton, reading = self._head.skeleton, reading_of(self._head)
+        skeleton, reading = self._body.head.skeleton, self._body.reading
         unknown = [bone for bone in layer.bones if bone not in skeleton.names]
         if unknown:
             raise DocumentError(f"The skeleton has no bone {unknown[0]!r}.", remedy="Name bones by their MCML names.")

@@ -11,7 +11,7 @@ from mcml.motion.frames import joined
 from mcml.motion.retargeting.bone_mapping import Match, suggest_matches
 from mcml.motion.retargeting.retarget import retarget
 from mcml.motion.skeleton import Convention, Skeleton
-from mcml.motion.units import metres_of, reading_of, up_of
+from mcml.motion.units import metres_of
 from mcml_schemas.retarget import JointPair
 from mcml_service.actions.editing.motion_processing import Whole
 
@@ -48,17 +48,15 @@ class Fitted:
     notices: tuple[str, ...] = ()
 
 
-def fit(
-    source: Whole, body: ClipHead, mapping: JointMapping | None, frame_time: float, shown: FrameBlock | None = None
-) -> Fitted:
+def fit(source: Whole, body: Whole, mapping: JointMapping | None, frame_time: float) -> Fitted:
     """Convert frames to the skeleton of `body`: bit by bit if it is the same one, in any order of its joints.
 
     Markers keep their places, in the unit of `body`. Another body is retargeted by its MCML names, or by `mapping`; its
-    travel is scaled by the legs, which also converts units. frame_time: seconds. shown: frames of `body`, for skeletons
-    without lengths at rest. Raises DocumentError for markers on a skeleton or that lack some of `body`'s, and if almost
-    no joints match.
+    travel is scaled by the legs, which also converts units. frame_time: seconds. The frames of `body` show lengths that
+    its skeleton lacks at rest. Raises DocumentError for markers on a skeleton or that lack some of `body`'s, and if
+    almost no joints match.
     """
-    own, two = source.head.skeleton, body.skeleton
+    own, two = source.head.skeleton, body.head.skeleton
     kinds = are_markers(own), are_markers(two)
     if all(kinds):
         return _markers(source, body)
@@ -69,7 +67,7 @@ def fit(
             "Markers have no skeleton: they fit on no body, and no body on them.",
             remedy="Choose documents of one kind.",
         )
-    source, notices = upright(source, up_of(body))
+    source, notices = upright(source, body.up)
     own = source.head.skeleton
     matches = match_joints(own, two, mapping)
     if mapping is None and 2 * len(matches) <= min(len(own), len(two)):
@@ -84,9 +82,9 @@ def fit(
         matches,
         frame_time,
         reading=source.reading,
-        target_reading=reading_of(body),
+        target_reading=body.reading,
         up=source.up,
-        target_block=shown,
+        target_block=body.block,
     )
     notices += [notice.what for notice in [*made.report.notices(own, two), *made.shortfall.notices(two)]]
     return Fitted(made.block, tuple(notices))
@@ -97,7 +95,7 @@ def upright(whole: Whole, up: str) -> tuple[Whole, list[str]]:
     if whole.up == up:
         return whole, []
     clip = turn_up(ClipStream(whole.head, lambda: iter([whole.block]), len(whole.block)), whole.up, up)
-    made = replace(whole, head=clip.head, block=joined(clip.blocks()))
+    made = replace(whole, head=clip.head, block=joined(clip.blocks()), up=up)
     return made, [f"turned, so that {up} points up and not {whole.up}"]
 
 
@@ -166,18 +164,18 @@ def _renumber_joints(source: Whole, skeleton: Skeleton) -> FrameBlock:
     )
 
 
-def _markers(source: Whole, body: ClipHead) -> Fitted:
-    names = set(source.head.skeleton.names), set(body.skeleton.names)
+def _markers(source: Whole, body: Whole) -> Fitted:
+    names = set(source.head.skeleton.names), set(body.head.skeleton.names)
     lacking, extra = sorted(names[1] - names[0]), sorted(names[0] - names[1])
     if lacking:
         raise DocumentError(
             f"The markers of the result are not all there: {', '.join(lacking[:20])}.",
             remedy="Take the document with the fewest markers as skeleton.",
         )
-    source, notices = upright(source, up_of(body))
+    source, notices = upright(source, body.up)
     if extra:
         notices.append(f"{len(extra)} markers that the result does not have are left out: {', '.join(extra[:20])}")
-    units = metres_of(source.head), metres_of(body)
+    units = metres_of(source.head), metres_of(body.head)
     if units[0] is not None and units[1] is not None and units[0] != units[1]:
         factor = units[0] / units[1]
         clip = scale(ClipStream(source.head, lambda: iter([source.block]), len(source.block)), factor)
@@ -185,4 +183,4 @@ def _markers(source: Whole, body: ClipHead) -> Fitted:
         source = replace(source, block=joined(clip.blocks()))
     elif (units[0] is None) != (units[1] is None):
         notices.append("lengths stay as they are: only one of the units is stated")
-    return Fitted(_renumber_joints(source, body.skeleton), tuple(notices))
+    return Fitted(_renumber_joints(source, body.head.skeleton), tuple(notices))

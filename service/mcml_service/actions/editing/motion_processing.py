@@ -18,7 +18,7 @@ from mcml.motion.edits.smoothing import smoothed
 from mcml.motion.edits.unrolling import unroll
 from mcml.motion.frames import adjusted, eased, joined, rows_of
 from mcml.motion.skeleton import CHANNEL_INDEX, Array
-from mcml.motion.units import Reading, reading_of, up_of
+from mcml.motion.units import Reading, reading_of
 from mcml_schemas.frames import (
     AdjustFrames,
     FillFrames,
@@ -32,6 +32,7 @@ from mcml_schemas.frames import (
 from mcml_service.actions.checking.check_timed import seconds_of
 from mcml_service.actions.editing.frame_splicing import check_range, splice_frames
 from mcml_service.actions.editing.single_element import Change, apply_change
+from mcml_service.clips.bodies import read_up
 from mcml_service.clips.read_clip import read_clip
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
@@ -43,19 +44,16 @@ Reshaping = (
 
 @dataclass(frozen=True)
 class Whole:
-    """All frames of a document as one block, joints as its skeleton numbers them."""
+    """All frames of a document as one block, joints as its skeleton numbers them. up: the axis that points up."""
 
     head: ClipHead
     block: FrameBlock
     names: tuple[str, ...]
+    up: str
 
     @property
     def reading(self) -> Reading:
         return reading_of(self.head)
-
-    @property
-    def up(self) -> str:
-        return up_of(self.head)
 
     def joints(self, bones: Sequence[str]) -> list[int]:
         """Numbers of bones by their names, all without any. DocumentError."""
@@ -70,7 +68,8 @@ class Whole:
 def read_whole(tx: Transaction, stored: StoredDocument, first: int = 1, last: int | None = None) -> Whole:
     """Frames first to last (positions from 1) in memory."""
     source = read_clip(tx, stored, first=first, last=last)
-    return Whole(source.clip.head, joined(source.clip.blocks()), source.names)
+    head = source.clip.head
+    return Whole(head, joined(source.clip.blocks()), source.names, read_up(tx, stored, head))
 
 
 def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping) -> list[str]:

@@ -772,6 +772,38 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/motion-matching/path": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["follow_path"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/motion-matching/library": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["get_matching_library"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/collections": {
         parameters: {
             query?: never;
@@ -3427,6 +3459,11 @@ export interface components {
             ease: number;
             mapping?: components["schemas"]["JointPair"][] | string | null;
         };
+        LeftOut: {
+            document: string;
+            name: string;
+            reason: string;
+        };
         LevelDone: {
             value: components["schemas"]["ExpressionLevel"];
             clip?: components["schemas"]["ClipMotion"] | null;
@@ -3516,6 +3553,32 @@ export interface components {
         MappingPage: {
             items: components["schemas"]["Mapping"][];
             next_cursor?: string | null;
+        };
+        MatchingClip: {
+            document: string;
+            revision: number;
+            name: string;
+            first: number;
+            last: number;
+            frames: number;
+            seconds_per_frame: number;
+            skipped: number;
+            metres: number;
+        };
+        MatchingFacts: {
+            rate: number;
+            rows: number;
+            up: string;
+            axes: string;
+            scales: number[];
+            ahead: number[];
+            speed: number;
+            clips: components["schemas"]["MatchingClip"][];
+            left_out: components["schemas"]["LeftOut"][];
+        };
+        MatchingSelection: {
+            selection: components["schemas"]["Selection"];
+            skeleton?: string | null;
         };
         Me: {
             name: string;
@@ -3724,18 +3787,31 @@ export interface components {
             current: string;
             new: string;
         };
+        PathDistance: {
+            mean: number;
+            percentile_90: number;
+            largest: number;
+        };
         PathDone: {
             value: components["schemas"]["ExpressionPath"];
             clip?: components["schemas"]["ClipMotion"] | null;
             document?: string | null;
             result?: string | null;
         };
-        PathRequest: {
-            /** @default false */
-            save: boolean;
-            name?: string | null;
-            project?: string | null;
-            parameters: components["schemas"]["ExpressionPathWish"];
+        PathFollowed: {
+            document?: string | null;
+            frames: number;
+            seconds_per_frame: number;
+            segments: components["schemas"]["ComposedSegment"][];
+            seams: components["schemas"]["ComposedSeam"][];
+            notices: string[];
+            motion?: components["schemas"]["PreviewMotion"] | null;
+            metres: number;
+            complete: boolean;
+            speed: number;
+            distance: components["schemas"]["PathDistance"];
+            composition: components["schemas"]["Segment"][];
+            left_out: components["schemas"]["LeftOut"][];
         };
         PhasesDone: {
             value: components["schemas"]["ReachPhases"];
@@ -3749,6 +3825,11 @@ export interface components {
             name?: string | null;
             project?: string | null;
             parameters: components["schemas"]["ReachClipChoice"];
+        };
+        Place: {
+            /** @default 0 */
+            degrees: number;
+            shift: number[];
         };
         PlaybackDone: {
             value: components["schemas"]["ExpressionMotion"];
@@ -4385,6 +4466,7 @@ export interface components {
             mirror: boolean;
             transition?: number | null;
             style?: ("bridge" | "crossfade" | "inertial") | null;
+            place?: components["schemas"]["Place"] | null;
         };
         Selection: {
             /** @default [] */
@@ -4720,6 +4802,35 @@ export interface components {
             column: number | null;
             /** @default null */
             element: string | null;
+        };
+        mcml_schemas__matching__PathRequest: {
+            selection: components["schemas"]["Selection"];
+            skeleton?: string | null;
+            path: number[][];
+            speed?: number | null;
+            /** @default 0 */
+            facing: number;
+            /** @default 10 */
+            steering: number;
+            /** @default 0.3 */
+            seconds: number;
+            /** @default true */
+            lock_feet: boolean;
+            /** @default true */
+            labels: boolean;
+            /** @default path */
+            name: string;
+            /** @default default */
+            project: string;
+            /** @default false */
+            preview: boolean;
+        };
+        mcml_service__operations__analyses__PathRequest: {
+            /** @default false */
+            save: boolean;
+            name?: string | null;
+            project?: string | null;
+            parameters: components["schemas"]["ExpressionPathWish"];
         };
     };
     responses: never;
@@ -8315,6 +8426,118 @@ export interface operations {
                 };
                 content: {
                     "application/x-ndjson": unknown;
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    follow_path: {
+        parameters: {
+            query?: {
+                positions?: "f4" | null;
+                first?: number;
+                last?: number | null;
+                step?: number;
+            };
+            header?: {
+                "idempotency-key"?: string | null;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["mcml_schemas__matching__PathRequest"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PathFollowed"];
+                };
+            };
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PathFollowed"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_matching_library: {
+        parameters: {
+            query?: {
+                format?: "json" | "npy";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MatchingSelection"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MatchingFacts"];
+                    "application/octet-stream": string;
                 };
             };
             503: {
@@ -12184,7 +12407,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["PathRequest"];
+                "application/json": components["schemas"]["mcml_service__operations__analyses__PathRequest"];
             };
         };
         responses: {
