@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from service.web.build import WEB, install
+from tests.web import matching_cases
 from tests.web.thumbnail_cases import cases
 
 ONE_THREAD = ["--pool=threads", "--no-isolate", "--max-workers=1"]
@@ -28,4 +29,6 @@ def test_units(tmp_path: Path) -> None:
     """All pass, and reach 80 % of the lines of `state/` and `motion/` (vitest.config.ts)."""
     thumbnails = tmp_path / "thumbnails.json"
     thumbnails.write_text(json.dumps(cases(range(10))))
-    assert "passed" in vitest("--coverage", MCML_THUMBNAILS=thumbnails)
+    matching = tmp_path / "matching.json"
+    matching.write_text(json.dumps(matching_cases.cases()))
+    assert "passed" in vitest("--coverage", MCML_THUMBNAILS=thumbnails, MCML_MATCHING=matching)

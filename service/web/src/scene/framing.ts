@@ -1,4 +1,5 @@
 /** Where a camera has to be to see all of a body. */
+import { numberAt } from "../lists";
 import * as THREE from "three";
 
 export type CameraView = "persp" | "front" | "side" | "top";
@@ -18,4 +19,11 @@ export function seeAsFarAs(camera: THREE.PerspectiveCamera, away: number): void 
   camera.near = away / 100;
   camera.far = away * 60;
   camera.updateProjectionMatrix();
+}
+
+/** A camera as text (position and target) so many times as far from its target. */
+export function fartherOff(camera: string, times: number): string {
+  const numbers = camera.split(",").map(Number);
+  const target = numbers.slice(3);
+  return [...target.map((one, axis) => one + (numberAt(numbers, axis) - one) * times), ...target].join(",");
 }

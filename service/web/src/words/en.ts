@@ -1,6 +1,6 @@
 /** English. Short, calm, present: what is so, then what to do. "one|many" is chosen by n. */
 export const en = {
-  "label.reach": "Reach synthesis", "label.dance": "Dance", "label.faces": "Expression space", "label.analyses": "Analyses", "button.goReach": "Go to reach synthesis",
+  "label.reach": "Reach synthesis", "label.matching": "Motion matching", "button.goMatching": "Go to motion matching", "label.dance": "Dance", "label.faces": "Expression space", "label.analyses": "Analyses", "button.goReach": "Go to reach synthesis",
   "button.addBeat": "Add a beat", "button.acceptTracked": "Accept tracked beats", "label.tapTempo": "Tap the tempo", "label.soundEarlier": "Sound 10 ms earlier", "label.soundLater": "Sound 10 ms later",
   "button.goAnalyses": "Go to the analyses", "button.goDance": "Go to dance", "button.goFaces": "Go to the expression space", "label.jobs": "Jobs", 
   "label.reachExamples": "Examples of the model", "label.reachFit": "How well it fits", "label.reachBlend": "Controls", "button.toNearest": "Go to the nearest example",

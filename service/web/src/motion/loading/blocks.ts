@@ -196,6 +196,17 @@ export const positionsOf = (id: string, revision: number, skeleton: Skeleton): S
   },
 });
 
+/** Positions of every step-th frame of a clip where the file has them: (frames, points, 3), NaN as above. */
+export async function sampledOf(
+  id: string,
+  revision: number,
+  step: number,
+  signal: AbortSignal,
+): Promise<Float32Array> {
+  const query = { revision, step, space: "positions", format: "block", dtype: "f4", missing: "nan", tips: true };
+  return new Float32Array(await bytes(id, query, signal));
+}
+
 /** Channels as they are stored: (frames, columns of the skeleton). */
 export const channelsOf = (id: string, revision: number, skeleton: Skeleton): Source<Float64Array> => ({
   frames: skeleton.view.frames,

@@ -3,6 +3,7 @@ import { numberAt } from "../../lists";
 import { effect, type Signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Skeleton } from "../../motion/body/skeleton";
+import { fartherOff } from "../../scene/framing";
 import { Stage } from "../../scene/stage";
 import { colour, look } from "../../state/session/settings";
 import { w } from "../../words";
@@ -24,6 +25,7 @@ export function MotionView({
   onStage,
   label,
   names = false,
+  away = 1,
 }: {
   actors: Actor[];
   /** Points of the first actor that are marked. */
@@ -33,6 +35,8 @@ export function MotionView({
   onStage?: (stage: Stage) => void;
   label: string;
   names?: boolean;
+  /** Times the usual distance of the camera, such as for bodies that travel. */
+  away?: number;
 }) {
   const host = useRef<HTMLDivElement>(null);
   const stage = useRef<Stage | null>(null);
@@ -67,6 +71,7 @@ export function MotionView({
           framed = true;
           made.setFloor(actors.some((one) => one.inPlace) ? 0 : lowest(actors), 0.5);
           made.frame("persp");
+          if (away !== 1) made.cameraText = fartherOff(made.cameraText, away);
         }
       }),
     ];
