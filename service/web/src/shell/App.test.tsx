@@ -2,7 +2,7 @@
 import { render } from "preact";
 import { act } from "preact/test-utils";
 import { beforeAll, describe, expect, it, vi } from "vitest";
-import { PAGES } from "../pages";
+import { load, PAGES } from "../pages";
 import { commands } from "../state/session/keys";
 import { followHistory, go, page } from "../state/session/route";
 import { paletteOpen } from "../state/session/shell";
@@ -23,7 +23,9 @@ beforeAll(async () => {
   document.body.append(root);
   followHistory(PAGES);
   await act(() => render(<App />, root));
-  return () => {
+  return async () => {
+    // The code of pages that were opened still comes in, and must not outlive this file.
+    await Promise.all(PAGES.map(load));
     render(null, root);
     vi.unstubAllGlobals();
   };
