@@ -110,6 +110,20 @@ class LowPassFrames(_Range):
     ease: Ease = 0
 
 
+class DespikeFrames(_Range):
+    """Replace spikes, samples far from the place that the frames around them tell, by splines (Hampel identifier)."""
+
+    do: Literal["despike"]
+    deviations: float = Field(
+        4.0,
+        gt=0,
+        le=1000,
+        description="Scaled median absolute deviations from the median, beyond which it is a spike",
+    )
+    window: int = Field(7, ge=3, le=301, description="Frames of the median, an odd number")
+    bones: Bones = Field([])
+
+
 class UnrollFrames(RequestBody):
     """Give Euler angles of the whole document no leaps: the same rotations, each angle near to that of the frame
     before."""
@@ -149,6 +163,7 @@ FrameEdit = Annotated[
     | ResampleFrames
     | FillFrames
     | LowPassFrames
+    | DespikeFrames
     | UnrollFrames
     | LockFrames
     | LoopFrames,

@@ -26,7 +26,7 @@ class MatchingSelection(RequestBody):
     selection: Selection
     skeleton: str | None = Field(
         None,
-        description="Document whose skeleton is used; default the skeleton with the most frames",
+        description="Document whose skeleton is used; default the skeleton with the most motion",
         examples=[DOCUMENT],
     )
 

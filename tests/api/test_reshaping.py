@@ -217,3 +217,22 @@ def test_a_loop_ends_where_it_begins(client: TestClient, uuid: str) -> None:
     )
     assert refused.status_code == 422
     assert "at least 4 frames" in refused.json()["detail"]
+
+
+def test_spikes_are_replaced_and_told(client: TestClient, uuid: str) -> None:
+    def roots() -> list[dict[str, object]]:
+        answer = client.get(f"{API}/documents/{uuid}/frames", params={"bone": "Root", "limit": 500})
+        return [item["values"]["Root"] for item in answer.json()["items"]]
+
+    before = roots()
+    put = {"first": 100, "columns": ["Root.Tx"], "values": [[float(str(before[99]["Tx"])) + 70]]}
+    assert client.put(f"{API}/documents/{uuid}/frames", json=put, headers={"if-match": "*"}).status_code == 200
+    told = edit(client, uuid, do="despike", first=1, last=200, bones=["Root"])
+    assert told["notes"] == ["spikes replaced: 1 (Root 1)", "first in frame 100, last in frame 100"]
+    after = roots()
+    assert after[99]["Tx"] == pytest.approx(before[99]["Tx"], abs=0.2)
+    assert after[:99] + after[100:] == before[:99] + before[100:]
+    even = {"edits": [{"do": "despike", "first": 1, "last": 9, "window": 4}]}
+    answer = client.post(f"{API}/documents/{uuid}/frames", json=even, headers={"if-match": "*"})
+    assert answer.status_code == 422
+    assert "no middle" in answer.json()["detail"]

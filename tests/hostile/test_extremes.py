@@ -57,6 +57,7 @@ def test_edits_that_lead_beyond_are_refused(client: TestClient) -> None:
         {"do": "resample", "rate": 77},
         {"do": "mirror", "first": 1, "last": 2},
         {"do": "low-pass", "first": 1, "last": 3, "hertz": 6},
+        {"do": "despike", "first": 1, "last": 3},
         {"do": "unroll"},
     ]
     refused: dict[str, set[str]] = {}

@@ -154,7 +154,7 @@ def demo(
             console.print(f"wrote    {files / name}")
         return
     count = _load_demo(database, seed)
-    console.print(f"Added {count} generated clips to the projects demo, demo-reach, demo-dance and demo-face.")
+    console.print(f"Added {count} generated clips to demo, demo-reach, demo-dance, demo-walk and demo-face.")
 
 
 def _load_demo(database: str | None, seed: int = 1) -> int:

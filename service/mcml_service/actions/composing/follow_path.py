@@ -100,11 +100,13 @@ def read_library(database: Database, queries: Queries, request: MatchingSelectio
     used: list[tuple[Listed, Track, float, str]] = []
     with database.read() as tx:
         listed = sorted((one for one in tx.columns.documents() if one.uuid in chosen), key=lambda one: one.uuid)
-        skeleton = _skeleton(tx, listed, request.skeleton)
-        alike = [one for one in listed if one.skeleton == skeleton]
-        left_out += [_leave(one, "it has another skeleton: retarget it first") for one in listed if one not in alike]
+        if not listed:
+            raise DocumentError("The selection has no documents.", remedy="Select clips of one skeleton.")
+        wanted = None
+        if request.skeleton is not None:
+            wanted = tx.columns.documents([tx.documents.get(request.skeleton).key])[0].skeleton
         rows = 0
-        for document, body in _bodies(tx, queries, alike):
+        for document, body in _bodies(tx, queries, [one for one in listed if wanted in (None, one.skeleton)]):
             track, known = track_of(body.stretch(JOINTS)), body.calibration
             if track is None or known.metres is None:
                 left_out.append(_leave(document, _reason(body.names, known.metres, body.frame_time)))
@@ -116,6 +118,11 @@ def read_library(database: Database, queries: Queries, request: MatchingSelectio
                     remedy="Select fewer clips, such as those of one label.",
                 )
             used.append((document, track, known.metres, known.up))
+    skeleton = _most_rows(used) if wanted is None else wanted
+    other = {one.uuid for one in listed if one.skeleton != skeleton}
+    left_out = [one for one in left_out if one.document not in other]
+    left_out += [_leave(one, "it has another skeleton: retarget it first") for one in listed if one.uuid in other]
+    used = [one for one in used if one[0].uuid not in other]
     ups = [up for *_, up in used]
     up = max(set(ups), key=lambda one: (ups.count(one), one), default="Y")
     left_out += [_leave(one[0], f"{one[3]} points up in it, not {up}: set its up axis") for one in used if one[3] != up]
@@ -192,16 +199,12 @@ def follow_path(
     )
 
 
-def _skeleton(tx: Transaction, listed: list[Listed], document: str | None) -> int:
-    """The skeleton of a document, else the one with the most frames."""
-    if document is not None:
-        return tx.columns.documents([tx.documents.get(document).key])[0].skeleton
-    frames: dict[int, int] = {}
-    for one in listed:
-        frames[one.skeleton] = frames.get(one.skeleton, 0) + one.frames
-    if not frames:
-        raise DocumentError("The selection has no documents.", remedy="Select clips of one skeleton.")
-    return max(frames, key=lambda one: (frames[one], -one))
+def _most_rows(used: list[tuple[Listed, Track, float, str]]) -> int | None:
+    """The skeleton of which most motion can be used; None without any."""
+    rows: dict[int, int] = {}
+    for document, track, *_ in used:
+        rows[document.skeleton] = rows.get(document.skeleton, 0) + len(track)
+    return max(rows, key=lambda one: (rows[one], -one), default=None)
 
 
 def _bodies(tx: Transaction, queries: Queries, listed: list[Listed]) -> Iterator[tuple[Listed, Body]]:

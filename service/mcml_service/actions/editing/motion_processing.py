@@ -9,6 +9,7 @@ from mcml.errors import DocumentError
 from mcml.language.elements import header_of
 from mcml.motion.bodies.positions import clip_positions, filled
 from mcml.motion.clip import ClipHead, FrameBlock
+from mcml.motion.edits.despiking import despike
 from mcml.motion.edits.foot_locking import lock_clip_feet
 from mcml.motion.edits.gap_filling import fill_gaps
 from mcml.motion.edits.low_pass import low_pass, suggest_cutoff
@@ -21,6 +22,7 @@ from mcml.motion.skeleton import CHANNEL_INDEX, Array
 from mcml.motion.units import Reading, reading_of
 from mcml_schemas.frames import (
     AdjustFrames,
+    DespikeFrames,
     FillFrames,
     LockFrames,
     LowPassFrames,
@@ -38,7 +40,15 @@ from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 Reshaping = (
-    MirrorFrames | SmoothFrames | AdjustFrames | ResampleFrames | FillFrames | LowPassFrames | UnrollFrames | LockFrames
+    MirrorFrames
+    | SmoothFrames
+    | AdjustFrames
+    | ResampleFrames
+    | FillFrames
+    | LowPassFrames
+    | DespikeFrames
+    | UnrollFrames
+    | LockFrames
 )
 
 
@@ -85,6 +95,8 @@ def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping) -> list[st
     check_range(stored, edit.first, edit.last)
     if isinstance(edit, FillFrames):
         return _fill(tx, stored, edit)
+    if isinstance(edit, DespikeFrames):
+        return _despike(tx, stored, edit)
     if isinstance(edit, LockFrames):
         return _lock_feet(tx, stored, edit)
     notes: list[str] = []
@@ -156,6 +168,27 @@ def _fill(tx: Transaction, stored: StoredDocument, edit: FillFrames) -> list[str
         blocks = [number_bones(tx, stored, whole, block)]
         splice_frames(tx, stored, edit.first, edit.last - edit.first + 1, blocks, renumber=False, same_instants=True)
     return notes or ["no gaps between known samples"]
+
+
+def _despike(tx: Transaction, stored: StoredDocument, edit: DespikeFrames) -> list[str]:
+    if edit.window % 2 == 0:
+        raise DocumentError(f"A window of {edit.window} frames has no middle.", remedy="Give an odd number.")
+    start, end = max(1, edit.first - edit.window - 10), min(stored.frames, edit.last + edit.window + 10)
+    whole = read_whole(tx, stored, start, end)
+    rows = slice(edit.first - start, edit.last - start + 1)
+    joints = whole.joints(edit.bones)
+    made = despike(whole.head.skeleton, whole.block, rows, edit.deviations, edit.window, joints, whole.reading)
+    if made.counts:
+        blocks = [number_bones(tx, stored, whole, rows_of(made.block, rows.start, rows.stop))]
+        splice_frames(tx, stored, edit.first, edit.last - edit.first + 1, blocks, renumber=False, same_instants=True)
+    names = [f"{whole.names[joint]} {count:,}" for joint, count in made.counts.most_common(10)]
+    notes = []
+    if made.frames:
+        notes.append(f"spikes replaced: {made.counts.total():,} ({', '.join(names)})")
+        notes.append(f"first in frame {made.frames[0] + start}, last in frame {made.frames[-1] + start}")
+    if made.left:
+        notes.append(f"spikes left: {made.left:,}, as no known sample is before or after them")
+    return notes or ["no spikes"]
 
 
 def _lock_feet(tx: Transaction, stored: StoredDocument, edit: LockFrames) -> list[str]:

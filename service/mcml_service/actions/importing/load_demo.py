@@ -21,11 +21,12 @@ from mcml_service.demo import body, face
 from mcml_service.demo.dance_clips import Style, dance_clip
 from mcml_service.demo.face_takes import face_takes
 from mcml_service.demo.reach_clips import reach_clips
+from mcml_service.demo.walks import walks
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 
 PROJECT = "demo"
-REACHES, DANCES, FACES = "demo-reach", "demo-dance", "demo-face"
+REACHES, DANCES, FACES, WALKS = "demo-reach", "demo-dance", "demo-face", "demo-walk"
 TEMPI: dict[Style, tuple[float, ...]] = {
     "groove": (100.0, 118.0, 132.0),
     "step": (96.0, 112.0, 128.0),
@@ -39,7 +40,7 @@ def load_demo(database: Database, settings: Settings, seed: int = 1) -> int:
     """Store the demo clips; returns how many. Raises what an import raises.
 
     Three people in every format in the project "demo"; for the analyses 185 reaches in "demo-reach", some dances in
-    "demo-dance", and ten takes of a face in "demo-face".
+    "demo-dance", and ten takes of a face in "demo-face"; for motion matching walks that turn in "demo-walk".
     """
     count = load_people(database, settings, seed)
     reaches = [item.clip for item in reach_clips(seed)]
@@ -50,6 +51,7 @@ def load_demo(database: Database, settings: Settings, seed: int = 1) -> int:
         for number, tempo in enumerate(tempi)
     ]
     count += add_clips(database, settings, DANCES, dances, (Label("dance"),), "A generated dance.")
+    count += add_clips(database, settings, WALKS, walks(), (Label("walk"),), "A generated walk.")
     faces = [take.clip for take in face_takes(seed, head=True, noise=0.05)]
     return count + add_clips(database, settings, FACES, faces, (), "A generated take of a face, 100 markers.")
 

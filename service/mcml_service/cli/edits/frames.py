@@ -46,6 +46,10 @@ def frames(
     ] = None,
     in_place: Annotated[bool | None, typer.Option("--in-place", help="loop: without travel")] = None,
     sides: Annotated[list[str] | None, typer.Option("--side", help="lock-feet: left or right; default both")] = None,
+    deviations: Annotated[
+        float | None, typer.Option(help="despike: scaled median absolute deviations from the median")
+    ] = None,
+    window: Annotated[int | None, typer.Option(help="despike: frames of the median")] = None,
     hertz: Annotated[float | None, typer.Option(help="low-pass: cut-off; default by residual analysis")] = None,
     channels: Annotated[list[str] | None, typer.Option("--channel", help="adjust: Rx, Ty …; may be repeated")] = None,
     factor: Annotated[float | None, typer.Option(help="adjust: multiply by this")] = None,
@@ -64,7 +68,7 @@ def frames(
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Delete, keep, move, insert, reverse, loop, mirror, fill, filter, smooth, adjust or resample frames, lock feet."""
+    """Delete, keep, move, insert, reverse, loop, mirror, fill, despike, filter or resample frames, lock feet."""
     kind = _EDITS.get(do)
     if kind is None:
         raise typer.BadParameter(f"say one of {', '.join(_EDITS)}", param_hint="DO")
@@ -77,6 +81,8 @@ def frames(
         "search": search,
         "in_place": in_place,
         "sides": sides,
+        "deviations": deviations,
+        "window": window,
         "hertz": hertz,
         "channels": channels,
         "factor": factor,

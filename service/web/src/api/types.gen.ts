@@ -2608,6 +2608,21 @@ export interface components {
             status?: number | null;
             problem?: string | null;
         };
+        DespikeFrames: {
+            first: number;
+            last: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "despike";
+            /** @default 4 */
+            deviations: number;
+            /** @default 7 */
+            window: number;
+            /** @default [] */
+            bones: string[];
+        };
         Difference: {
             before: number;
             after: number;
@@ -3040,7 +3055,7 @@ export interface components {
             data?: string | null;
         };
         FrameEdits: {
-            edits: (components["schemas"]["DeleteFrames"] | components["schemas"]["KeepFrames"] | components["schemas"]["ReverseFrames"] | components["schemas"]["MoveFrames"] | components["schemas"]["InsertFrames"] | components["schemas"]["MirrorFrames"] | components["schemas"]["SmoothFrames"] | components["schemas"]["AdjustFrames"] | components["schemas"]["ResampleFrames"] | components["schemas"]["FillFrames"] | components["schemas"]["LowPassFrames"] | components["schemas"]["UnrollFrames"] | components["schemas"]["LockFrames"] | components["schemas"]["LoopFrames"])[];
+            edits: (components["schemas"]["DeleteFrames"] | components["schemas"]["KeepFrames"] | components["schemas"]["ReverseFrames"] | components["schemas"]["MoveFrames"] | components["schemas"]["InsertFrames"] | components["schemas"]["MirrorFrames"] | components["schemas"]["SmoothFrames"] | components["schemas"]["AdjustFrames"] | components["schemas"]["ResampleFrames"] | components["schemas"]["FillFrames"] | components["schemas"]["LowPassFrames"] | components["schemas"]["DespikeFrames"] | components["schemas"]["UnrollFrames"] | components["schemas"]["LockFrames"] | components["schemas"]["LoopFrames"])[];
             /** @default true */
             renumber: boolean;
             /** @default  */

@@ -1,5 +1,7 @@
 /** Clips that follow a hand: keys, a game pad or a path lead a body, and what it does is stored as a clip. */
 import { useEffect, useMemo, useState } from "preact/hooks";
+import { get } from "../../api/client";
+import { setParams } from "../../state/session/route";
 import { subject } from "../../state/session/shell";
 import { ClipSelection, selectionNow, useMembers } from "../../ui/clips/ClipSelection";
 import { Trouble } from "../../ui/Trouble";
@@ -12,9 +14,12 @@ import { m } from "./words";
 import "../../styles/analyses.css";
 import "../../styles/matching.css";
 
+const DEMO = "demo-walk";
+
 export function MatchingPage() {
   const selection = selectionNow();
   const members = useMembers(selection);
+  const projects = useAsync((signal) => get("/projects", { signal }), []);
   const [progress, setProgress] = useState<[number, number] | null>(null);
   const loaded = useAsync<Loaded | null>(
     async (signal) => (selection ? load(selection, signal, (...done) => setProgress(done)) : null),
@@ -47,6 +52,11 @@ export function MatchingPage() {
                 <>
                   <h2>{m("help.intro")}</h2>
                   <p>{m("help.needs")}</p>
+                  {projects.value?.items.includes(DEMO) && (
+                    <button type="button" class="button" onClick={() => setParams({ project: DEMO })}>
+                      {m("button.demo")}
+                    </button>
+                  )}
                 </>
               )
             )}
