@@ -2257,6 +2257,12 @@ export interface components {
             first: number;
             items: components["schemas"]["Child"][];
         };
+        ClampedJoint: {
+            joint: string;
+            frames: number;
+            largest: number;
+            spans: components["schemas"]["FrameSpan"][];
+        };
         ClipBeats: {
             document: string;
             beats?: number[] | null;
@@ -3221,6 +3227,14 @@ export interface components {
              */
             cloud_at: "entry" | "first beat";
         };
+        HandContact: {
+            hand: string;
+            other: string;
+            first: number;
+            last: number;
+            before: number;
+            after: number;
+        };
         Health: {
             status: string;
             database?: string | null;
@@ -3326,6 +3340,13 @@ export interface components {
         JobPage: {
             items: components["schemas"]["Job"][];
             next_cursor?: string | null;
+        };
+        JointLimit: {
+            joint: string;
+            /** @enum {string} */
+            axis: "X" | "Y" | "Z";
+            low: number;
+            high: number;
         };
         JointMatch: {
             source: string;
@@ -3692,6 +3713,14 @@ export interface components {
         OwnerRequest: {
             name: string;
             password: string;
+        };
+        PartError: {
+            /** @enum {string} */
+            part: "left arm" | "right arm" | "left leg" | "right leg" | "hips" | "shoulders" | "trunk" | "head";
+            joint: string;
+            mean: number;
+            largest: number;
+            frame: number;
         };
         PartKind: {
             kind: string;
@@ -4229,6 +4258,10 @@ export interface components {
             /** @default false */
             match_rest: boolean;
             scale?: number | null;
+            travel_scale?: number | null;
+            limits?: "file" | components["schemas"]["JointLimit"][] | null;
+            /** @default false */
+            keep_hands: boolean;
             project?: string | null;
             /** @default false */
             preview: boolean;
@@ -4242,21 +4275,51 @@ export interface components {
             /** @default false */
             match_rest: boolean;
             scale?: number | null;
+            travel_scale?: number | null;
+            limits?: "file" | components["schemas"]["JointLimit"][] | null;
+            /** @default false */
+            keep_hands: boolean;
             project?: string | null;
             /** @default false */
             preview: boolean;
             name?: string | null;
         };
+        RetargetRow: {
+            source: string;
+            name: string;
+            document?: string | null;
+            limbs?: number | null;
+            hips?: number | null;
+            shoulders?: number | null;
+            trunk?: number | null;
+            head?: number | null;
+            foot_slide?: number | null;
+            deviation?: number | null;
+            warnings: string[];
+            problem?: string | null;
+        };
+        RetargetTable: {
+            rows: components["schemas"]["RetargetRow"][];
+            made: number;
+            failed: number;
+        };
         Retargeted: {
             document?: string | null;
             frames: number;
             scale: number;
+            /** @default 1 */
+            travel_scale: number;
             matches: components["schemas"]["JointMatch"][];
             unmatched_source: string[];
             unmatched_target: string[];
             bones: components["schemas"]["BoneError"][];
             feet: components["schemas"]["FootSliding"][];
+            parts?: components["schemas"]["PartError"][];
+            foot_slide?: number | null;
+            clamped?: components["schemas"]["ClampedJoint"][];
+            hands?: components["schemas"]["HandContact"][];
             worst_frame?: number | null;
+            warnings?: string[];
             notices: string[];
             motion?: components["schemas"]["PreviewMotion"] | null;
         };
@@ -8298,7 +8361,11 @@ export interface operations {
     };
     retarget_many: {
         parameters: {
-            query?: never;
+            query?: {
+                format?: "ndjson" | "json" | "csv";
+                summary?: boolean;
+                raw?: boolean;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -8314,7 +8381,9 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
+                    "application/json": components["schemas"]["RetargetTable"];
                     "application/x-ndjson": unknown;
+                    "text/csv": unknown;
                 };
             };
             503: {
