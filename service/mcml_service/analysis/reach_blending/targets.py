@@ -15,6 +15,7 @@ from mcml_service.analysis.reach_blending.arrival import (
     PELVIS,
     Share,
     Solution,
+    find_fade,
     measure_share,
     solve_contact,
     spread_solution,
@@ -81,13 +82,16 @@ def move_hand(
     chain = list(reaching.chain)
     offsets = clip.translations[0, chain]
     goal = np.asarray(target, dtype=np.float64) / metres
+    distance = float(np.linalg.norm(goal - _hand_at(reaching, clip, frames[1]))) * metres
     made = clip
     for range_of_pelvis in (PELVIS, 0.0):
         root, rotations = made.translations[:, chain[0]], made.rotations[:, chain]
         solution = solve_contact(reaching, offsets, root[frames[1]], rotations[frames[1]], goal, range_of_pelvis)
         if range_of_pelvis and not clamp and solution.missed * metres > NEAR:
             raise _out_of_reach(solution, metres)
-        moved, turned = spread_solution(reaching, offsets, root, rotations, solution, frames, 1.0 / clip.frame_time)
+        moved, turned = spread_solution(
+            reaching, root, rotations, solution, frames, 1.0 / clip.frame_time, find_fade(distance)
+        )
         made = _with_chain(made, chain, moved, turned)
         if feet is None or not solution.pelvis.any():
             break
