@@ -4014,6 +4014,8 @@ export interface components {
             target?: number[] | null;
             hand_place?: number[] | null;
             hand_error?: number | null;
+            hand_orientation?: number[] | null;
+            orientation_error?: number | null;
             moved?: components["schemas"]["ReachMoves"] | null;
             /** @default [] */
             feet: components["schemas"]["ReachFoot"][];
@@ -4146,6 +4148,12 @@ export interface components {
             /** @default false */
             clamp: boolean;
             target?: [
+                number,
+                number,
+                number
+            ] | null;
+            orientation?: [
+                number,
                 number,
                 number,
                 number
