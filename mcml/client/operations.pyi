@@ -69,7 +69,15 @@ from mcml_schemas.querying.saved import (
     VocabularyToSave,
 )
 from mcml_schemas.querying.search import SearchAnswer, SearchRequest
-from mcml_schemas.retarget import Mapping, MappingPage, Retargeted, RetargetMany, RetargetRequest, SavedMapping
+from mcml_schemas.retarget import (
+    Mapping,
+    MappingPage,
+    Retargeted,
+    RetargetMany,
+    RetargetRequest,
+    RetargetTable,
+    SavedMapping,
+)
 from mcml_schemas.revisions import Difference, FileReplaced
 from mcml_schemas.selections import CopiedDocuments, ManyChanges, ManyCopies, ManyDocuments
 from mcml_schemas.skeletons import SkeletonView
@@ -869,8 +877,11 @@ class Operations:
         self,
         *,
         request: RetargetMany | dict[str, Any],
+        format: Literal["ndjson", "json", "csv"] | None = ...,
+        summary: bool | None = ...,
+        raw: bool | None = ...,
         progress: FileProgress | None = None,
-    ) -> Content:
+    ) -> RetargetTable | Content:
         """Retarget the motions of all selected documents to one skeleton, each as a new document."""
     def follow_path(
         self,

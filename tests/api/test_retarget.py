@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import io
 import json
 from typing import Any
@@ -113,6 +114,63 @@ def test_many_at_once(client: TestClient) -> None:
     assert client.post(f"{API}/retarget", json=empty).text == ""
     for wrong in ({"mapping": "unknown"}, {"selection": {}}, {"skeleton": "nobody"}):
         assert client.post(f"{API}/retarget", json=request | wrong).status_code in (404, 422)
+
+
+def test_one_table_of_many_with_problems_and_outliers_first(client: TestClient) -> None:
+    walks, other = [person(client, height) for height in (150.0, 160.0, 170.0)], person(client, 185.0)
+    client.post(f"{API}/documents", files=[("file", ("a.c3d", c3d_file()))], data={"label": "walk"})
+    request = {"selection": {"motion_name": "walk"}, "skeleton": other, "preview": True}
+    answer = client.post(f"{API}/retarget", json=request, params={"format": "json"})
+    assert answer.status_code == 200, answer.text
+    table = answer.json()
+    assert (table["made"], table["failed"]) == (3, 1)
+    rows = table["rows"]
+    assert "Markers" in rows[0]["problem"]
+    assert {row["source"] for row in rows[1:]} == set(walks)
+    for row in rows[1:]:
+        assert max(row[part] for part in ("limbs", "hips", "shoulders", "trunk", "head")) < 0.1
+        assert row["foot_slide"] >= 0
+    deviations = [row["deviation"] for row in rows[1:]]
+    assert deviations == sorted(deviations, reverse=True)
+    text = client.post(f"{API}/retarget", json=request, params={"format": "csv"})
+    assert text.headers["content-type"].startswith("text/csv")
+    lines = list(csv.DictReader(io.StringIO(text.text)))
+    assert [line["source"] for line in lines] == [row["source"] for row in rows]
+    assert float(lines[1]["trunk (deg)"]) == pytest.approx(rows[1]["trunk"], rel=1e-3, abs=1e-12)
+    ended = client.post(f"{API}/retarget", json=request, params={"summary": True}).text.splitlines()
+    assert len(ended) == 5
+    assert json.loads(ended[-1])["table"]["rows"][0]["problem"] == rows[0]["problem"]
+
+
+def test_travel_limits_and_hands(client: TestClient) -> None:
+    small, large = person(client, 160.0), person(client, 184.0)
+    url = f"{API}/documents/{small}/retarget"
+
+    def made(**options: object) -> Any:
+        answer = client.post(url, json={"skeleton": large, "preview": True} | options)
+        assert answer.status_code == 201 or answer.status_code == 200, answer.text
+        return answer.json()
+
+    usual = made()
+    assert usual["travel_scale"] == pytest.approx(184 / 160, rel=1e-3)
+    assert {part["part"] for part in usual["parts"]} >= {"left arm", "right leg", "hips", "shoulders", "trunk", "head"}
+    assert made(travel_scale=1)["travel_scale"] == 1
+    assert made(travel_scale=1)["scale"] == usual["scale"]
+    assert "hands" in made(keep_hands=True)
+    limited = made(limits=[{"joint": "left_low_leg", "axis": "X", "low": -1, "high": 1}])
+    (clamped,) = limited["clamped"]
+    assert clamped["joint"] == "left_low_leg"
+    assert clamped["largest"] > 5
+    assert clamped["frames"] == sum(span["last"] - span["first"] + 1 for span in clamped["spans"])
+    assert any("left_low_leg" in notice and "limits" in notice for notice in limited["notices"])
+    for wrong, words in (
+        ("file", "states no limits"),
+        ([{"joint": "tail", "axis": "X", "low": 0, "high": 1}], "tail"),
+        ([{"joint": "left_low_leg", "axis": "X", "low": 2, "high": 1}], "low is above high"),
+    ):
+        answer = client.post(url, json={"skeleton": large, "limits": wrong})
+        assert answer.status_code == 422, answer.text
+        assert words in answer.text
 
 
 def test_what_cannot_be_retargeted(client: TestClient) -> None:

@@ -258,6 +258,13 @@ def test_bodies(run: Run, tmp_path: Path) -> None:
     assert made["frames"] == 60
     many = run("retarget", large, "--xpath", "//frame[60]", "--all-of", "default", "--preview")
     assert "2 made, 0 failed" in many
+    several = ("--all-of", "default", "--preview", "--travel-scale", "1", "--keep-hands")
+    assert "wrote" in run("retarget", large, *several, "--table", "table.csv")
+    lines = Path("table.csv").read_text().splitlines()
+    assert lines[0].startswith("name,source,document,limbs (deg)")
+    assert len(lines) == 3
+    assert "a table is of a selection" in run("retarget", small, large, "--table", "table.csv", code=2)
+    assert "states no limits" in run("retarget", small, large, "--file-limits", "--preview", code=1)
     for name in ("a/b", "a?b", "50 % #1"):
         assert f"{name}  version 1" in run("mapping", "save", name, "--joint", "left_hand=right_hand")
         assert f"{name}  version 1" in run("mapping", "show", name)

@@ -20,7 +20,8 @@ from mcml.motion.hub import HubReader
 from mcml.motion.hub_writer import HubWriter
 from mcml.motion.lexemes import triple
 from mcml.motion.retargeting.bone_mapping import Match, check_matches, suggest_matches
-from mcml.motion.retargeting.hinges import best_twist, beyond_limits
+from mcml.motion.retargeting.hinges import best_twist
+from mcml.motion.retargeting.limits import clamp_joint, joint_limits
 from mcml.motion.retargeting.retarget import Retargeted, retarget
 from mcml.motion.rotation_vectors import angle_between
 from mcml.motion.rotations import from_euler, inverse, multiply
@@ -226,9 +227,15 @@ def test_limits_are_those_of_the_file() -> None:
     turn = writer.rest.orientations[0]
     angles = np.array([-30.0, -10.0, 0.0, 170.0, 175.0])
     local = multiply(multiply(turn, from_euler(np.radians(angles)[:, None], "X")), inverse(turn))
-    assert beyond_limits(knee, 0, writer, local) == pytest.approx([20, 0, 0, 0, 5], abs=1e-9)
-    assert not beyond_limits(replace(knee, limits=()), 0, writer, local).any()
-    assert not beyond_limits(replace(knee, limits=("-inf what",)), 0, writer, local).any()
+    limits = joint_limits(knee, "X")
+    assert limits is not None
+    held, outside = clamp_joint(limits, 0, writer, local)
+    assert outside == pytest.approx([20, 0, 0, 0, 5], abs=1e-9)
+    assert np.array_equal(held[1:4], local[1:4])
+    assert np.degrees(angle_between(held, local)) == pytest.approx(outside, abs=1e-6)
+    assert clamp_joint(limits, 0, writer, held)[1] == pytest.approx(0, abs=1e-9)
+    assert joint_limits(replace(knee, limits=()), "X") is None
+    assert joint_limits(replace(knee, limits=("-inf what",)), "X") is None
 
 
 def tree(seed: int) -> tuple[Skeleton, Skeleton]:

@@ -77,6 +77,16 @@ def fitted(served: Served, **parameters: Any) -> str:
     return str(done["result"])
 
 
+ARROW = """() => {
+  const box = mcmlReachStage.canvas.getBoundingClientRect();
+  for (let y = 2; y < box.height; y += 4)
+    for (let x = 2; x < box.width; x += 4)
+      if (mcmlReachStage.arrowAt(x, y) === "Y") return [box.x + x, box.y + y];
+  return null;
+}"""
+"""A place in the page on the arrow along Y."""
+
+
 def moved(page: Any) -> None:
     """Until the newest motion is there for the values that the sliders show."""
     page.wait_for_function(
@@ -285,10 +295,25 @@ def test_the_hand_goes_to_a_target_and_misses_are_shown(open_studio: Served, vis
     expect(page.get_by_text("Hand 0 cm from the target")).to_be_visible()
     place = page.evaluate("() => mcmlReach.shown.value.answer.hand_place")
     assert place[1] == pytest.approx(before + 0.05, abs=0.002)
-    assert "target=" in page.url
+    page.wait_for_url(re.compile("target="))
     field.fill("5")
     field.press("Enter")
-    expect(page.get_by_text("cm out of reach")).to_be_visible()
+    status = page.get_by_role("status").filter(has_text="cm out of reach")
+    expect(status).to_be_visible()
+    page.get_by_role("button", name="Use nearest place").click()
+    expect(status).to_have_count(0)
+    expect(page.get_by_text("from the target")).to_be_visible()
+    assert float(field.input_value()) < 5
     page.get_by_role("button", name="Remove target").click()
-    expect(page.get_by_text("cm out of reach")).to_have_count(0)
     assert page.evaluate("() => mcmlReach.wish().target") is None
+    # An arrow in the viewer drags the target along its axis; the field follows.
+    before = [float(page.get_by_label(f"Hand target {axis} (m)").input_value()) for axis in "XYZ"]
+    x, y = page.evaluate(ARROW)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y + 25, steps=4)
+    page.mouse.up()
+    page.wait_for_function("before => mcmlReach.target.value[1] < before", arg=before[1])
+    after = [float(page.get_by_label(f"Hand target {axis} (m)").input_value()) for axis in "XYZ"]
+    assert after[1] < before[1] - 0.02
+    assert [after[0], after[2]] == [before[0], before[2]]

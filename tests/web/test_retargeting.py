@@ -27,14 +27,14 @@ def test_options_and_the_frames_of_the_report(open_studio: Served, visit_of: Any
     page.get_by_label("Match rest poses").check()
     # The report below is the one of this answer.
     with page.expect_response(
-        lambda answer: "/retarget?" in answer.url and answer.request.post_data_json["scale"] is not None
+        lambda answer: "/retarget?" in answer.url and answer.request.post_data_json["travel_scale"] is not None
     ) as response:
-        page.get_by_label("Root motion scale").check()
+        page.get_by_label("Travel scale").check()
     response.value.finished()
     asked = response.value.request.post_data_json
     assert asked["match_rest"] is True
-    assert asked["scale"] == pytest.approx(200 / 170, rel=0.01)
-    page.wait_for_url(re.compile("rest=1.*scale=1"))
+    assert asked["travel_scale"] == pytest.approx(200 / 170, rel=0.01)
+    page.wait_for_url(re.compile("rest=1.*travel=1"))
     worst = page.get_by_role("button", name=re.compile("^Largest error: frame"))
     number = int(worst.inner_text().split()[-1])
     worst.click()
@@ -78,8 +78,15 @@ def test_many_clips_are_put_on_a_body_and_taken_back(open_studio: Served, visit_
     expect(dialog.get_by_role("status")).to_have_text("4 clips")
     dialog.get_by_role("button", name="Retarget clips").click()
     expect(dialog.get_by_role("status")).to_have_text("3 clips created. 1 failed.")
-    rows = dialog.get_by_role("listitem")
-    expect(rows).to_have_count(4)
+    rows = dialog.get_by_role("row")
+    expect(rows).to_have_count(1 + 4)
+    # Problems come first.
+    expect(rows.nth(1)).to_contain_text("markers")
+    with page.expect_download() as saved:
+        dialog.get_by_role("button", name="Save table").click()
+    lines = saved.value.path().read_text().splitlines()
+    assert lines[0].startswith("name,source,document,limbs,hips")
+    assert len(lines) == 5
     expect(rows.filter(has_text="markers")).to_contain_text("Choose a document of a body.")
     assert open_studio.get("/documents")["total"] == 6 + 3
     dialog.get_by_role("button", name="Undo").click()

@@ -87,10 +87,10 @@ def despike(
 
 
 def find_spikes(residuals: Array, deviations: float, window: int, small: float = 0.0) -> Flags:
-    """(n,) the Hampel identifier: whether a residual is far from the median of the window around it, in any column.
+    """(n,) the Hampel identifier: whether a residual is far from the median of its window, in any column.
 
-    residuals: (n, d), NaN where missing. window: frames, odd; at the ends and beside gaps it has fewer samples, at least
-    three. small: residuals up to this are of no spike.
+    residuals: (n, d), NaN where missing. window: frames, odd; at the ends and beside gaps it has fewer samples, at
+    least three. small: residuals up to this are of no spike.
     """
     around = _windows(residuals, window)
     with warnings.catch_warnings():
@@ -140,7 +140,7 @@ def _turns_from_neighbours(rotations: Array, known: Flags, window: int) -> Array
 
 
 def _size(skeleton: Skeleton, translations: Array, rotations: Array, known: Flags) -> float:
-    """Four times the median distance of joints from their middle: of a person about the height, whatever strays."""
+    """Four times the median distance of joints from their middle: about the height of a person, also where single points are far off."""
     places = np.where(known[..., None], walked(skeleton, translations, rotations)[0], np.nan)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)

@@ -8,14 +8,13 @@ import numpy as np
 
 from mcml.errors import ConversionError
 from mcml.motion.retargeting.posed_bodies import PosedBody
-from mcml.motion.retargeting.report import AcrossError
+from mcml.motion.retargeting.report import PartError
 from mcml.motion.skeleton import Array, Skeleton
 
 _ALIKE = 2.0
 """How many times as long or short as at rest a bone may be in the motion."""
 _ACROSS = 45.0
 """Degrees, on the mean, that the line through the hips may point elsewhere."""
-_LINES = {"hips": "up_leg", "shoulders": "up_arm"}
 _REST = "Retarget from and to skeletons whose rest pose shows the body, such as a BVH with offsets."
 
 
@@ -54,29 +53,7 @@ def check_rest(one: PosedBody, two: PosedBody, pairs: Mapping[int, int], positio
         )
 
 
-def across_errors(
-    one: PosedBody, two: PosedBody, pairs: Mapping[int, int], positions: Array, made: Array
-) -> tuple[AcrossError, ...]:
-    """How far the lines from right to left, of hips and shoulders, point elsewhere.
-
-    positions: (n, J, 3) of the source, made: (n, J, 3) of the target, in the world.
-    """
-    at = {joint.name: index for index, joint in enumerate(two.skeleton.joints) if index in pairs}
-    found = []
-    for what, part in _LINES.items():
-        left, right = at.get(f"left_{part}"), at.get(f"right_{part}")
-        if left is None or right is None:
-            continue
-        source = positions[:, pairs[left]] - positions[:, pairs[right]]
-        target = made[:, left] - made[:, right]
-        known = (np.linalg.norm(source, axis=1) > one.short) & (np.linalg.norm(target, axis=1) > two.short)
-        if known.any():
-            angles = angles_between(source[known], target[known])
-            found.append(AcrossError(what, float(angles.max()), float(angles.mean())))
-    return tuple(found)
-
-
-def check_across(one: PosedBody, two: PosedBody, pairs: Mapping[int, int], errors: tuple[AcrossError, ...]) -> None:
+def check_across(one: PosedBody, two: PosedBody, pairs: Mapping[int, int], errors: tuple[PartError, ...]) -> None:
     """Raises ConversionError where hips point so far elsewhere that joints without a match must turn them."""
     for error in errors:
         if error.what == "hips" and error.mean > _ACROSS:

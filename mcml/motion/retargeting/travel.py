@@ -28,8 +28,13 @@ class Travel:
         can = set(TRANSLATIONS) <= set(self.two.skeleton.joints[joint].channels)
         return can and parent >= 0 and above >= 0 and self.pairs.get(parent) == above
 
-    def translations(self, moved: Array, positions: Array, turned: Array, rotations: Array, scale: float) -> Array:
-        """(n, J, 3) of the target. moved: the source's in the hub form; rotations: the target's, local."""
+    def translations(
+        self, moved: Array, positions: Array, turned: Array, rotations: Array, scale: float, scales: Array
+    ) -> Array:
+        """(n, J, 3) of the target. moved: the source's in the hub form; rotations: the target's, local.
+
+        scales: (3,) factors of places along X, Y and Z. scale: of moves of joints in their parents.
+        """
         skeleton = self.two.skeleton
         translations = in_every_frame(self.two.rest.offsets, len(moved))
         world = walked(skeleton, translations, rotations)[1]
@@ -40,11 +45,11 @@ class Travel:
             delta = scale * (moved[:, source] - self.one.rest.offsets[source])
             translations[:, joint] += rotate(multiply(inverse(world[:, parent]), turned[:, above]), delta)
         for root in skeleton.roots:
-            self._carry(root, moved, positions, rotations, scale, translations)
+            self._carry(root, moved, positions, rotations, scales, translations)
         return translations
 
     def _carry(
-        self, root: int, moved: Array, positions: Array, rotations: Array, scale: float, translations: Array
+        self, root: int, moved: Array, positions: Array, rotations: Array, scales: Array, translations: Array
     ) -> None:
         """Places a body under its root."""
         skeleton = self.two.skeleton
@@ -56,14 +61,14 @@ class Travel:
             return
         for joint in path[: path.index(bearer)]:
             if joint in self.pairs:
-                translations[:, joint] = scale * moved[:, self.pairs[joint]]
-        goal = scale * positions[:, self.pairs[bearer]]
+                translations[:, joint] = scales * moved[:, self.pairs[joint]]
+        goal = scales * positions[:, self.pairs[bearer]]
         places, world = walked(skeleton, translations, rotations)
         hips = self._hips(bearer)
         if hips is not None:
             left, right = hips
             middle = (positions[:, self.pairs[left]] + positions[:, self.pairs[right]]) / 2
-            goal = scale * middle + places[:, bearer] - (places[:, left] + places[:, right]) / 2
+            goal = scales * middle + places[:, bearer] - (places[:, left] + places[:, right]) / 2
         parent = skeleton.joints[bearer].parent
         if parent < 0:
             translations[:, bearer] = goal

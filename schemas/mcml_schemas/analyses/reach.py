@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
 from mcml_schemas.examples import DOCUMENT, shown
 from mcml_schemas.request_body import RequestBody
@@ -21,8 +21,10 @@ _CLIP = {"document": DOCUMENT, "revision": 1, "name": "reach_01_001", "subject":
 
 _FOOT = {"joint": "left_toes", "contacts": [{"first": 1, "last": 70}], "slide_before": 0.031, "slide": 0.0}
 _TARGET = [-0.26, 0.8, 0.12]
+_TURN = [0.0, 0.7071, 0.0, 0.7071]
 
 Coordinate = Annotated[FiniteFloat, Field(ge=-1000, le=1000)]
+UnitPart = Annotated[FiniteFloat, Field(ge=-1.001, le=1.001)]
 Fps = Annotated[float, Field(gt=0, le=1000)]
 
 
@@ -187,6 +189,12 @@ class ReachWish(RequestBody):
         "origin, so there the target is relative to the body",
         examples=[_TARGET],
     )
+    orientation: tuple[UnitPart, UnitPart, UnitPart, UnitPart] | None = Field(
+        None,
+        description="Orientation of the hand's joint at t2, with a target: a unit quaternion x, y, z, w in the world "
+        "of the made motion, as an answer tells in hand_orientation. The wrist turns, and back as the place is left",
+        examples=[_TURN],
+    )
     method: Literal["blend", "arrive"] | None = Field(
         None,
         description="blend: the mixture of examples as it is; arrive: then arm, spine and pelvis bring the hand to the "
@@ -194,6 +202,12 @@ class ReachWish(RequestBody):
         examples=["arrive"],
     )
     force: bool = Field(False, description="Take attributes outside the usual ranges as they are", examples=[False])
+
+    @model_validator(mode="after")
+    def _is_unit(self) -> ReachWish:
+        if self.orientation is not None and abs(sum(part**2 for part in self.orientation) - 1) > 0.01:
+            raise ValueError("orientation: expected a unit quaternion x, y, z, w; its length is not 1")
+        return self
 
 
 class ReachClip(BaseModel):
@@ -321,6 +335,12 @@ class ReachMotion(BaseModel):
     )
     hand_error: float | None = Field(
         None, description="Metres from hand_place to the target; null without a target", examples=[0.0001]
+    )
+    hand_orientation: list[float] | None = Field(
+        None, description="Orientation of the hand's joint there: x, y, z, w in the world", examples=[_TURN]
+    )
+    orientation_error: float | None = Field(
+        None, description="Degrees from hand_orientation to the requested one; null if none is", examples=[0.0]
     )
     moved: ReachMoves | None = Field(
         None, description="Moves of arm, spine and pelvis that bring the hand there; null for a blend"

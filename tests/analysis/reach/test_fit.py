@@ -19,9 +19,9 @@ from mcml_service.actions.importing.store_clip import clip_file
 from mcml_service.analysis.interface import Motion
 from mcml_service.analysis.reach_blending.accuracy import Ruler
 from mcml_service.analysis.reach_blending.blend import fit_blend, linear_left_out, nearest_left_out
+from mcml_service.analysis.reach_blending.durations import about_cuts, from_time_values, to_time_values
 from mcml_service.analysis.reach_blending.evaluation import predictions, reconstruction
 from mcml_service.analysis.reach_blending.fit import fit
-from mcml_service.analysis.reach_blending.model import from_time_values, to_time_values
 from mcml_service.analysis.reach_blending.options import options_of
 from mcml_service.analysis.reach_blending.quaternion_tracks import angle_between, exp
 from mcml_service.analysis.reach_blending.stored import to_arrays
@@ -281,9 +281,25 @@ def test_times_with_logarithms_keep_their_order_anywhere() -> None:
 
 
 def test_a_reach_that_begins_at_once_has_half_a_frame_of_preparation() -> None:
-    times = np.array([[0.0, 20.0, 50.0], [7.5, 30.0, 70.0]])
-    assert np.allclose(from_time_values(to_time_values(times, True), True), [[0.5, 20.5, 50.5], [7.5, 30.0, 70.0]])
-    assert np.array_equal(from_time_values(to_time_values(times, False), False), times)
+    """Where no clip tells how long the preparation is."""
+    times = np.array([[0.0, 20.0, 50.0], [0.4, 30.0, 70.0]])
+    values = to_time_values(times, True, 30.0)
+    assert np.allclose(from_time_values(values, True), [[0.5, 20.5, 50.5], [0.5, 30.1, 70.1]])
+    assert np.array_equal(from_time_values(to_time_values(times, False, 30.0), False), times)
+    assert about_cuts(times, 30.0) == []
+
+
+def test_clips_that_are_cut_do_not_tell_how_long_motions_go_on() -> None:
+    """The mean of logarithms would play a rest of 40 frames, mixed with one of half a frame, in under five."""
+    times = np.array([[9.0, 30.0, 70.0], [11.0, 30.0, 80.0], [2.0, 25.0, 90.0], [10.0, 30.0, 30.2]])
+    durations = np.diff(from_time_values(to_time_values(times, True, 30.0), True), axis=1, prepend=0.0)
+    assert durations[3, 2] == pytest.approx(50.0)
+    assert durations[2, 0] == pytest.approx(10.0)
+    whole = np.diff(times, axis=1, prepend=0.0)
+    assert np.allclose(durations[:2], whole[:2])
+    warnings = about_cuts(times, 30.0)
+    assert [code for code, _ in warnings] == ["cut-clips"] * 2
+    assert warnings[1][1].startswith("1 of 4 clips end within 0.1 s")
 
 
 @pytest.mark.parametrize("space", ["tangent", "eigenposes", "global"])

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import ValidationError
 
 from mcml.motion.feet.legs import legs_of
 from mcml.motion.hub import walked
@@ -66,6 +67,36 @@ def test_the_hand_arrives(way: tuple[float, float, float], fps: float) -> None:
     hand = positions(answer.clip)[answer.hand.frame, fitted().body.hand]
     assert np.linalg.norm(hand - target) < 0.001
     assert answer.hand.frame == round(answer.times[1] * fps)
+
+
+@given(st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda parts: np.linalg.norm(parts) > 0.1))
+def test_the_hand_has_its_orientation_at_the_target(parts: tuple[float, float, float, float]) -> None:
+    wanted = np.array(parts) / np.linalg.norm(parts)
+    target = place() + np.array([0.03, 0.02, -0.03])
+    usual, turned = made(target), made(target, orientation=wanted.tolist())
+    assert usual.hand is not None
+    assert turned.hand is not None
+    assert usual.hand.turn_error is None
+    clip, frame, wrist = turned.clip, turned.hand.frame, fitted().body.hand
+    world = walked(clip.skeleton, clip.translations, clip.rotations)[1][frame, wrist]
+    assert abs(world @ wanted) == pytest.approx(1.0, abs=1e-9)
+    assert turned.hand.turn_error == pytest.approx(0.0, abs=1e-3)
+    # The place of the hand, and all joints but the wrist, are as without it; the turn fades.
+    assert np.allclose(turned.hand.place, usual.hand.place)
+    others = np.delete(np.arange(len(clip.skeleton)), wrist)
+    assert np.array_equal(clip.rotations[:, others], usual.clip.rotations[:, others])
+    assert np.allclose(np.abs((clip.rotations[[0, -1], wrist] * usual.clip.rotations[[0, -1], wrist]).sum(axis=1)), 1)
+    far = turned.hand.beyond > 1
+    assert ("wrist-beyond-examples" in [code for code, _ in turned.warnings]) is far
+
+
+def test_an_orientation_needs_a_target_and_a_unit_quaternion() -> None:
+    for wish in ({}, {"method": "blend"}):
+        with pytest.raises(AnalysisError) as error:
+            made(place() if wish else None, orientation=[0, 0, 0, 1], **wish)
+        assert error.value.code == "no-target"
+    with pytest.raises(ValidationError, match="unit quaternion"):
+        ReachWish(attributes=ATTRIBUTES, target=(0, 0, 0), orientation=(0, 0, 0, 0.5))
 
 
 def test_only_the_way_to_the_hand_is_changed() -> None:

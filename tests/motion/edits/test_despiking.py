@@ -41,7 +41,7 @@ def told(values: np.ndarray, window: int) -> np.ndarray:
             inside = [by for by in range(1, half + 1) if row - by >= 0 and row + by < len(values)]
             means = [(values[row - by, column] + values[row + by, column]) / 2 for by in inside]
             means = [mean for mean in means if not np.isnan(mean)]
-            if len(means) >= min(2, half):
+            if len(means) >= min(3, half):
                 found[row, column] = np.median(means)
     return found
 

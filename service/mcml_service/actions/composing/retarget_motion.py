@@ -6,16 +6,17 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from mcml.errors import DocumentError, McmlError
 from mcml.motion.clip import ClipStream
-from mcml.motion.retargeting.retarget import Retargeted as Result
+from mcml.motion.hub_writer import HubWriter
+from mcml.motion.retargeting.limits import Limits, file_limits
+from mcml.motion.retargeting.report import RetargetReport
 from mcml.motion.retargeting.retarget import retarget
-from mcml.motion.skeleton import Skeleton
+from mcml.motion.skeleton import Array
+from mcml.motion.units import metres_of
 from mcml_schemas.retarget import (
-    BoneError,
-    FootSliding,
-    FrameSpan,
-    JointMatch,
     Retargeted,
     RetargetedOne,
     Retargeting,
@@ -24,6 +25,7 @@ from mcml_schemas.retarget import (
 )
 from mcml_service.actions.checking.check_timed import seconds_of
 from mcml_service.actions.checking.describe_problem import problem_of
+from mcml_service.actions.composing.describe_retargeting import describe_retargeted
 from mcml_service.actions.composing.fit_skeleton import JointMapping, are_markers, match_joints, upright, with_body
 from mcml_service.actions.composing.keep_mapping import mapping_of
 from mcml_service.actions.composing.select_documents import select_documents
@@ -115,6 +117,11 @@ def _retarget(
         raise DocumentError("Markers have no skeleton.", remedy="Choose a document of a body.")
     source, notices = upright(source, target.up)
     source_skeleton, two = source.head.skeleton, target.head.skeleton
+    metres, target_metres = metres_of(source.head), metres_of(target.head)
+    known = metres is not None and target_metres is not None
+    units = metres / target_metres if metres is not None and target_metres is not None else 1.0
+    if request.travel_scale is not None and not known:
+        notices.append("the unit of length of a document is unknown: the travel scale is of numbers, not of metres")
     made = retarget(
         source_skeleton,
         source.block,
@@ -126,6 +133,9 @@ def _retarget(
         clean=request.clean_feet,
         up=target.up,
         scale=request.scale,
+        travel_scale=None if request.travel_scale is None else request.travel_scale * units,
+        limits=_limits(request, target),
+        keep_hands=request.keep_hands,
         match_rest=request.match_rest,
         target_block=target.block,
     )
@@ -149,7 +159,9 @@ def _retarget(
                 "parameters": _parameters(request, mapping),
             },
         )
-    told = _describe(document, made, source_skeleton, two, notices)
+    told = describe_retargeted(document, made, source_skeleton, two, notices)
+    told.travel_scale = made.report.travel / units
+    told.foot_slide = _foot_slide(made.report, seconds, target_metres)
     if window is not None:
         told.motion = preview_motion(with_body(source.head, target.head), [made.block], window, seconds)
     return told
@@ -163,46 +175,34 @@ def _parameters(request: Retargeting, mapping: JointMapping | None) -> dict[str,
     return asked
 
 
-def _describe(document: str | None, made: Result, source: Skeleton, target: Skeleton, notices: list[str]) -> Retargeted:
-    report = made.report
-    worst = max((bone for bone in report.bones if bone.leads), key=lambda bone: bone.largest, default=None)
-    return Retargeted(
-        document=document,
-        frames=len(made.block),
-        scale=report.scale,
-        matches=[
-            JointMatch(
-                source=source.names[match.source],
-                target=target.names[match.target],
-                confidence=match.confidence,
-                reason=match.reason,
+def _limits(request: Retargeting, target: Whole) -> Limits | None:
+    """Return the limits of joints of a request. DocumentError for a table with unknown joints or axes, and where the
+    target's file states none.
+    """
+    if request.limits is None:
+        return None
+    skeleton = target.head.skeleton
+    writer = HubWriter(skeleton, target.reading)
+    if request.limits == "file":
+        if found := file_limits(skeleton, writer):
+            return found
+        raise DocumentError("The target's file states no limits of joints.", remedy="Give a table of limits.")
+    table: dict[int, Array] = {}
+    for row in request.limits:
+        (joint,) = target.joints([row.joint])
+        letters = writer.letters(joint)
+        if row.axis not in letters:
+            raise DocumentError(
+                f"Joint {row.joint!r} does not rotate about {row.axis}.",
+                remedy=f"Its axes are {', '.join(letters) or 'none'}.",
             )
-            for match in report.matches
-        ],
-        unmatched_source=[source.names[index] for index in report.missing],
-        unmatched_target=[target.names[index] for index in report.extra],
-        bones=[
-            BoneError(
-                bone=target.names[bone.joint],
-                end=target.names[bone.end],
-                leads=bone.leads,
-                mean=bone.mean,
-                largest=bone.largest,
-                frame=bone.frame + 1,
-            )
-            for bone in report.bones
-        ],
-        feet=[
-            FootSliding(
-                foot=target.names[foot.joint],
-                stances=len(foot.contacts),
-                before=foot.before,
-                after=foot.after,
-                contacts=[FrameSpan(first=first + 1, last=last + 1) for first, last in foot.contacts],
-            )
-            for foot in report.feet
-        ],
-        worst_frame=None if worst is None else worst.frame + 1,
-        notices=notices
-        + [notice.what for notice in [*report.notices(source, target), *made.shortfall.notices(target)]],
-    )
+        limits = table.setdefault(joint, np.tile([-np.inf, np.inf], (len(letters), 1)))
+        limits[letters.index(row.axis)] = row.low, row.high
+    return table
+
+
+def _foot_slide(report: RetargetReport, frame_time: float, metres: float | None) -> float | None:
+    """Centimetres a second of the foot that slides most during its contacts."""
+    times = [frame_time * sum(last - first for first, last in foot.contacts) for foot in report.feet]
+    speeds = [foot.after / time for foot, time in zip(report.feet, times, strict=True) if time > 0]
+    return None if metres is None or not speeds else 100 * metres * max(speeds)

@@ -132,6 +132,8 @@ def make(ready: Ready, wish: ReachWish) -> Answer:
         target=None if wish.target is None else list(wish.target),
         hand_place=None if hand is None else hand.place.tolist(),
         hand_error=None if hand is None else hand.error,
+        hand_orientation=None if hand is None else hand.orientation.tolist(),
+        orientation_error=None if hand is None else hand.turn_error,
         moved=None if hand is None or hand.moved is None else ReachMoves(**asdict(hand.moved)),
         feet=[_foot(made.clip, report, model.metres or 1.0) for report in made.feet],
         warnings=[ReachWarning(code=code, what=text) for code, text in made.warnings],

@@ -22,6 +22,8 @@ from mcml_service.analysis.reach_blending.model import Reaching
 
 SHORTEST_FADE = 0.3
 """Seconds in which a correction grows or fades at least."""
+CALM = 15.0
+"""Metres per second squared: the most that a correction adds to the acceleration of the hand, where time allows."""
 TOLERANCE = 1e-4
 """Of the arm's length: nearer than this is arrived."""
 ROUNDS = 100
@@ -62,25 +64,23 @@ class Solution:
 
 def spread_solution(
     reaching: Reaching,
-    offsets: Array,
     root: Array,
     rotations: Array,
     solution: Solution,
     frames: tuple[int, int],
     fps: float,
+    seconds: float = SHORTEST_FADE,
 ) -> tuple[Array, Array]:
     """Spread the pose of the contact over a motion; return roots (F, 3) and rotations (F, C, 4) of the chain.
 
-    root, rotations: of the motion; offsets: (C, 3). frames: start of the reach, contact.
+    root, rotations: of the motion. frames: start of the reach, contact. seconds: in which the correction grows or fades
+    at least. Each joint turns by its own share: on a straight line the hand could pass the shoulder, where an arm has
+    to turn over within a few frames.
     """
     first, contact = frames
-    hands = walk_chain(root, rotations, offsets)[0][:, -1]
-    weights = find_weights(len(root), first, contact, reaching.hold, fps)
+    weights = find_weights(len(root), first, contact, reaching.hold, fps, seconds)
     moved = root + weights[:, None] * solution.pelvis
-    turned = multiply(rotations, from_vector(weights[:, None, None] * solution.turns))
-    goals = hands + weights[:, None] * (solution.place - hands[contact])
-    arm = reaching.shoulder, reaching.elbow
-    return moved, turn_arm(moved, turned, offsets, goals, arm, reaching.ranges, rotations)
+    return moved, multiply(rotations, from_vector(weights[:, None, None] * solution.turns))
 
 
 def solve_contact(
@@ -212,13 +212,23 @@ def measure_share(offsets: Array, own: Array, bent: Array, pelvis: Array, should
     )
 
 
-def find_weights(frames: int, first: int, contact: int, hold: float, fps: float) -> Array:
+def find_fade(distance: float) -> float:
+    """Return in how many seconds a correction of the hand by metres grows or fades at least.
+
+    A smoothstep over T seconds has accelerations of up to 6 distance / T^2.
+    """
+    return float(max(SHORTEST_FADE, np.sqrt(6.0 * distance / CALM)))
+
+
+def find_weights(
+    frames: int, first: int, contact: int, hold: float, fps: float, seconds: float = SHORTEST_FADE
+) -> Array:
     """Return how much of the correction each frame has, (F,): 0 to 1 until the contact, and back to 0 at the end.
 
     first: frame in which the reach begins. hold: share of the time after the contact without change. A correction
-    that would have to grow or fade in less than 0.3 s begins earlier, or stays until the end.
+    that would have to grow or fade in fewer seconds begins earlier, or stays until the end.
     """
-    least = SHORTEST_FADE * fps
+    least = seconds * fps
     start = max(min(float(first), contact - least), 0.0)
     times = np.arange(frames, dtype=float)
     weights = smoothstep((times - start) / max(contact - start, 1.0))

@@ -10,8 +10,8 @@ import numpy as np
 from mcml.motion.skeleton import Array
 from mcml_service.analysis.reach_blending.accuracy import Errors, errors_of
 from mcml_service.analysis.reach_blending.blend import Groups, invert, leave_out, linear_left_out, nearest_left_out
+from mcml_service.analysis.reach_blending.durations import from_time_values
 from mcml_service.analysis.reach_blending.fit import Fitted
-from mcml_service.analysis.reach_blending.model import from_time_values
 
 Predictor = Literal["model", "linear", "nearest"]
 LeftOut = Literal["clip", "subject"]

@@ -36,7 +36,8 @@ from mcml_service.analysis.reach_blending.clips import (
     turning_freely,
     unit_of,
 )
-from mcml_service.analysis.reach_blending.model import Model, Reaching, Source, cardinal_of, to_time_values
+from mcml_service.analysis.reach_blending.durations import about_cuts, to_time_values
+from mcml_service.analysis.reach_blending.model import Model, Reaching, Source, cardinal_of
 from mcml_service.analysis.reach_blending.motion_spaces import (
     EigenposeSpace,
     GlobalPoseSpace,
@@ -128,6 +129,7 @@ def fit(motions: Sequence[Motion], options: Options, progress: Progress = silent
 
     times = np.array([np.array(clip.phases.times) * options.base_fps / clip.motion.fps for clip in clips])
     knots = options.knots or mean_knots(times)
+    warnings += about_cuts(times, options.base_fps) if options.log_times else []
     progress("sampling", 0.3)
     reference = mean_rotations(sum((clip.moments for clip in clips), np.zeros(())))
     sampled = _sample(clips, reference, knots)
@@ -144,7 +146,7 @@ def fit(motions: Sequence[Motion], options: Options, progress: Progress = silent
             x,
             groups,
             components.coefficients,
-            to_time_values(times, options.log_times),
+            to_time_values(times, options.log_times, options.base_fps),
             _labels(clips, options),
             options,
             hand_error_of(motion_space, components, sampled, ruler),

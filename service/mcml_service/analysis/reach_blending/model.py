@@ -12,6 +12,7 @@ from mcml.motion.solving.joint_ranges import JointRanges
 from mcml_service.analysis.interface import AnalysisError
 from mcml_service.analysis.reach_blending.attribute_space import AttributeSpace
 from mcml_service.analysis.reach_blending.blend import Blend, invert, kernel, terms
+from mcml_service.analysis.reach_blending.durations import from_time_values
 from mcml_service.analysis.reach_blending.motion_spaces import MotionSpace
 from mcml_service.analysis.reach_blending.time_normalisation import Knots
 
@@ -118,21 +119,3 @@ class Model:
 def cardinal_of(blend: Blend) -> Array:
     """The matrix behind the weights of a blend's examples."""
     return invert(blend.centres, blend.s, blend.lam, blend.degree).cardinal
-
-
-def to_time_values(times: Array, log_times: bool) -> Array:
-    """Return the blended values for times (N, 3) in base frames: log t1, log(t2 - t1), log(end - t2), or themselves.
-
-    A clip whose reach begins at once counts as having half a frame of preparation.
-    """
-    if not log_times:
-        return times
-    durations = np.diff(times, axis=1, prepend=0.0)
-    values: Array = np.log(np.maximum(durations, 0.5))
-    return values
-
-
-def from_time_values(values: Array, log_times: bool) -> Array:
-    """Return times (q, 3) from blended values: with logarithms, always in order."""
-    times: Array = np.cumsum(np.exp(values), axis=1) if log_times else values
-    return times

@@ -25,7 +25,7 @@ from mcml_service.analysis.reach_blending.blend import (
     nearest_distances,
     terms,
 )
-from mcml_service.analysis.reach_blending.model import from_time_values
+from mcml_service.analysis.reach_blending.durations import from_time_values
 from mcml_service.analysis.reach_blending.options import Options
 
 

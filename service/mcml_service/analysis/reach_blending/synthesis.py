@@ -15,12 +15,22 @@ from mcml_service.analysis.reach_blending.clips import check_ranges
 from mcml_service.analysis.reach_blending.model import Model
 from mcml_service.analysis.reach_blending.quaternion_tracks import continuous, unit
 from mcml_service.analysis.reach_blending.standing import find_feet
-from mcml_service.analysis.reach_blending.targets import NEAR, Hand, Method, choose_method, measure_hand, move_hand
+from mcml_service.analysis.reach_blending.targets import (
+    NEAR,
+    Hand,
+    Method,
+    choose_method,
+    measure_hand,
+    move_hand,
+    turn_hand,
+)
 from mcml_service.analysis.reach_blending.time_normalisation import positions, read_rotations, read_values
 from mcml_service.analysis.reach_blending.trust import TOUCHING, most_influential, nearest_in_hull
 
 Support = Literal["inside", "gap", "outside"]
 SPARSE = 2.0
+STRAIGHT = 1.0
+"""Degrees from which an orientation is missed."""
 OFF_PLANE = 0.05
 """Deviations of the examples."""
 
@@ -30,8 +40,8 @@ class Wish:
     """A request for a motion.
 
     template: document whose body is used, None: the nearest clip's. clamp: take the nearest attributes inside, and the
-    nearest place of the hand. target: place of the hand at t2, metres in the world of the motion. method: None: arrive
-    if there is a target.
+    nearest place of the hand. target: place of the hand at t2, metres in the world of the motion. orientation: (4,) of
+    the hand then, x, y, z, w in the world. method: None: arrive if there is a target.
     """
 
     attributes: Mapping[str, float]
@@ -42,6 +52,7 @@ class Wish:
     force: bool = False
     name: str | None = None
     target: Sequence[float] | None = None
+    orientation: Sequence[float] | None = None
     method: Method | None = None
 
 
@@ -75,7 +86,7 @@ def synthesize(model: Model, wish: Wish) -> Made:
     Raises AnalysisError `missing-attribute`, `unknown-attribute`, `attribute-not-a-number`, `unit-suspect`,
     `outside-hull`, `time-order`, `unknown-template`, `no-target`, `unknown-unit`, `no-arm`, `out-of-reach`.
     """
-    method = choose_method(wish.method, wish.target)
+    method = choose_method(wish.method, wish.target, wish.orientation)
     asked = _read_request(model, wish)
     warnings = _not_modelled(model, asked)
     x = model.attribute_space.coordinates(asked[None])[0]
@@ -116,6 +127,8 @@ def synthesize(model: Model, wish: Wish) -> Made:
             feet = find_feet(clip, model.contacts, weights, model.up, at)
             clip, reports = feet.hold(clip)
         clip, hand = move_hand(model, clip, times[:2], wish.target, wish.clamp, feet)
+        if wish.orientation is not None:
+            clip, hand = turn_hand(model, clip, times[:2], wish.orientation, hand)
         if feet is not None:
             slides = feet.measure(clip)
             reports = tuple(replace(report, after=slide) for report, slide in zip(reports, slides, strict=True))
@@ -143,9 +156,18 @@ def synthesize(model: Model, wish: Wish) -> Made:
 
 
 def _about_hand(hand: Hand | None) -> list[tuple[str, str]]:
-    if hand is None or hand.error is None or hand.error <= NEAR:
-        return []
-    return [("out-of-reach", f"The hand stays {100 * hand.error:.1f} cm from the target, at the nearest place.")]
+    found = []
+    if hand is not None and hand.error is not None and hand.error > NEAR:
+        found.append(
+            ("out-of-reach", f"The hand stays {100 * hand.error:.1f} cm from the target, at the nearest place.")
+        )
+    if hand is not None and hand.turn_error is not None and hand.turn_error > STRAIGHT:
+        found.append(("wrist-cannot-turn", f"The hand stays {hand.turn_error:.0f} degrees from its orientation."))
+    if hand is not None and hand.beyond > STRAIGHT:
+        found.append(
+            ("wrist-beyond-examples", f"The wrist turns {hand.beyond:.0f} degrees farther than in the examples.")
+        )
+    return found
 
 
 def _read_request(model: Model, wish: Wish) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -97,9 +98,21 @@ def retarget(
     mapping: Annotated[str | None, typer.Option(help="A saved mapping of joints, by its name")] = None,
     joints: JointsOption = None,
     clean_feet: Annotated[bool, typer.Option("--clean-feet", help="Lock feet on contact")] = False,
+    travel_scale: Annotated[
+        float | None, typer.Option(help="Distance travelled, relative to the source's; default by the legs")
+    ] = None,
+    file_limits: Annotated[
+        bool, typer.Option("--file-limits", help="Keep joints inside the limits of the skeleton's file")
+    ] = False,
+    keep_hands: Annotated[
+        bool, typer.Option("--keep-hands", help="Keep hands where they touch each other, head or thighs")
+    ] = False,
     all_of: Annotated[str | None, typer.Option("--all-of", help="Instead of ID: all of this project")] = None,
     motion_name: Annotated[str | None, typer.Option(help="Instead of ID: documents with a frame of this name")] = None,
     xpath: Annotated[str | None, typer.Option(help="Instead of ID: documents in which this finds something")] = None,
+    table: Annotated[
+        Path | None, typer.Option(help="Of a selection: write one table (CSV) to this file, outliers first")
+    ] = None,
     name: Annotated[str | None, typer.Option(help="Name of the new document; default the source's")] = None,
     project: Annotated[str | None, typer.Option(help="Project of the new documents; default the source's")] = None,
     preview: Annotated[bool, typer.Option("--preview", help="Say how well it fits; store nothing")] = False,
@@ -118,14 +131,24 @@ def retarget(
         "skeleton": id_of(client, ids[-1]),
         "mapping": mapping if mapping is not None else joint_pairs(joints) or None,
         "clean_feet": clean_feet,
+        "travel_scale": travel_scale,
+        "limits": "file" if file_limits else None,
+        "keep_hands": keep_hands,
         "project": project,
         "preview": preview,
     }
     asked = {key: value for key, value in asked.items() if value is not None}
     if selection:
         many = RetargetMany.model_validate(asked | {"selection": selection})
+        if table is not None:
+            answer = client.call("retarget_many", request=many, format="csv")
+            table.write_bytes(b"".join(map(bytes, answer.blocks)))
+            console.print(f"wrote  {table}")
+            return
         _retarget_many(client, many, as_json)
         return
+    if table is not None:
+        raise typer.BadParameter("a table is of a selection: use --all-of, --motion-name or --xpath")
     request = RetargetRequest.model_validate(asked | ({} if name is None else {"name": name}))
     made = client.call("retarget", id=id_of(client, ids[0]), request=request)
     if as_json:
@@ -137,6 +160,8 @@ def retarget(
     for bone in made.bones:
         if bone.leads and bone.mean > 0.5:
             console.print(f"  {bone.bone} to {bone.end}: {bone.mean:.1f} degrees off, {bone.largest:.1f} at most")
+    for part in made.parts:
+        console.print(f"  {part.part}: {part.mean:.1f} degrees off, {part.largest:.1f} at most in frame {part.frame}")
     for foot in made.feet:
         console.print(f"  {foot.foot} slides {foot.before:.3g} -> {foot.after:.3g} in {foot.stances} stances")
     for notice in made.notices:
@@ -153,7 +178,7 @@ def _retarget_many(client: Client, request: RetargetMany, as_json: bool) -> None
         if as_json:
             print(line.decode(), flush=True)
         elif item.made is not None:
-            worst = max((bone.mean for bone in item.made.bones if bone.leads), default=0.0)
+            worst = max((part.mean for part in item.made.parts), default=0.0)
             done = "would make" if request.preview else f"made {item.made.document}"
             console.print(f"{done}  {item.name}  {item.made.frames:,} frames, {worst:.1f} degrees off")
         elif item.problem is not None:

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Annotated, Literal
 
 import orjson
+from pydantic import Field
 
 from mcml.answers import Content
 from mcml_schemas.compose import Composed, ComposeRequest, SplitParts, SplitRequest
 from mcml_schemas.examples import example_of
-from mcml_schemas.retarget import Retargeted, RetargetedOne, RetargetMany, RetargetRequest
+from mcml_schemas.retarget import Retargeted, RetargetedOne, RetargetMany, RetargetRequest, RetargetTable
 from mcml_service.actions.composing import compose_frames, retarget_motion
 from mcml_service.actions.composing import split_document as splitting
-from mcml_service.operations.arguments import DocumentId, Shown
+from mcml_service.actions.composing.describe_retargeting import retarget_table, table_csv
+from mcml_service.operations.arguments import DocumentId, Raw, Shown
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import gives
 
@@ -43,19 +46,44 @@ def retarget(call: Call, id: DocumentId, request: RetargetRequest, shown: Shown)
     return made
 
 
+_BULK: dict[str, list[str]] = {"bones": [], "matches": [], "feet": [], "hands": [], "clamped": []}
+"""Parts of answers that tables do not show: many documents are kept without them."""
+
+
 @gives(
-    "A line of JSON for each document, as soon as it is done",
-    {"application/x-ndjson": orjson.dumps(example_of(RetargetedOne)).decode() + "\n"},
+    "A line of JSON for each document, as soon as it is done; or one table",
+    {"application/x-ndjson": orjson.dumps(example_of(RetargetedOne)).decode() + "\n", "text/csv": None},
 )
-def retarget_many(call: Call, request: RetargetMany) -> Content:
-    """The answer has one line for each document, sent as soon as it is done: the new document, or the problem.
+def retarget_many(
+    call: Call,
+    request: RetargetMany,
+    format: Annotated[
+        Literal["ndjson", "json", "csv"],
+        Field(description="Lines of JSON; or, after the last document, one table as JSON or CSV, outliers first"),
+    ] = "ndjson",
+    summary: Annotated[bool, Field(description="Lines of JSON end with one more, `table`: the table as JSON")] = False,
+    raw: Raw = False,
+) -> RetargetTable | Content:
+    """The answer has one line for each document, sent as soon as it is done: the new document, or the problem. A table
+    has a row for each document, with mean errors of limbs, hips, shoulders, trunk and head, the slide of feet and
+    warnings: problems first, then outliers.
 
     If the client disconnects, the work stops; finished documents stay. With `preview` nothing is stored.
     """
     made = retarget_motion.retarget_many(call.database, call.queries, call.settings, request, call.author)
+    if format != "ndjson":
+        table = retarget_table(made)
+        if format == "json":
+            return table
+        return Content(iter([table_csv(table, raw=raw).encode()]), "text/csv; charset=utf-8", "retarget.csv")
 
     def lines() -> Iterator[bytes]:
+        items = []
         for item in made:
             yield item.model_dump_json(exclude_none=True).encode() + b"\n"
+            if summary:
+                items.append(item.model_copy(update={"made": item.made and item.made.model_copy(update=_BULK)}))
+        if summary:
+            yield b'{"table":' + retarget_table(items).model_dump_json(exclude_none=True).encode() + b"}\n"
 
     return Content(lines(), "application/x-ndjson", live=True)

@@ -2289,6 +2289,12 @@ export interface components {
             first: number;
             items: components["schemas"]["Child"][];
         };
+        ClampedJoint: {
+            joint: string;
+            frames: number;
+            largest: number;
+            spans: components["schemas"]["FrameSpan"][];
+        };
         ClipBeats: {
             document: string;
             beats?: number[] | null;
@@ -3268,6 +3274,14 @@ export interface components {
              */
             cloud_at: "entry" | "first beat";
         };
+        HandContact: {
+            hand: string;
+            other: string;
+            first: number;
+            last: number;
+            before: number;
+            after: number;
+        };
         Health: {
             status: string;
             database?: string | null;
@@ -3373,6 +3387,13 @@ export interface components {
         JobPage: {
             items: components["schemas"]["Job"][];
             next_cursor?: string | null;
+        };
+        JointLimit: {
+            joint: string;
+            /** @enum {string} */
+            axis: "X" | "Y" | "Z";
+            low: number;
+            high: number;
         };
         JointMatch: {
             source: string;
@@ -3771,6 +3792,14 @@ export interface components {
             name: string;
             password: string;
         };
+        PartError: {
+            /** @enum {string} */
+            part: "left arm" | "right arm" | "left leg" | "right leg" | "hips" | "shoulders" | "trunk" | "head";
+            joint: string;
+            mean: number;
+            largest: number;
+            frame: number;
+        };
         PartKind: {
             kind: string;
             description: string;
@@ -4081,6 +4110,8 @@ export interface components {
             target?: number[] | null;
             hand_place?: number[] | null;
             hand_error?: number | null;
+            hand_orientation?: number[] | null;
+            orientation_error?: number | null;
             moved?: components["schemas"]["ReachMoves"] | null;
             /** @default [] */
             feet: components["schemas"]["ReachFoot"][];
@@ -4217,6 +4248,12 @@ export interface components {
                 number,
                 number
             ] | null;
+            orientation?: [
+                number,
+                number,
+                number,
+                number
+            ] | null;
             method?: ("blend" | "arrive") | null;
             /** @default false */
             force: boolean;
@@ -4325,6 +4362,10 @@ export interface components {
             /** @default false */
             match_rest: boolean;
             scale?: number | null;
+            travel_scale?: number | null;
+            limits?: "file" | components["schemas"]["JointLimit"][] | null;
+            /** @default false */
+            keep_hands: boolean;
             project?: string | null;
             /** @default false */
             preview: boolean;
@@ -4338,21 +4379,51 @@ export interface components {
             /** @default false */
             match_rest: boolean;
             scale?: number | null;
+            travel_scale?: number | null;
+            limits?: "file" | components["schemas"]["JointLimit"][] | null;
+            /** @default false */
+            keep_hands: boolean;
             project?: string | null;
             /** @default false */
             preview: boolean;
             name?: string | null;
         };
+        RetargetRow: {
+            source: string;
+            name: string;
+            document?: string | null;
+            limbs?: number | null;
+            hips?: number | null;
+            shoulders?: number | null;
+            trunk?: number | null;
+            head?: number | null;
+            foot_slide?: number | null;
+            deviation?: number | null;
+            warnings: string[];
+            problem?: string | null;
+        };
+        RetargetTable: {
+            rows: components["schemas"]["RetargetRow"][];
+            made: number;
+            failed: number;
+        };
         Retargeted: {
             document?: string | null;
             frames: number;
             scale: number;
+            /** @default 1 */
+            travel_scale: number;
             matches: components["schemas"]["JointMatch"][];
             unmatched_source: string[];
             unmatched_target: string[];
             bones: components["schemas"]["BoneError"][];
             feet: components["schemas"]["FootSliding"][];
+            parts?: components["schemas"]["PartError"][];
+            foot_slide?: number | null;
+            clamped?: components["schemas"]["ClampedJoint"][];
+            hands?: components["schemas"]["HandContact"][];
             worst_frame?: number | null;
+            warnings?: string[];
             notices: string[];
             motion?: components["schemas"]["PreviewMotion"] | null;
         };
@@ -8424,7 +8495,11 @@ export interface operations {
     };
     retarget_many: {
         parameters: {
-            query?: never;
+            query?: {
+                format?: "ndjson" | "json" | "csv";
+                summary?: boolean;
+                raw?: boolean;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -8440,7 +8515,9 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
+                    "application/json": components["schemas"]["RetargetTable"];
                     "application/x-ndjson": unknown;
+                    "text/csv": unknown;
                 };
             };
             503: {

@@ -130,9 +130,13 @@ export const en = {
   "help.layersHelp": "A layer puts some joints of one clip onto another, such as waving arms onto a walk. Drop it below a segment.",
 
   // Retargeting of one and of many
-  "label.options": "Options", "label.scaleOf": "root motion × {value}", "help.cleanFeetHelp": "Prevents foot skating by adjusting the legs.",
+  "label.options": "Options", "label.scaleOf": "travel × {value}", "help.cleanFeetHelp": "Prevents foot skating by adjusting the legs.",
   "label.matchRest": "Match rest poses", "help.matchRestHelp": "Joints rotate from the target's rest pose as in the source. Otherwise bones keep their directions in space.",
-  "label.ownScale": "Root motion scale", "help.ownScaleHelp": "Distance travelled relative to the source. Empty: by leg length.",
+  "label.ownScale": "Travel scale", "help.ownScaleHelp": "Distance travelled on the ground relative to the source: 1 keeps distances. Off: by leg length.",
+  "label.keepHands": "Keep hand contacts", "help.keepHandsHelp": "Hands that touch each other, the head or a thigh stay there; the arms bend.",
+  "label.jointLimits": "Joint limits", "help.jointLimitsHelp": "Keeps joints inside the limits that the target's file states.",
+  "label.bodyPart": "Body part", "label.leftArm": "Left arm", "label.rightArm": "Right arm", "label.leftLeg": "Left leg", "label.rightLeg": "Right leg", "label.hipLine": "Hips", "label.shoulderLine": "Shoulders", "label.trunk": "Trunk", "label.headPart": "Head",
+  "label.handKept": "{hand} at {other}, distance from its place: {before} → {after}.", "label.limbs": "Limbs", "label.footSlide": "Foot skate", "label.remarks": "Remarks", "label.outlier": "Outlier", "button.saveTable": "Save table (CSV)",
   "button.goToFrame": "Go to frame {n}", "label.worstFrame": "Largest error: frame {n}", "label.bone": "Joint", "label.blendShapes": "Blend shapes", "label.mean": "mean", "label.largest": "maximum", "label.atFrame": "at frame",
   "label.footSlides": "{foot} foot skate: {before} → {after}. Contacts:", "label.contactOf": "{foot} contact in frames {first} to {last}", "label.andMore": "and {n} more",
   "button.applyToMany": "Apply to many clips", "button.applyMany": "Retarget clips to {name}", "label.whichClips": "Clips to retarget", "label.noCollections": "No collections yet",

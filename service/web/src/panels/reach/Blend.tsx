@@ -19,6 +19,7 @@ import { Pad } from "./Pad";
 import { PhaseChart, type Curve } from "./PhaseChart";
 import type { Speeds } from "./speeds";
 import { Target } from "./Target";
+import { TargetHandle } from "./targetHandle";
 import { Trust } from "./Trust";
 import { b } from "./words";
 
@@ -36,6 +37,9 @@ export function Blend({ model, speeds }: { model: Model; speeds: Speeds | undefi
   }, [blending]);
   useEffect(() => blending.read(), [route.value]);
   const stage = useRef<Stage | null>(null);
+  const handle = useMemo(() => new TargetHandle(blending), [blending]);
+  const hide = useRef<() => void>(() => {});
+  useEffect(() => () => hide.current(), []);
   const { player } = blending;
   const said = param("near");
   const view = VIEWS.find((one) => one === said) ?? "ghost";
@@ -67,6 +71,7 @@ export function Blend({ model, speeds }: { model: Model; speeds: Speeds | undefi
       skeleton,
       inPlace: true,
       shift: view === "side" && beside ? -APART / 2 : 0,
+      onBase: (base) => handle.stand(base),
       positions: () => {
         const { preview } = blending.shown.value!;
         player.frame.value;
@@ -103,6 +108,7 @@ export function Blend({ model, speeds }: { model: Model; speeds: Speeds | undefi
         {actors.length ? (
           <MotionView
             actors={actors}
+            puller={handle}
             label={b("label.madeOf", {
               values: model.attributes
                 .map((one) => `${one.name} ${number(entryOf(blending.values.peek(), one.name), 4)}`)
@@ -111,6 +117,9 @@ export function Blend({ model, speeds }: { model: Model; speeds: Speeds | undefi
             onStage={(made) => {
               stage.current = made;
               made.onDrawn = () => blending.drawn();
+              hide.current();
+              hide.current = handle.show(made);
+              Object.assign(window, { mcmlReachStage: made });
             }}
           />
         ) : (

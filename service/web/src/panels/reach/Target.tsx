@@ -11,11 +11,16 @@ const DIGITS = 3;
 export function Target({ blending }: { blending: Blending }) {
   const answer = blending.shown.value?.answer;
   const target = blending.target.value;
-  const shown = target ?? (answer?.hand_place?.map((one) => Number(one.toFixed(DIGITS))) as Place | undefined);
+  const shown = blending.place.value;
+  const missed = blending.missed.value;
   // A model of an earlier release, or without a unit of length, takes no target.
   if (!shown) return null;
   return (
-    <details class="pad-fold" open={target !== null}>
+    <details
+      class="pad-fold"
+      open={blending.aiming.value}
+      onToggle={(event) => (blending.aiming.value = event.currentTarget.open)}
+    >
       <summary>{b("label.target")}</summary>
       <p class="dim">{b("help.target")}</p>
       <div class="row wrap">
@@ -37,7 +42,19 @@ export function Target({ blending }: { blending: Blending }) {
           </button>
         )}
       </div>
-      {target && answer?.hand_error != null && (
+      {target && missed && (
+        <p class="row wrap" role="status">
+          <span class="guess">{b("label.outOfReach", { size: number(missed.distance * 100, 1) })}</span>
+          <button
+            type="button"
+            class="button dense"
+            onClick={() => blending.aim(missed.nearest.map((one) => Number(one.toFixed(DIGITS))) as Place)}
+          >
+            {b("button.nearestPlace")}
+          </button>
+        </p>
+      )}
+      {target && !missed && answer?.hand_error != null && (
         <p role="status">{b("label.handError", { size: number(answer.hand_error * 100, 1) })}</p>
       )}
     </details>

@@ -1,6 +1,6 @@
 /** The motion that follows the sliders: one question under way, the latest values next, late answers dropped. */
-import { signal } from "@preact/signals";
-import type { Schemas } from "../../api/client";
+import { computed, signal } from "@preact/signals";
+import { ApiError, type Schemas } from "../../api/client";
 import { makeMotion } from "../../api/results";
 import { samePhase, type Moments } from "../../motion/timeline/phases";
 import { wholeOf, type Preview } from "../../motion/loading/preview";
@@ -28,6 +28,15 @@ export class Blending {
   /** Where the hand is to be at the end of the reach; null: where the blend has it. */
   readonly target;
   readonly shown = signal<Shown | null>(null);
+  /** Whether the target is being set: arrows in the viewer drag it. */
+  readonly aiming = signal(false);
+  /** The target, else where the hand of the made motion is; null: the model knows no place of the hand. */
+  readonly place = computed(() => {
+    const place = this.shown.value?.answer.hand_place;
+    return this.target.value ?? (place ? (place.map((one) => Number(one.toFixed(3))) as Place) : null);
+  });
+  /** Where the hand comes nearest to a target that is out of reach, and how many metres are missing. */
+  readonly missed = computed(() => missedBy(this.error.value));
   readonly error = signal<unknown>(null);
   /** Milliseconds from the question to its answer. */
   readonly took = signal(0);
@@ -41,6 +50,7 @@ export class Blending {
   constructor(readonly model: Model) {
     this.values = signal<Values>(valuesNow(model));
     this.target = signal<Place | null>(targetNow());
+    this.aiming.value = this.target.value !== null;
     this.want();
   }
 
@@ -118,6 +128,12 @@ export class Blending {
     performance.measure("new-motion", { start: this.undrawn });
     this.undrawn = null;
   }
+}
+
+function missedBy(error: unknown): { distance: number; nearest: Place } | null {
+  if (!(error instanceof ApiError) || error.problem.code !== "out-of-reach") return null;
+  const { distance, nearest } = error.problem.details ?? {};
+  return typeof distance === "number" && Array.isArray(nearest) ? { distance, nearest: nearest as Place } : null;
 }
 
 function targetNow(): Place | null {

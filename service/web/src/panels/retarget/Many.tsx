@@ -8,6 +8,7 @@ import { Icon } from "../../ui/icons";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { number, w } from "../../words";
+import { SaveTable, Table } from "./Table";
 
 /** schemas/mcml_schemas/retarget.py: RetargetedOne. Streams have no types in the description. */
 interface Row {
@@ -33,6 +34,7 @@ export function Many({
   const [kind, setKind] = useState<Kind>(picked.length ? "picked" : "collection");
   const [texts, setTexts] = useState({ collection: "", xpath: "", project: "" });
   const [rows, setRows] = useState<Row[]>([]);
+  const [table, setTable] = useState<Schemas["RetargetTable"] | null>(null);
   const [state, setState] = useState<"choosing" | "running" | "done" | "stopped">("choosing");
   const [error, setError] = useState<unknown>(null);
   const stop = useRef<AbortController | null>(null);
@@ -62,16 +64,19 @@ export function Many({
   const run = async () => {
     stop.current = new AbortController();
     setRows([]);
+    setTable(null);
     setError(null);
     setState("running");
     try {
-      const answer = await fetched(address("/retarget"), {
+      const answer = await fetched(address("/retarget", {}, { summary: true }), {
         method: "POST",
         headers: { "content-type": "application/json" },
         body: JSON.stringify({ ...request, selection }),
         signal: stop.current.signal,
       });
-      for await (const row of jsonLines<Row>(answer)) setRows((before) => [...before, row]);
+      for await (const row of jsonLines<Row | { table: Schemas["RetargetTable"] }>(answer))
+        if ("table" in row) setTable(row.table);
+        else setRows((before) => [...before, row]);
       setState("done");
     } catch (problem) {
       if ((problem as Error).name === "AbortError") {
@@ -184,13 +189,15 @@ export function Many({
                     {w("button.undo")}
                   </button>
                 )}
+                <SaveTable table={table} target={body.name} />
                 <button type="button" class="button" onClick={() => setState("choosing")}>
                   {w("button.chooseAgain")}
                 </button>
               </>
             )}
           </div>
-          <ul class="many-rows">
+          <Table table={table} />
+          <ul class="many-rows" hidden={table !== null}>
             {rows
               .slice()
               .reverse()

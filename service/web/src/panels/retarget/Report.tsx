@@ -1,9 +1,20 @@
 /** How well it fits: the bones that point elsewhere, and how feet slide. Frames in it are gone to by a press. */
 import type { Schemas } from "../../api/client";
-import { number, w } from "../../words";
+import { number, w, type Word } from "../../words";
 
 const WORST = 4;
 const CONTACTS = 12; // shown at once
+const FAR = 10; // degrees, from which the server warns
+const PARTS: Record<Schemas["PartError"]["part"], Word> = {
+  "left arm": "label.leftArm",
+  "right arm": "label.rightArm",
+  "left leg": "label.leftLeg",
+  "right leg": "label.rightLeg",
+  hips: "label.hipLine",
+  shoulders: "label.shoulderLine",
+  trunk: "label.trunk",
+  head: "label.headPart",
+};
 
 export function Report({
   fit,
@@ -52,6 +63,26 @@ export function Report({
           ))}
         </tbody>
       </table>
+      <table>
+        <thead>
+          <tr>
+            <th>{w("label.bodyPart")}</th>
+            <th class="n">{w("label.mean")}</th>
+            <th class="n">{w("label.largest")}</th>
+            <th class="n">{w("label.atFrame")}</th>
+          </tr>
+        </thead>
+        <tbody>
+          {fit.parts?.map((one) => (
+            <tr key={one.part}>
+              <td>{w(PARTS[one.part])}</td>
+              <td class={`n ${one.mean > FAR ? "guess" : ""}`}>{number(one.mean, 1)}°</td>
+              <td class="n">{number(one.largest, 1)}°</td>
+              <td class="n">{frame(one.frame)}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
       {fit.feet.map(({ contacts = [], ...one }) => (
         <p key={one.foot}>
           {w("label.footSlides", { foot: one.foot, before: number(one.before, 1), after: number(one.after, 1) })}{" "}
@@ -69,6 +100,24 @@ export function Report({
           {contacts.length > CONTACTS && (
             <span class="dim"> {w("label.andMore", { n: contacts.length - CONTACTS })}</span>
           )}
+        </p>
+      ))}
+      {fit.hands?.map((one) => (
+        <p key={`${one.hand} ${one.other} ${one.first}`}>
+          {w("label.handKept", {
+            hand: one.hand,
+            other: one.other,
+            before: number(one.before, 1),
+            after: number(one.after, 1),
+          })}{" "}
+          <button
+            type="button"
+            class="chip contact"
+            aria-label={w("label.contactOf", { foot: one.hand, first: one.first, last: one.last })}
+            onClick={() => onFrame(one.first, one.last)}
+          >
+            {number(one.first)}–{number(one.last)}
+          </button>
         </p>
       ))}
       {fit.notices.map((one) => (

@@ -19,7 +19,7 @@ import { useAsync } from "../../ui/useAsync";
 import { w } from "../../words";
 import { Many } from "./Many";
 import { MappingTable, type Pair } from "./MappingTable";
-import { Options, USUAL, type Choices } from "./Options";
+import { Options, paramsOf, readChoices, type Choices } from "./Options";
 import { Report } from "./Report";
 import "../../styles/retarget.css";
 
@@ -173,11 +173,7 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
   };
   const choose = (next: Choices) => {
     setChoices(next);
-    setParams({
-      feet: next.clean_feet ? "1" : null,
-      rest: next.match_rest ? "1" : null,
-      scale: next.scale === null ? null : String(next.scale),
-    });
+    setParams(paramsOf(next));
   };
   /** Stand at a frame, or play a stretch again and again. */
   const goTo = (first: number, last?: number) => {
@@ -260,7 +256,7 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
           onSelect={(name) => (selected.value = name)}
           onChange={change}
         />
-        <Options choices={choices} fitted={seen?.scale} onChange={choose} />
+        <Options choices={choices} fitted={seen?.travel_scale} onChange={choose} />
         {fit.value && <Report fit={fit.value} onFrame={goTo} />}
         <div class="row wrap map-tools">
           <button type="button" class="button" disabled={!fit.value} onClick={() => setMany(true)}>
@@ -286,10 +282,3 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
     </div>
   );
 }
-
-const readChoices = (): Choices => ({
-  ...USUAL,
-  clean_feet: param("feet") === "1",
-  match_rest: param("rest") === "1",
-  scale: Number(param("scale")) > 0 ? Number(param("scale")) : null,
-});

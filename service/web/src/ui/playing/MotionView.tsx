@@ -16,6 +16,15 @@ export interface Actor {
   dim?: boolean;
   /** Stay on the spot: what two bodies do is compared, not where they go. */
   inPlace?: boolean;
+  /** Told the place, in its own unit, that is drawn at the origin, of an actor that stays on the spot. */
+  onBase?: (base: readonly number[]) => void;
+}
+
+/** Takes hold of arrows on the stage, at places of its canvas. */
+export interface Puller {
+  /** false: there is no arrow. */ grab: (x: number, y: number) => boolean;
+  pull: (x: number, y: number) => void;
+  drop: () => void;
 }
 
 export function MotionView({
@@ -23,6 +32,7 @@ export function MotionView({
   selected,
   onPick,
   onStage,
+  puller,
   label,
   names = false,
   away = 1,
@@ -33,11 +43,17 @@ export function MotionView({
   onPick?: (actor: number, point: number) => void;
   /** The stage, whenever it is made: for pictures of it. */
   onStage?: (stage: Stage) => void;
+  puller?: Puller;
   label: string;
   names?: boolean;
   /** Times the usual distance of the camera, such as for bodies that travel. */
   away?: number;
 }) {
+  const pulling = useRef(false);
+  const place = (event: PointerEvent): [number, number] => {
+    const box = host.current!.getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
+  };
   const host = useRef<HTMLDivElement>(null);
   const stage = useRef<Stage | null>(null);
   useEffect(() => {
@@ -87,9 +103,24 @@ export function MotionView({
       ref={host}
       role="img"
       aria-label={label}
+      onPointerDownCapture={(event) => {
+        pulling.current = !event.button && Boolean(puller?.grab(...place(event)));
+        if (pulling.current) event.currentTarget.setPointerCapture(event.pointerId);
+      }}
+      onPointerMove={(event) => {
+        if (pulling.current) puller?.pull(...place(event));
+      }}
+      onPointerCancel={() => {
+        if (pulling.current) puller?.drop();
+        pulling.current = false;
+      }}
       onPointerUp={(event) => {
-        const box = host.current!.getBoundingClientRect();
-        const found = stage.current?.pick(event.clientX - box.left, event.clientY - box.top);
+        if (pulling.current) {
+          pulling.current = false;
+          puller?.drop();
+          return;
+        }
+        const found = stage.current?.pick(...place(event));
         if (found) onPick?.(found.actor, found.point);
       }}
     >
@@ -110,7 +141,7 @@ function pelvisOf({ parents, points }: Skeleton): number {
 
 /** The pose over the origin, its feet on the ground as they stood when it was seen first. */
 function standing(
-  { skeleton }: Actor,
+  { skeleton, onBase }: Actor,
   positions: Float32Array | null,
   floors: number[],
   index: number,
@@ -125,6 +156,7 @@ function standing(
   const pelvis = pelvisOf(skeleton) * 3;
   const base = Array.from(positions.subarray(pelvis, pelvis + 3));
   base[up] = numberAt(floors, index);
+  onBase?.(base);
   return positions.map((value, at) => value - numberAt(base, at % 3));
 }
 
