@@ -42,7 +42,8 @@ EXPORTS = (
 EDITS = (
     {"do": "mirror", "first": 1, "last": 1}, {"do": "smooth", "first": 1, "last": 1, "seconds": 0.1},
     {"do": "resample", "rate": 77}, {"do": "crop", "first": 1, "last": 1}, {"do": "reverse", "first": 1, "last": 1},
-    {"do": "fill", "first": 1, "last": 1}, {"do": "low-pass", "first": 1, "last": 1, "hertz": 6}, {"do": "unroll"}, {"do": "despike", "first": 1, "last": 1},
+    {"do": "fill", "first": 1, "last": 1}, {"do": "low-pass", "first": 1, "last": 1, "hertz": 6}, {"do": "unroll"},
+    {"do": "despike", "first": 1, "last": 1},
     {"do": "lock-feet", "first": 1, "last": 1}, {"do": "loop", "first": 1, "last": 1},
 )  # fmt: skip
 

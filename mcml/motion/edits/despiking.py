@@ -104,9 +104,10 @@ def find_spikes(residuals: Array, deviations: float, window: int, small: float =
 
 
 def from_neighbours(values: Array, window: int) -> Array:
-    """(n, d) the median of the means of the samples at the same distance before and after each, half a window at most.
+    """(n, d) the median of the means of samples at the same distance before and after each, within half a window.
 
-    values: (n, d), NaN where missing. A straight course is its own; NaN where fewer than three such pairs are known, as at the ends.
+    values: (n, d), NaN where missing. A straight course is its own; NaN where fewer than three such pairs are known, as
+    at the ends.
     """
     around = _windows(values, window)
     half = window // 2
@@ -140,7 +141,7 @@ def _turns_from_neighbours(rotations: Array, known: Flags, window: int) -> Array
 
 
 def _size(skeleton: Skeleton, translations: Array, rotations: Array, known: Flags) -> float:
-    """Four times the median distance of joints from their middle: about the height of a person, also where single points are far off."""
+    """Four times the median distance of joints from their middle: about a person's height, also with points far off."""
     places = np.where(known[..., None], walked(skeleton, translations, rotations)[0], np.nan)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
