@@ -285,3 +285,33 @@ def test_forces_are_arrows_in_step_with_the_frames(visit: Visit, studio: Served)
     ready(page)
     expect(page.get_by_role("button", name="axes", exact=True)).to_be_visible()
     expect(forces).to_have_count(0)
+
+
+def test_spikes_are_previewed_removed_and_taken_back(visit: Visit, studio: Served) -> None:
+    lines = walk(60).decode().splitlines(keepends=True)
+    first = next(place for place, one in enumerate(lines) if one.startswith("Frame Time")) + 1
+    numbers = lines[first + 30].split()
+    lines[first + 30] = " ".join([str(float(numbers[0]) + 500), *numbers[1:]]) + "\n"
+    uuid = studio.upload("spiky.bvh", "".join(lines).encode())
+    page = visit.open(f"/clips/{uuid}?f=5")
+    ready(page)
+    page.get_by_role("toolbar", name="Play").get_by_role("button", name="Frames").click()
+    page.get_by_role("menuitem", name="Repair frames").click()
+    dialog = page.get_by_role("dialog", name="Repair frames")
+    expect(dialog.get_by_text("no gaps between known samples")).to_be_visible()
+    dialog.get_by_label("Edit").select_option("Remove spikes")
+    notes = dialog.get_by_role("status", name="Preview")
+    expect(notes).to_contain_text("Root 1")
+    expect(dialog.get_by_text("Frames 1–60")).to_be_visible()
+    revision = studio.get(f"/documents/{uuid}")["revision"]
+    dialog.get_by_role("button", name="Apply").click()
+    expect(page.get_by_text("Now 60 frames; spikes replaced")).to_be_visible()
+    spiky = studio.get(f"/documents/{uuid}/frames", revision=revision, first=31, last=31)["items"][0]["values"]
+    mended = studio.get(f"/documents/{uuid}/frames", first=31, last=31)["items"][0]["values"]
+    root = next(iter(spiky))
+    assert spiky[root]["Tx"] - mended[root]["Tx"] == pytest.approx(500, abs=5)
+    page.get_by_role("button", name="Undo").last.click()
+    page.wait_for_function(
+        "id => fetch(`/api/v1/documents/${id}`).then(a => a.json()).then(d => d.revision === 3)", arg=uuid
+    )
+    assert studio.get(f"/documents/{uuid}/frames", first=31, last=31)["items"][0]["values"] == spiky

@@ -50,8 +50,8 @@ export function MatchingPage() {
             ) : (
               !loaded.error && (
                 <>
-                  <h2>{m("help.intro")}</h2>
-                  <p>{m("help.needs")}</p>
+                  <p>{m("help.intro")}</p>
+                  <p class="dim">{m("help.needs")}</p>
                   {projects.value?.items.includes(DEMO) && (
                     <button type="button" class="button" onClick={() => setParams({ project: DEMO })}>
                       {m("button.demo")}

@@ -1,43 +1,16 @@
 /** Frames taken out, kept alone, copied, held: at once, as a revision of its own, which the toast takes back. */
 import { useState } from "preact/hooks";
-import { ask, type Schemas } from "../../../api/client";
 import { holding } from "../../../motion/timeline/holding";
 import type { Clip } from "../../../state/clip/clip";
-import { note, refuse } from "../../../state/session/notes";
 import { Dialog } from "../../../ui/Dialog";
 import { Icon } from "../../../ui/icons";
 import { Menu } from "../../../ui/Menu";
 import { number, w } from "../../../words";
 import { clipActions } from "../actions";
-import { saveClip, undoSaved } from "../keys";
+import { CleanUp } from "./CleanUp";
+import { editFrames } from "./editFrames";
 
-type Edits = Schemas["FrameEdits"]["edits"];
 const MOST_HELD = 100_000;
-
-async function edit(clip: Clip, reload: () => void, edits: Edits): Promise<void> {
-  // Frames of a draft are positions, which would mean others afterwards.
-  if (clip.changed.peek()) {
-    note(w("help.saveFirst"), { action: { text: w("button.save"), run: () => void saveClip(clip, reload) } });
-    return;
-  }
-  try {
-    const made = await ask("post", "/documents/{id}/frames", {
-      path: { id: clip.id },
-      match: clip.detail.revision,
-      body: { edits, renumber: true, message: "" },
-    });
-    const { player } = clip;
-    player.pause();
-    player.loop.value = null;
-    player.seek(Math.min(player.frame.peek(), made.frames - 1));
-    note(w("label.framesNow", { n: made.frames }), {
-      action: { text: w("button.undo"), run: () => void undoSaved(clip, made.revision, reload) },
-    });
-    reload();
-  } catch (error) {
-    refuse(error);
-  }
-}
 
 /** range: the frames that are meant, from 1; null: none are chosen, and the menu says how. */
 export function FramesMenu({
@@ -50,6 +23,7 @@ export function FramesMenu({
   reload: () => void;
 }) {
   const [holds, setHolds] = useState<number | null>(null);
+  const [cleans, setCleans] = useState(false);
   if (clip.pinned !== null || !clip.frames) return null;
   const of = range && { first: range[0], last: range[1] };
   const items = () => {
@@ -62,24 +36,25 @@ export function FramesMenu({
               text: w("button.deleteFrames", of),
               icon: "trash" as const,
               disabled: all,
-              run: () => void edit(clip, reload, [{ do: "delete", ...of }]),
+              run: () => void editFrames(clip, reload, [{ do: "delete", ...of }]),
             },
             {
               text: w("button.cropTo", of),
               disabled: all,
-              run: () => void edit(clip, reload, [{ do: "keep", ...of }]),
+              run: () => void editFrames(clip, reload, [{ do: "keep", ...of }]),
             },
             {
               text: w("button.duplicateFrames", of),
-              run: () => void edit(clip, reload, [{ do: "insert", ...of, at: of.last + 1 }]),
+              run: () => void editFrames(clip, reload, [{ do: "insert", ...of, at: of.last + 1 }]),
             },
             {
               text: w("button.copyFramesTo", { ...of, n: here }),
-              run: () => void edit(clip, reload, [{ do: "insert", ...of, at: here }]),
+              run: () => void editFrames(clip, reload, [{ do: "insert", ...of, at: here }]),
             },
           ]
         : [{ text: w("button.chooseRange"), disabled: true }]),
       { text: w("button.holdFrame", { n: here }), run: () => setHolds(here) },
+      { text: w("button.repairFrames"), run: () => setCleans(true) },
       { text: w("button.spanSplit"), detail: "S", run: () => clipActions.splitSpan(clip) },
     ];
   };
@@ -89,6 +64,7 @@ export function FramesMenu({
         {w("label.framesWord")}
         <Icon name="down" />
       </Menu>
+      {cleans && <CleanUp clip={clip} range={range} reload={reload} onClose={() => setCleans(false)} />}
       {holds !== null && (
         <Hold
           frame={holds}
@@ -96,7 +72,7 @@ export function FramesMenu({
           onClose={() => setHolds(null)}
           onHold={(more) => {
             setHolds(null);
-            void edit(clip, reload, holding(holds, more));
+            void editFrames(clip, reload, holding(holds, more));
           }}
         />
       )}
