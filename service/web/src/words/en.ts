@@ -136,7 +136,7 @@ export const en = {
   "label.keepHands": "Keep hand contacts", "help.keepHandsHelp": "Hands that touch each other, the head or a thigh stay there; the arms bend.",
   "label.jointLimits": "Joint limits", "help.jointLimitsHelp": "Keeps joints inside the limits that the target's file states.",
   "label.bodyPart": "Body part", "label.leftArm": "Left arm", "label.rightArm": "Right arm", "label.leftLeg": "Left leg", "label.rightLeg": "Right leg", "label.hipLine": "Hips", "label.shoulderLine": "Shoulders", "label.trunk": "Trunk", "label.headPart": "Head",
-  "label.handKept": "{hand} at {other}, distance from its place: {before} → {after}.", "label.limbs": "Limbs", "label.footSlide": "Foot skate", "label.remarks": "Remarks", "label.outlier": "Outlier", "button.saveTable": "Save table (CSV)",
+  "label.handKept": "{hand} at {other}, distance from its place: {before} → {after}", "label.limbs": "Limbs", "label.footSlide": "Foot skate", "label.remarks": "Remarks", "label.outlier": "Outlier", "button.saveTable": "Save table (CSV)",
   "button.goToFrame": "Go to frame {n}", "label.worstFrame": "Largest error: frame {n}", "label.bone": "Joint", "label.blendShapes": "Blend shapes", "label.mean": "mean", "label.largest": "maximum", "label.atFrame": "at frame",
   "label.footSlides": "{foot} foot skate: {before} → {after}. Contacts:", "label.contactOf": "{foot} contact in frames {first} to {last}", "label.andMore": "and {n} more",
   "button.applyToMany": "Apply to many clips", "button.applyMany": "Retarget clips to {name}", "label.whichClips": "Clips to retarget", "label.noCollections": "No collections yet",

@@ -128,7 +128,7 @@ export const ko: typeof en = {
   "label.keepHands": "손 접촉 유지", "help.keepHandsHelp": "서로 닿거나 머리, 허벅지에 닿은 손이 그 자리에 남도록 팔을 굽힙니다.",
   "label.jointLimits": "관절 한계", "help.jointLimitsHelp": "대상 파일에 적힌 한계 안에서 관절을 움직입니다.",
   "label.bodyPart": "부위", "label.leftArm": "왼팔", "label.rightArm": "오른팔", "label.leftLeg": "왼다리", "label.rightLeg": "오른다리", "label.hipLine": "골반", "label.shoulderLine": "어깨", "label.trunk": "몸통", "label.headPart": "머리",
-  "label.handKept": "{hand} - {other}, 제자리와의 거리: {before} → {after}.", "label.limbs": "팔다리", "label.footSlide": "발 미끄러짐", "label.remarks": "비고", "label.outlier": "이상치", "button.saveTable": "표 저장(CSV)",
+  "label.handKept": "{hand} - {other}, 제자리와의 거리: {before} → {after}", "label.limbs": "팔다리", "label.footSlide": "발 미끄러짐", "label.remarks": "비고", "label.outlier": "이상치", "button.saveTable": "표 저장(CSV)",
   "button.goToFrame": "프레임 {n} 보기", "label.worstFrame": "가장 큰 오차: {n}프레임", "label.bone": "관절", "label.blendShapes": "블렌드 셰이프", "label.mean": "평균", "label.largest": "최대", "label.atFrame": "프레임",
   "label.footSlides": "{foot} 미끄러짐: {before} → {after}. 접지:", "label.contactOf": "{foot} 접지, {first}-{last}프레임", "label.andMore": "외 {n}개", "button.applyToMany": "여러 클립에 적용",
   "button.applyMany": "{name}에 클립 리타기팅", "label.whichClips": "대상 클립", "label.noCollections": "아직 모음이 없습니다", "help.applyHelp": "이 화면의 관절 대응과 옵션을 모든 클립에 씁니다.", "button.applyNow": "클립 리타기팅",
