@@ -49,7 +49,7 @@ from mcml_schemas.jobs import (
     Selection,
 )
 from mcml_schemas.labels import LabelChange, LabelQuery, SuggestedLabels
-from mcml_schemas.matching import MatchingFacts, MatchingSelection, PathFollowed, PathRequest
+from mcml_schemas.matching import FollowRequest, MatchingFacts, MatchingSelection, PathFollowed
 from mcml_schemas.measurements import MeasurementList
 from mcml_schemas.media import MediaChange, MediaInfo
 from mcml_schemas.names import AliasTable, AppliedNames, SavedAliases
@@ -886,7 +886,7 @@ class Operations:
     def follow_path(
         self,
         *,
-        request: PathRequest | dict[str, Any],
+        request: FollowRequest | dict[str, Any],
         positions: Literal["f4"] | None = ...,
         first: int | None = ...,
         last: int | None = ...,

@@ -31,7 +31,7 @@ class MatchingSelection(RequestBody):
     )
 
 
-class PathRequest(MatchingSelection):
+class FollowRequest(MatchingSelection):
     """A path on the ground, and the clips whose frames follow it."""
 
     model_config = ConfigDict(

@@ -210,6 +210,7 @@ def test_an_axis_up_that_no_file_states_is_that_of_the_body(client: TestClient) 
         composed = client.post(f"{API}/compose", json={"segments": segments}).json()
         made.append(roots(client, composed["document"]))
         assert abs(composed["seams"][0]["degrees"]) > 20
+        assert any("Z is taken" in notice for notice in composed["notices"]) is not bool(stated)
     assert made[0] == pytest.approx(made[1], abs=1e-6)
     assert np.ptp(made[0][:, 2]) < 10
 

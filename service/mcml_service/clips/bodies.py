@@ -189,12 +189,13 @@ def read_bodies(tx: Transaction, documents: Sequence[Listed]) -> dict[int, Body]
 
 
 def read_up(tx: Transaction, stored: StoredDocument, head: ClipHead) -> str:
-    """The axis that points up, "X", "Y" or "Z": as the header states it, else as the body shows it."""
+    """The axis that points up, "X", "Y" or "Z": as the header states it, else as a body with legs shows it, else Y."""
     stated = stated_up(head)
-    if stated is None:
-        (listed,) = tx.columns.documents([stored.key])
-        stated = read_bodies(tx, [listed])[stored.key].calibration.up
-    return stated[-1]
+    if stated is not None:
+        return stated[-1]
+    (listed,) = tx.columns.documents([stored.key])
+    known = read_bodies(tx, [listed])[stored.key].calibration
+    return "Y" if known.leg is None else known.up[-1]
 
 
 def read_turned(tx: Transaction, stored: StoredDocument | Listed, name: str, body: Body) -> Array:

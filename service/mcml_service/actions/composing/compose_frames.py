@@ -16,6 +16,7 @@ from mcml.motion.edits.mirroring import mirrored
 from mcml.motion.edits.resampling import resampled
 from mcml.motion.edits.splicing import Placement
 from mcml.motion.frames import eased, joined, rows_of
+from mcml.motion.guesses import stated_up
 from mcml.motion.pictures.figures import axis_of
 from mcml_schemas.compose import Composed, ComposedSeam, ComposedSegment, ComposeRequest, Layer, Segment
 from mcml_schemas.querying.queries import QueryRequest, RunItem
@@ -141,7 +142,11 @@ def compose_frames(
             )
             for seam in made.seams
         ],
-        notices=[*fitting.notices, *(notice.what for notice in made.shortfall.notices(head.skeleton))],
+        notices=[
+            *_guessed_up(body),
+            *fitting.notices,
+            *(notice.what for notice in made.shortfall.notices(head.skeleton)),
+        ],
         motion=None if window is None else preview_motion(head, [block], window, frame_time),
     )
 
@@ -150,6 +155,12 @@ def _name(source: _Source, segment: Segment) -> str:
     """Return the name of the clip in which pieces are consecutive; none for changed segments."""
     changed = segment.layers or segment.mirror or segment.transition is not None or segment.style is not None
     return "" if changed else source.name
+
+
+def _guessed_up(body: Whole) -> list[str]:
+    if stated_up(body.head) is not None or body.up == "Y":
+        return []
+    return [f"no document states the up axis; {body.up} is taken, along which the body stands"]
 
 
 def _placement(segment: Segment, up: str) -> Placement | None:

@@ -16,13 +16,13 @@ from mcml.motion.matching.tracks import JOINTS, RATE, Track, ground_axes, track_
 from mcml.motion.skeleton import Array
 from mcml_schemas.compose import ComposeRequest, Place, Segment
 from mcml_schemas.matching import (
+    FollowRequest,
     LeftOut,
     MatchingClip,
     MatchingFacts,
     MatchingSelection,
     PathDistance,
     PathFollowed,
-    PathRequest,
 )
 from mcml_service.actions.composing.compose_frames import compose_frames
 from mcml_service.actions.composing.select_documents import select_documents
@@ -143,7 +143,7 @@ def follow_path(
     database: Database,
     queries: Queries,
     settings: Settings,
-    request: PathRequest,
+    request: FollowRequest,
     author: str,
     check: Callable[[], None],
     window: Window | None = None,

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from mcml.client.choosing import id_of
-from mcml_schemas.matching import PathRequest
+from mcml_schemas.matching import FollowRequest
 from mcml_service.cli.terminal.opening import (
     DatabaseOption,
     JsonOption,
@@ -44,7 +44,7 @@ def follow(
     """Make a document in which a body follows a path, of frames of many clips (motion matching)."""
     path = [_point(text) for text in points]
     client = open_client(database, server)
-    request = PathRequest.model_validate(
+    request = FollowRequest.model_validate(
         {
             "selection": {
                 "documents": [id_of(client, one) for one in document or ()],

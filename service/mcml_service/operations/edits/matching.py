@@ -7,13 +7,13 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from mcml.answers import Content
-from mcml_schemas.matching import MatchingFacts, MatchingSelection, PathFollowed, PathRequest
+from mcml_schemas.matching import FollowRequest, MatchingFacts, MatchingSelection, PathFollowed
 from mcml_service.operations.arguments import Shown
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import gives
 
 
-def follow_path(call: Call, request: PathRequest, shown: Shown) -> PathFollowed:
+def follow_path(call: Call, request: FollowRequest, shown: Shown) -> PathFollowed:
     """At short intervals the frame of all clips is found that continues the pose and leads along the path; the body is
     placed there, and the difference decays (docs/api/motion-matching.md). The clips have one skeleton; others are left
     out. With `preview` nothing is stored.

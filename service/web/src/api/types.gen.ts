@@ -3016,6 +3016,28 @@ export interface components {
             name: string | null;
             corners: number[][];
         };
+        FollowRequest: {
+            selection: components["schemas"]["Selection"];
+            skeleton?: string | null;
+            path: number[][];
+            speed?: number | null;
+            /** @default 0 */
+            facing: number;
+            /** @default 10 */
+            steering: number;
+            /** @default 0.3 */
+            seconds: number;
+            /** @default true */
+            lock_feet: boolean;
+            /** @default true */
+            labels: boolean;
+            /** @default path */
+            name: string;
+            /** @default default */
+            project: string;
+            /** @default false */
+            preview: boolean;
+        };
         FootSliding: {
             foot: string;
             stances: number;
@@ -3856,6 +3878,13 @@ export interface components {
             distance: components["schemas"]["PathDistance"];
             composition: components["schemas"]["Segment"][];
             left_out: components["schemas"]["LeftOut"][];
+        };
+        PathRequest: {
+            /** @default false */
+            save: boolean;
+            name?: string | null;
+            project?: string | null;
+            parameters: components["schemas"]["ExpressionPathWish"];
         };
         PhasesDone: {
             value: components["schemas"]["ReachPhases"];
@@ -4888,35 +4917,6 @@ export interface components {
             column: number | null;
             /** @default null */
             element: string | null;
-        };
-        mcml_schemas__matching__PathRequest: {
-            selection: components["schemas"]["Selection"];
-            skeleton?: string | null;
-            path: number[][];
-            speed?: number | null;
-            /** @default 0 */
-            facing: number;
-            /** @default 10 */
-            steering: number;
-            /** @default 0.3 */
-            seconds: number;
-            /** @default true */
-            lock_feet: boolean;
-            /** @default true */
-            labels: boolean;
-            /** @default path */
-            name: string;
-            /** @default default */
-            project: string;
-            /** @default false */
-            preview: boolean;
-        };
-        mcml_service__operations__analyses__PathRequest: {
-            /** @default false */
-            save: boolean;
-            name?: string | null;
-            project?: string | null;
-            parameters: components["schemas"]["ExpressionPathWish"];
         };
     };
     responses: never;
@@ -8562,7 +8562,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["mcml_schemas__matching__PathRequest"];
+                "application/json": components["schemas"]["FollowRequest"];
             };
         };
         responses: {
@@ -12499,7 +12499,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["mcml_service__operations__analyses__PathRequest"];
+                "application/json": components["schemas"]["PathRequest"];
             };
         };
         responses: {
