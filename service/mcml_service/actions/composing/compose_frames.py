@@ -143,7 +143,7 @@ def compose_frames(
             for seam in made.seams
         ],
         notices=[
-            *_guessed_up(body),
+            *_tell_guessed_up(body),
             *fitting.notices,
             *(notice.what for notice in made.shortfall.notices(head.skeleton)),
         ],
@@ -157,7 +157,7 @@ def _name(source: _Source, segment: Segment) -> str:
     return "" if changed else source.name
 
 
-def _guessed_up(body: Whole) -> list[str]:
+def _tell_guessed_up(body: Whole) -> list[str]:
     if stated_up(body.head) is not None or body.up == "Y":
         return []
     return [f"no document states the up axis; {body.up} is taken, along which the body stands"]
