@@ -96,6 +96,10 @@ class ComposeRequest(RequestBody):
     )
     lengthen: bool = Field(True, description="Longer transitions where the motion would jump")
     align: bool = Field(True, description="Turn and shift each segment on the ground so that the body goes on")
+    match_phase: bool = Field(
+        False,
+        description="Where both sides of a seam walk: leave out up to 1.2 s of each to meet in the same phase",
+    )
     lock_feet: bool = Field(True, description="Feet that stand at a seam stay in place during its transition")
     labels: bool = Field(True, description="Copy the labels")
     name: str = Field("composed", min_length=1, max_length=1024)
@@ -109,7 +113,8 @@ class ComposedSeam(BaseModel):
     degrees, shift: rotation of the segment about the up axis, and its shift. root_step, angle_step: the largest step at
     the seam, relative to the largest inside the segments. jerk: the largest of a joint over the seam, relative to the
     99th percentile inside the segments. slide: mean speed over the ground of the foot that moves least, in leg lengths
-    a second. locked: feet held in place.
+    a second. locked: feet held in place. left_out: frames at the end of the segment before and at the beginning of this
+    one, by `match_phase`.
     """
 
     segment: int
@@ -122,6 +127,7 @@ class ComposedSeam(BaseModel):
     jerk: float
     slide: float | None = Field(None, description="None without legs")
     locked: list[Literal["left", "right"]]
+    left_out: tuple[int, int] = (0, 0)
 
 
 class ComposedSegment(BaseModel):

@@ -94,6 +94,21 @@ def test_seams_do_not_jump(client: TestClient, walk: str, wave: str) -> None:
     assert np.array_equal(joined, np.vstack([values(client, walk)[:20], values(client, wave)]))
 
 
+@pytest.mark.parametrize("style", ["bridge", "crossfade", "inertial"])
+def test_walks_in_the_same_phase_name_the_frames_that_are_left(client: TestClient, walk: str, style: str) -> None:
+    pieces = {"document": walk, "first": 20, "last": 180}, {"document": walk, "first": 43}
+    made = compose(client, *pieces, transition=12, style=style, match_phase=True)
+    source, new = (values(client, uuid)[:, 6:] for uuid in (walk, made["document"]))
+    assert len(made["segments"]) == 2
+    for span in made["segments"]:
+        taken = source[span["source_first"] - 1 :][: span["last"] - span["first"] + 1]
+        assert np.array_equal(new[span["first"] - 1 : span["last"]], taken)
+    [seam] = made["seams"]
+    assert sum(seam["left_out"]) > 0
+    free = compose(client, *pieces, transition=12, style=style)
+    assert free["seams"][0]["left_out"] == [0, 0]
+
+
 def test_runs_of_a_query_with_previews_and_rates(client: TestClient, walk: str, wave: str) -> None:
     request = {"xpath": "//frame[motion_name='walk' or motion_name='wave']"}
     before = client.get(f"{API}/documents").json()["total"]

@@ -45,7 +45,7 @@ def test_pieces_in_order_are_the_clip(convention: Convention, seed: int, cuts: l
     result = compose(clip.head.skeleton, pieces, 0.01, transition=transition, reading=reading_of(clip.head))
     assert same_bits(result.block.values, in_columns(block, clip.head.skeleton.columns()))
     assert result.seams == ()
-    assert [(first, last + 1) for _, first, last in result.spans] == list(pairwise(edges))
+    assert [(first, last + 1) for _, first, last, _ in result.spans] == list(pairwise(edges))
 
 
 @pytest.mark.parametrize("name", ["asfamc/cmu02/02_lf_01.amc", BANDAI.format("walk_happy"), "trc/Knee.trc"])
@@ -114,7 +114,7 @@ def test_seams_of_real_clips(shared: Path, pair: tuple[str, str], transition: in
     assert result.shortfall.lengths.max() < 1e-9 * np.abs(blocks[0].values).max()
     # The first piece keeps its bits; the others keep them in all joints but the one that was placed.
     assert same_bits(result.block.values[:60], in_columns(blocks[0], skeleton.columns()))
-    for piece, first, last in result.spans:
+    for piece, first, last, _ in result.spans:
         same = [index for index, (joint, _) in enumerate(skeleton.columns()) if joint != body]
         raw = in_columns(blocks[piece], skeleton.columns())
         assert same_bits(result.block.values[first : last + 1][:, same], raw[:, same])
@@ -199,7 +199,7 @@ def test_a_crossfade_blends_frames_of_both(shared: Path) -> None:
         skeleton, [Piece(b, 1 / 30) for b in blocks], 1 / 30, transition=15, style="crossfade", lengthen=False
     )
     assert len(result.block) == 60 + 45 - 15
-    assert result.spans == ((0, 0, 44), (1, 60, 89))
+    assert result.spans == ((0, 0, 44, 0), (1, 60, 89, 15))
     assert result.seams[0].frames == 15
     others = [index for index, (joint, _) in enumerate(skeleton.columns()) if joint != 1]
     assert same_bits(result.block.values[60:][:, others], blocks[1].values[15:][:, others])
@@ -218,14 +218,14 @@ def test_other_frame_rates_are_brought_to_one(shared: Path) -> None:
     halved = chosen_frames(block, np.arange(0, 101, 2))
     pieces = [Piece(cut(block, 0, 50), 1 / 30), Piece(halved, 1 / 15)]
     result = compose(skeleton, pieces, 1 / 30, transition=5)
-    _, first, last = result.spans[1]
+    _, first, last, _ = result.spans[1]
     assert last - first == 100
     others = [index for index, (joint, _) in enumerate(skeleton.columns()) if joint != 1]
     assert same_bits(result.block.values[first : last + 1 : 2][:, others], halved.values[:, others])
     # Two pieces in a row at another rate are cut where their frames fall.
     rows = [Piece(cut(block, 0, 31), 1 / 30, "a", 0), Piece(cut(block, 31, 61), 1 / 30, "a", 31)]
     slow = compose(skeleton, rows, 1 / 15)
-    assert slow.spans == ((0, 0, 15), (1, 16, 30))
+    assert slow.spans == ((0, 0, 15, 0), (1, 16, 30, 0))
     assert same_bits(slow.block.values, block.values[:61:2])
 
 

@@ -78,6 +78,18 @@ def test_a_seam_has_its_own_transition_and_undo_takes_each_step_back(board: Any)
 
 
 @pytest.mark.fuzz
+def test_walks_meet_in_phase_if_asked(open_studio: Any, visit_of: Any) -> None:
+    uuid = open_studio.upload("long.bvh", person("long", body.walk(170.0, 4.0, 1.0, 6.0)))
+    page = visit_of(open_studio).open(f"/compose?s={uuid}:1-150,{uuid}:33-200")
+    shown(page, "in 2 segments")
+    page.get_by_role("button", name="Match phase").click()
+    page.wait_for_url(re.compile("phase=match"))
+    page.get_by_role("button", name=re.compile("^Seam 1 to 2")).click()
+    expect(page.get_by_text(re.compile(r"Frames left out: \d+ before, \d+ after"))).to_be_visible()
+    page.reload()
+    expect(page.get_by_role("button", name="Match phase")).to_have_attribute("aria-pressed", "true")
+
+
 def test_edges_snap_to_names(board: Any) -> None:
     piece = board.get_by_role("button", name=re.compile("^Segment 2: two"))
     box = piece.bounding_box()

@@ -50,6 +50,7 @@ class Seam:
     step over the seam, in parts of the largest inside the pieces (0 where nothing moves in them nor there). jerk: the
     largest of any joint over the seam, in parts of the 99th percentile inside the pieces. slide: mean speed over the
     ground of the foot that moves least, in leg lengths a second; None without legs. locked: sides of feet held.
+    left_out: frames at the end of the piece before and at the beginning of this one, so that both meet in phase.
     """
 
     piece: int
@@ -62,20 +63,21 @@ class Seam:
     jerk: float
     slide: float | None
     locked: tuple[Side, ...]
+    left_out: tuple[int, int] = (0, 0)
 
 
 @dataclass(frozen=True)
 class Composed:
     """The result of a composition.
 
-    spans: (piece, first frame, last frame) in the result, from 0, of the part of each piece outside transitions;
-    omitted if empty.
+    spans: (piece, first frame, last frame, frame of the piece) of the part of each piece outside transitions: first and
+    last in the result, from 0, and the first in the piece at the frame rate of the result; omitted if empty.
     """
 
     block: FrameBlock
     shortfall: Shortfall
     seams: tuple[Seam, ...]
-    spans: tuple[tuple[int, int, int], ...]
+    spans: tuple[tuple[int, int, int, int], ...]
 
 
 def compose(
@@ -89,6 +91,7 @@ def compose(
     styles: Sequence[Style | None] = (),
     lengthen: bool = True,
     align: bool = True,
+    match_phase: bool = False,
     lock_feet: bool = True,
     up: str = "Y",
     reading: Reading = DEGREES,
@@ -100,7 +103,8 @@ def compose(
     existing ones of both, "inertial" lets the difference at the seam decay over the first frames of the second; 0:
     none. lengthen: add frames until no step of the root or of a joint angle is larger than 1.1 times the largest inside
     the pieces (blended frames only as far as the pieces go). align: rotate each piece about the up axis and shift it on
-    the ground so that the body continues, unless its placement is given; else it keeps its place. lock_feet: feet that
+    the ground so that the body continues, unless its placement is given; else it keeps its place. match_phase: where
+    both sides of a seam walk, leave out up to 1.2 s of each so that they meet in the same phase. lock_feet: feet that
     stand at a seam stay where they stand during its transition. Raises ConversionError without pieces, for empty ones
     and for a negative transition.
     """
@@ -115,19 +119,19 @@ def compose(
     parts = [_part(skeleton, run, frame_time, axis, reading) for run in _runs(pieces)]
     carry = carriers(skeleton, *(part.poses.translations for part in parts))
     largest = np.max([steps(skeleton, part.poses, carry) for part in parts], axis=0)
-    feet = SeamFeet.of(skeleton, [part.poses for part in parts], frame_time, axis) if lock_feet else None
+    feet = SeamFeet.of(skeleton, [part.poses for part in parts], frame_time, axis)
     for part in parts:
         part.stance = None if feet is None else feet.stance(part.poses)
     inside = np.concatenate([jerks(skeleton, part.poses) for part in parts])
     usual = float(np.percentile(inside, 99)) if len(inside) else 0.0
-    track = _Track(TransitionMaker(skeleton, reading, carry, largest, usual, feet))
+    track = _Track(TransitionMaker(skeleton, reading, carry, largest, usual, feet, lock_feet))
     track.start(parts[0])
     for part in parts[1:]:
         piece = part.pieces[0][0]
         own = transitions[piece] if piece < len(transitions) else None
         how = styles[piece] if piece < len(styles) else None
-        track.add(part, transition if own is None else own, how or style, align, lengthen)
-    return track.finish(parts)
+        track.add(part, transition if own is None else own, how or style, align, lengthen, match_phase)
+    return track.finish()
 
 
 def _runs(pieces: Sequence[Piece]) -> list[list[tuple[int, Piece]]]:
@@ -178,15 +182,19 @@ class _Track:
         self._cuts: list[tuple[int, int]] = []
         """(first, after the last) of the unchanged frames of each part."""
         self._seams: list[Transition] = []
+        self._left_out: list[tuple[int, int]] = []
 
     def start(self, part: Stretch) -> None:
         self._parts.append(part)
         self._placed.append(placed(self._skeleton, part.poses, self._carry, part.placement))
         self._cuts.append((0, len(part.poses)))
 
-    def add(self, part: Stretch, transition: int, style: Style, align: bool, lengthen: bool) -> None:
+    def add(self, part: Stretch, transition: int, style: Style, align: bool, lengthen: bool, match_phase: bool) -> None:
         start, end = self._cuts[-1]
-        last = Ending(self._parts[-1], self._placed[-1], start, end)
+        last, whole = Ending(self._parts[-1], self._placed[-1], start, end), len(part.poses)
+        if match_phase:
+            last, part = self._maker.meet(last, part, transition, style)
+        self._left_out.append((end - last.end, whole - len(part.poses)))
         seam = self._maker.make(last, part, transition, style, align, lengthen)
         part.placement = seam.placement
         self._cuts[-1] = (start, seam.cut)
@@ -195,7 +203,8 @@ class _Track:
         self._cuts.append((seam.cut_after, len(part.poses)))
         self._seams.append(seam)
 
-    def finish(self, parts: list[Stretch]) -> Composed:
+    def finish(self) -> Composed:
+        parts = self._parts
         columns = self._skeleton.columns()
         source = joined(part.block for part in parts)
         starts = np.cumsum([0, *(len(part.poses) for part in parts)])
@@ -204,7 +213,7 @@ class _Track:
         made: list[Flags] = []
         kept: list[Flags] = []
         seams: list[Seam] = []
-        spans: list[tuple[int, int, int]] = []
+        spans: list[tuple[int, int, int, int]] = []
         at = 0
         for place, part in enumerate(parts):
             first, end = self._cuts[place]
@@ -236,6 +245,7 @@ class _Track:
                     seam.jerk,
                     None if self._maker.feet is None else self._maker.feet.slide(seam.around),
                     seam.locked,
+                    self._left_out[place],
                 )
             )
             if between is not None:
@@ -272,11 +282,11 @@ class _Track:
             values[first:end, np.isnan(last) | np.isnan(after)] = np.nan
 
 
-def _spans(part: Stretch, first: int, end: int, at: int) -> list[tuple[int, int, int]]:
+def _spans(part: Stretch, first: int, end: int, at: int) -> list[tuple[int, int, int, int]]:
     edges = [*(start for _, start in part.pieces), len(part.poses)]
     found = []
     for (index, start), stop in zip(part.pieces, edges[1:], strict=True):
         low, high = max(start, first), min(stop, end)
         if low < high:
-            found.append((index, at + low - first, at + high - first - 1))
+            found.append((index, at + low - first, at + high - first - 1, low - start))
     return found

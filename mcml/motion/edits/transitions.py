@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from mcml.motion.clip import FrameBlock, full_shape
+from mcml.motion.edits.phase_matching import WINDOW, find_meeting, walks
 from mcml.motion.edits.seam_feet import SeamFeet
 from mcml.motion.edits.splicing import (
     Placement,
@@ -23,6 +24,7 @@ from mcml.motion.edits.splicing import (
 )
 from mcml.motion.feet.legs import Side
 from mcml.motion.feet.seams import Stance
+from mcml.motion.frames import rows_of
 from mcml.motion.hub import HubReader
 from mcml.motion.hub_writer import HubWriter, Shortfall
 from mcml.motion.skeleton import Array, Convention, Skeleton
@@ -43,8 +45,8 @@ _CALM = 1.0
 class Stretch:
     """Pieces that follow one another in their source, at the frame rate of the result.
 
-    pieces: (piece, its first frame in this part). fixed: its placement is given and not to be found. stance: of the
-    feet, as they are before it is placed.
+    pieces: (piece, its first frame in this part, below 0 where its first frames are left out). fixed: its placement is
+    given and not to be found. stance: of the feet, as they are before it is placed.
     """
 
     pieces: list[tuple[int, int]]
@@ -56,6 +58,19 @@ class Stretch:
     shortfall: Shortfall
     fixed: bool = False
     stance: Stance | None = None
+
+    def after(self, first: int) -> Stretch:
+        """Without the frames before one."""
+        end = len(self.poses)
+        return replace(
+            self,
+            pieces=[(piece, start - first) for piece, start in self.pieces],
+            block=rows_of(self.block, first, end),
+            raw=self.raw[first:],
+            poses=self.poses.rows(first, end),
+            values=self.values[first:],
+            stance=None if self.stance is None else self.stance.rows(first, end),
+        )
 
     def standing(self, first: int, end: int, placement: Placement) -> Stance | None:
         """Feet of frames `first` up to before `end`, placed."""
@@ -102,7 +117,7 @@ class Transition:
 @dataclass(frozen=True)
 class TransitionMaker:
     """carry: joints that carry the body. largest: (2,) steps of root and angles inside the pieces. jerk: the 99th
-    percentile inside the pieces. feet: to be held.
+    percentile inside the pieces. feet: None without legs. lock_feet: hold them.
     """
 
     skeleton: Skeleton
@@ -111,6 +126,29 @@ class TransitionMaker:
     largest: Array
     jerk: float
     feet: SeamFeet | None
+    lock_feet: bool
+
+    def meet(self, last: Ending, part: Stretch, transition: int, style: Style) -> tuple[Ending, Stretch]:
+        """Leave out frames at the end of a part and at the beginning of the next, where both walk, to meet in phase.
+
+        Frames of the transition count: new ones take the place of as many of the first walk. Both stay as they are
+        where one of them does not walk, or has its placement given, or too few frames.
+        """
+        if self.feet is None or last.part.stance is None or part.stance is None or part.fixed:
+            return last, part
+        seconds, half = self.feet.frame_time, transition // 2
+        window = max(2, round(WINDOW / seconds))
+        # Frames from the end of the first walk to the one in which the poses meet, and from the beginning of the other.
+        ahead, begins = {"bridge": (transition, 0), "inertial": (0, 0), "crossfade": (half - transition, half)}[style]
+        first, end = max(last.end - window, last.start + 2 + max(ahead, half)), last.end + min(ahead, 0)
+        most = min(begins + window, len(part.poses) - transition - 2)
+        if end - first < 2 or most - begins < 2:
+            return last, part
+        if not (walks(last.part.stance.rows(first, end)) and walks(part.stance.rows(begins, most))):
+            return last, part
+        one, two = last.part.poses.rows(first, end), part.poses.rows(begins, most)
+        row, column = find_meeting(self.skeleton, one, two, self.carry[0], self.feet.up, seconds)
+        return replace(last, end=first + row - ahead), part.after(column)
 
     def make(
         self, last: Ending, part: Stretch, transition: int, style: Style, align: bool, lengthen: bool
@@ -127,7 +165,7 @@ class TransitionMaker:
         while made.jump > LARGEST_JUMP and _longer(frames) <= most:
             frames = _longer(frames)
             made = self._attempt(last, part, frames, style, align, None)
-        if self.feet is None or made.between is None:
+        if not self.lock_feet or self.feet is None or made.between is None:
             return made
         calmest = made
         for _ in range(_TRIES):

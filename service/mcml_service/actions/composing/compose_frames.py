@@ -103,6 +103,7 @@ def compose_frames(
         styles=[segment.style for _, segment in segments],
         lengthen=request.lengthen,
         align=request.align,
+        match_phase=request.match_phase,
         lock_feet=request.lock_feet,
         up=body.up,
         reading=body.reading,
@@ -126,7 +127,10 @@ def compose_frames(
         document=uuid,
         frames=len(block),
         seconds_per_frame=frame_time,
-        segments=[_segment(sources[piece], first, last) for piece, first, last in made.spans],
+        segments=[
+            _segment(sources[piece], first, last, round(start * frame_time / pieces[piece].frame_time))
+            for piece, first, last, start in made.spans
+        ],
         seams=[
             ComposedSeam(
                 segment=sources[seam.piece].segment,
@@ -139,6 +143,7 @@ def compose_frames(
                 jerk=seam.jerk,
                 slide=seam.slide,
                 locked=list(seam.locked),
+                left_out=seam.left_out,
             )
             for seam in made.seams
         ],
@@ -168,14 +173,14 @@ def _placement(segment: Segment, up: str) -> Placement | None:
     return None if place is None else Placement(axis_of(up), np.radians(place.degrees), np.array(place.shift))
 
 
-def _segment(source: _Source, first: int, last: int) -> ComposedSegment:
+def _segment(source: _Source, first: int, last: int, start: int) -> ComposedSegment:
     return ComposedSegment(
         segment=source.segment,
         first=first + 1,
         last=last + 1,
         document=source.stored.uuid,
         revision=source.stored.revision,
-        source_first=source.first + 1,
+        source_first=source.first + start + 1,
     )
 
 

@@ -37,6 +37,9 @@ def compose(
     transition: Annotated[int | None, typer.Option(help="The same in frames")] = None,
     style: Annotated[str, typer.Option(help="bridge, crossfade or inertial")] = "bridge",
     lock_feet: Annotated[bool, typer.Option(help="Keep standing feet in place during transitions")] = True,
+    match_phase: Annotated[
+        bool, typer.Option("--match-phase", help="Let walks meet in the same phase: leave out up to 1.2 s of each")
+    ] = False,
     rate: Annotated[float | None, typer.Option(help="Frames a second; default the first segment's")] = None,
     align: Annotated[bool, typer.Option(help="Continue at the current position of the body")] = True,
     header: Annotated[str | None, typer.Option(help="Document whose header is used")] = None,
@@ -56,6 +59,7 @@ def compose(
             "transition": transition,
             "style": style,
             "lock_feet": lock_feet,
+            "match_phase": match_phase,
             "rate": rate,
             "align": align,
             "header": header,
@@ -75,6 +79,7 @@ def compose(
             f"  frame {seam.first}: {seam.transition} frames of transition, turned {seam.degrees:.1f} degrees, "
             f"largest step {max(seam.root_step, seam.angle_step):.2f} of those inside, jerk {seam.jerk:.2f}"
             + (f", {' and '.join(seam.locked)} foot held" if seam.locked else "")
+            + (f", {seam.left_out[0]} + {seam.left_out[1]} frames left out" if any(seam.left_out) else "")
         )
     for notice in made.notices:
         console.print(f"  {notice}", style="yellow")

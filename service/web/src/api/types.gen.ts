@@ -2401,6 +2401,8 @@ export interface components {
             lengthen: boolean;
             /** @default true */
             align: boolean;
+            /** @default false */
+            match_phase: boolean;
             /** @default true */
             lock_feet: boolean;
             /** @default true */
@@ -2432,6 +2434,16 @@ export interface components {
             jerk: number;
             slide?: number | null;
             locked: ("left" | "right")[];
+            /**
+             * @default [
+             *       0,
+             *       0
+             *     ]
+             */
+            left_out: [
+                number,
+                number
+            ];
         };
         ComposedSegment: {
             segment: number;

@@ -1,4 +1,4 @@
-/** Settings of all transitions that state none of their own: length, type, and whether standing feet stay in place. */
+/** Settings of all transitions that state none of their own: length, type, standing feet, phase of walks. */
 import { heldSeconds, LONGEST_SECONDS } from "../../state/editing/composition";
 import { w } from "../../words";
 import type { Board } from "./board";
@@ -9,7 +9,7 @@ const round = (seconds: number): number => Math.round(seconds * 100) / 100;
 
 export function AllSeams({ board, body }: { board: Board; body: { perSecond: number } | undefined }) {
   const rate = body?.perSecond ?? USUAL_RATE;
-  const { seconds, transition, style, lockFeet } = board.steps.now.value;
+  const { seconds, transition, style, lockFeet, matchPhase } = board.steps.now.value;
   return (
     <>
       <label class="row">
@@ -40,6 +40,15 @@ export function AllSeams({ board, body }: { board: Board; body: { perSecond: num
         onClick={() => board.setAll({ lockFeet: !lockFeet })}
       >
         {w("label.lockFeet")}
+      </button>
+      <button
+        type="button"
+        class="button dense"
+        aria-pressed={matchPhase}
+        title={w("help.matchPhase")}
+        onClick={() => board.setAll({ matchPhase: !matchPhase })}
+      >
+        {w("label.matchPhase")}
       </button>
     </>
   );

@@ -224,11 +224,13 @@ function SeamForm({
 /** How a seam treats feet and how sudden it is, in words. */
 function feetOf(seam: Seam): string {
   const jerk = w("help.seamJerk", { jerk: number(seam.jerk, 2) });
+  const [before, after] = seam.left_out;
+  const leftOut = before || after ? [w("help.leftOut", { before, after })] : [];
   if (seam.slide == null) return jerk;
   const held =
     seam.locked.length > 1 ? "help.feetHeld" : seam.locked[0] === "left" ? "help.leftHeld" : "help.rightHeld";
   const slide = w("help.seamSlide", { speed: number(seam.slide, 2) });
-  return [jerk, slide, seam.locked.length ? w(held) : w("help.noneHeld")].join(" ");
+  return [jerk, slide, seam.locked.length ? w(held) : w("help.noneHeld"), ...leftOut].join(" ");
 }
 
 function LayerForm({ board, piece, layer }: { board: Board; piece: Piece; layer: Layer }) {

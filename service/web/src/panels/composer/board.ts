@@ -85,7 +85,7 @@ export class Board {
   }
 
   rename = (name: string) => this.set({ name }, "name");
-  setAll = (change: Partial<Pick<Storyboard, "seconds" | "transition" | "style" | "lockFeet">>) =>
+  setAll = (change: Partial<Pick<Storyboard, "seconds" | "transition" | "style" | "lockFeet" | "matchPhase">>) =>
     this.set(change, Object.keys(change)[0]);
   setPiece = (key: number, change: Partial<Piece>, kind = "") =>
     this.set({ pieces: withPiece(this.pieces.peek(), key, change) }, kind && `${kind} ${key}`);

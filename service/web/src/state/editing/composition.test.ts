@@ -79,6 +79,7 @@ describe("a storyboard in an address", () => {
       transition: 3,
       style: "inertial" as const,
       lockFeet: false,
+      matchPhase: true,
     };
     const written = writeBoard(board, "untitled") as Record<string, string | null>;
     expect(readBoard((name) => written[name] ?? "", "untitled")).toEqual(board);

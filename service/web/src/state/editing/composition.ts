@@ -46,6 +46,8 @@ export interface Storyboard {
   style: Style;
   /** Whether feet that stand stay in place during transitions. */
   lockFeet: boolean;
+  /** Whether walks meet in the same phase of a step: some frames at their ends are left out. */
+  matchPhase: boolean;
 }
 
 export const USUAL_SECONDS = 0.3;
@@ -167,23 +169,25 @@ export function withLayers(pieces: readonly Piece[], text: string): Piece[] {
 export const heldSeconds = (value: number): number => Math.min(LONGEST_SECONDS, Math.max(0, value || 0));
 
 /** What the repository is asked to compose. */
-export const asRequest = ({ pieces, seconds, transition, style, lockFeet }: Storyboard) => ({
+export const asRequest = ({ pieces, seconds, transition, style, lockFeet, matchPhase }: Storyboard) => ({
   segments: asSegments(pieces),
   ...(transition === null ? { seconds } : { transition }),
   style,
   lock_feet: lockFeet,
+  match_phase: matchPhase,
 });
 
 /** As an address has it; null takes a parameter away. */
 export const writeBoard = (
-  { name, pieces, seconds, transition, style, lockFeet }: Storyboard,
+  { name, pieces, seconds, transition, style, lockFeet, matchPhase }: Storyboard,
   usualName: string,
-): Record<"s" | "l" | "t" | "seconds" | "style" | "feet" | "name", string | null> => ({
+): Record<"s" | "l" | "t" | "seconds" | "style" | "feet" | "phase" | "name", string | null> => ({
   s: writePieces(pieces) || null,
   l: writeLayers(pieces) || null,
   t: transition === null ? null : String(transition),
   seconds: seconds === USUAL_SECONDS ? null : short(seconds),
   feet: lockFeet ? null : "free",
+  phase: matchPhase ? "match" : null,
   style: style === "bridge" ? null : style,
   name: name === usualName ? null : name,
 });
@@ -195,6 +199,7 @@ export const readBoard = (param: (name: string) => string, usualName: string): S
   seconds: param("seconds") ? heldSeconds(Number(param("seconds"))) : USUAL_SECONDS,
   style: STYLES.find((one) => one === param("style")) ?? "bridge",
   lockFeet: param("feet") !== "free",
+  matchPhase: param("phase") === "match",
 });
 
 /** What the repository is asked to make. What is as usual is not said: frames that follow one another stay so. */
