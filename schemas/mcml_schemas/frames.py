@@ -215,11 +215,46 @@ class PreviewMotion(MotionHead):
     data: str
 
 
+class CurveSamples(BaseModel):
+    """A curve for drawing: the least and the greatest sample of successive frame ranges, null without samples."""
+
+    first: int = Field(description="Position of the first frame")
+    step: int = Field(description="Frames in each range; 1: every frame, and both lists are the samples")
+    minimum: list[float | None]
+    maximum: list[float | None]
+
+
+class EditedCurve(BaseModel):
+    """A channel or a quantity before and after an edit."""
+
+    name: str = Field(description="BONE.CHANNEL, or the quantity as it was requested")
+    unit: str = Field(description="Unit of a quantity; empty for channels, which are in the units of the document")
+    before: CurveSamples
+    after: CurveSamples
+
+
 class FramesEdited(BaseModel):
     """The revision that was made, and how many frames the document now has."""
 
-    model_config = ConfigDict(json_schema_extra=shown({"revision": 2, "frames": 301, "notes": []}))
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {
+                "revision": 2,
+                "frames": 301,
+                "notes": ["spikes replaced: 1 (Root 1)", "first in frame 31, last in frame 31"],
+                "curves": [
+                    {
+                        "name": "Root.Tx",
+                        "unit": "",
+                        "before": {"first": 30, "step": 1, "minimum": [4.0, 504.2, 4.3], "maximum": [4.0, 504.2, 4.3]},
+                        "after": {"first": 30, "step": 1, "minimum": [4.0, 4.1, 4.3], "maximum": [4.0, 4.1, 4.3]},
+                    }
+                ],
+            }
+        )
+    )
 
     revision: int
     frames: int
     notes: list[str] = Field([], description="Numbers of filled samples by method, remaining gaps, and chosen cut-offs")
+    curves: list[EditedCurve] = Field([], description="With `dry_run`: requested curves before and after the edits")

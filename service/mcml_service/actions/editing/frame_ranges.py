@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -42,6 +42,9 @@ from mcml_service.storage.documents.motion_names import names_of_frames
 from mcml_service.storage.documents.spans import StoredSpan
 from mcml_service.storage.transaction import Transaction
 
+_MOVING = DeleteFrames | KeepFrames | MoveFrames | InsertFrames | ResampleFrames | LoopFrames
+"""Edits after which frames are at other positions."""
+
 
 def edit_frames(
     tx: Transaction, stored: StoredDocument, request: FrameEdits, notes: list[str] | None = None
@@ -72,6 +75,33 @@ def edit_frames(
         done.append(_summarise(edit))
     tx.documents.add_revision(stored, "frames", request.message or ", ".join(done)[:200])
     return tx.documents.get(stored.uuid)
+
+
+@dataclass(frozen=True)
+class ComparedRanges:
+    """Frames (first, last) in which a document before and after edits is compared. after: None for all."""
+
+    before: tuple[int, int]
+    after: tuple[int, int] | None
+
+
+def ranges_to_compare(stored: StoredDocument, edits: Sequence[FrameEdit]) -> ComparedRanges:
+    """Return the frames of edits that leave all frames in place, else all frames. stored: the document before.
+
+    Raises NotFoundError for ranges outside the document.
+    """
+    whole = (1, stored.frames)
+    ranged: list[tuple[int, int]] = []
+    for edit in edits:
+        if isinstance(edit, UnrollFrames):
+            ranged.append((1, stored.frames))
+        elif isinstance(edit, _MOVING):
+            return ComparedRanges(whole, None)
+        else:
+            check_range(stored, edit.first, edit.last)
+            ranged.append((edit.first, edit.last))
+    both = min(first for first, _ in ranged), max(last for _, last in ranged)
+    return ComparedRanges(both, both)
 
 
 def _summarise(edit: FrameEdit) -> str:

@@ -2468,6 +2468,12 @@ export interface components {
             value: string;
             documents: number;
         };
+        CurveSamples: {
+            first: number;
+            step: number;
+            minimum: (number | null)[];
+            maximum: (number | null)[];
+        };
         DanceParameters: {
             source_bpm?: number | null;
             /**
@@ -2707,6 +2713,12 @@ export interface components {
             threshold: number;
             /** @default 5000 */
             most: number;
+        };
+        EditedCurve: {
+            name: string;
+            unit: string;
+            before: components["schemas"]["CurveSamples"];
+            after: components["schemas"]["CurveSamples"];
         };
         ElementChange: {
             attributes?: {
@@ -3115,6 +3127,8 @@ export interface components {
             frames: number;
             /** @default [] */
             notes: string[];
+            /** @default [] */
+            curves: components["schemas"]["EditedCurve"][];
         };
         GaitBelt: {
             is_belt: boolean;
@@ -7181,6 +7195,9 @@ export interface operations {
         parameters: {
             query?: {
                 dry_run?: boolean;
+                column?: string[] | null;
+                quantity?: string[] | null;
+                pixels?: number;
             };
             header?: {
                 "if-match"?: string | null;
