@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from mcml_schemas.examples import DOCUMENT, shown
 from mcml_schemas.request_body import RequestBody
+from mcml_schemas.revisions import FrameRange
 
 FrameForm: TypeAlias = Literal["json", "npy", "npz", "block", "arrow", "parquet", "csv"]
 """How frames are written as numbers."""
@@ -233,6 +234,15 @@ class EditedCurve(BaseModel):
     after: CurveSamples
 
 
+class ReplacedSamples(BaseModel):
+    """Frames in which a bone or marker has new samples after `fill` or `despike`."""
+
+    bone: str
+    channels: list[str] = Field(description="Channels with new samples, the most changed first")
+    frames: int = Field(description="Number of frames")
+    ranges: list[FrameRange] = Field(description="Positions at the time of the edit; at most 2,000 of all bones")
+
+
 class FramesEdited(BaseModel):
     """The revision that was made, and how many frames the document now has."""
 
@@ -242,6 +252,8 @@ class FramesEdited(BaseModel):
                 "revision": 2,
                 "frames": 301,
                 "notes": ["spikes replaced: 1 (Root 1)", "first in frame 31, last in frame 31"],
+                "replaced": [{"bone": "Root", "channels": ["Tx"], "frames": 1, "ranges": [{"first": 31, "last": 31}]}],
+                "first_kept": None,
                 "curves": [
                     {
                         "name": "Root.Tx",
@@ -258,3 +270,7 @@ class FramesEdited(BaseModel):
     frames: int
     notes: list[str] = Field([], description="Numbers of filled samples by method, remaining gaps, and chosen cut-offs")
     curves: list[EditedCurve] = Field([], description="With `dry_run`: requested curves before and after the edits")
+    replaced: list[ReplacedSamples] = Field([], description="New samples of `fill` and `despike`, most frames first")
+    first_kept: int | None = Field(
+        None, description="After a single `keep` or `loop`: the former position of the frame that is now the first"
+    )

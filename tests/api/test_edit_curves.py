@@ -168,6 +168,35 @@ def test_whole_chunks_of_long_clips_are_read_after_the_edit(client: TestClient, 
         assert curve["after"][end] == pytest.approx([value + 50.0 for value in curve["before"][end]])
 
 
+def test_filled_markers_are_listed_with_their_frames(client: TestClient, trial: str) -> None:
+    fill = {"do": "fill", "first": 15, "last": 90}
+    for answer in (preview(client, trial, fill), make(client, trial, fill)):
+        told = [(item["bone"], item["frames"], item["ranges"]) for item in answer["replaced"]]
+        assert told == [("M1", 40, [{"first": 21, "last": 60}]), ("M2", 4, [{"first": 81, "last": 84}])]
+        assert all({"Tx", "Ty", "Tz"} <= set(item["channels"]) for item in answer["replaced"])
+
+
+def test_the_channel_of_a_spike_is_listed_first(client: TestClient, uuid: str) -> None:
+    spike = {"do": "adjust", "first": 100, "last": 100, "channels": ["Ty"], "offset": 300.0, "bones": ["Root"]}
+    make(client, uuid, spike)
+    (replaced,) = preview(client, uuid, {"do": "despike", "first": 50, "last": 200, "bones": ["Root"]})["replaced"]
+    assert (replaced["bone"], replaced["channels"][0]) == ("Root", "Ty")
+    assert replaced["ranges"] == [{"first": 100, "last": 100}]
+
+
+@pytest.mark.parametrize("do", ["keep", "loop"])
+def test_kept_frames_are_found_in_the_document_before(client: TestClient, uuid: str, do: str) -> None:
+    edit = {"do": do, "first": 31, "last": 180}
+    dry = preview(client, uuid, edit, column=["left_up_arm.Rx"])
+    (curve,) = dry["curves"]
+    start = dry["first_kept"]
+    before, after = (numbers(curve[side]["minimum"]) for side in ("before", "after"))
+    assert len(after) == dry["frames"]
+    # Only the end of a loop is changed.
+    assert np.array_equal(after[:20], before[start - 1 : start + 19])
+    assert preview(client, uuid, edit, {"do": "reverse", "first": 1, "last": 9})["first_kept"] is None
+
+
 @pytest.mark.parametrize(
     ("asked", "status", "part"),
     [

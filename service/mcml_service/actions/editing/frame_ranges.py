@@ -28,6 +28,7 @@ from mcml_schemas.frames import (
     UnrollFrames,
 )
 from mcml_service.actions.checking.check_timed import seconds_of
+from mcml_service.actions.editing.edit_report import EditReport
 from mcml_service.actions.editing.frame_splicing import (
     check_range,
     counts_up,
@@ -47,20 +48,21 @@ _MOVING = DeleteFrames | KeepFrames | MoveFrames | InsertFrames | ResampleFrames
 
 
 def edit_frames(
-    tx: Transaction, stored: StoredDocument, request: FrameEdits, notes: list[str] | None = None
+    tx: Transaction, stored: StoredDocument, request: FrameEdits, report: EditReport | None = None
 ) -> StoredDocument:
     """The edits of a request, one after the other, as one revision.
 
-    notes: gets sentences about decisions of edits, such as a cut-off that was chosen.
+    report: gets decisions and replaced samples of the edits.
     """
     done = []
-    told: list[str] = [] if notes is None else notes
+    report = EditReport() if report is None else report
     for edit in request.edits:
         current = tx.documents.get(stored.uuid)
         if isinstance(edit, DeleteFrames):
             delete_frames(tx, current, edit.first, edit.last, renumber=request.renumber)
         elif isinstance(edit, KeepFrames):
             trim(tx, current, edit.first, edit.last, renumber=request.renumber)
+            report.first_kept = edit.first
         elif isinstance(edit, ReverseFrames):
             reverse(tx, current, edit.first, edit.last)
         elif isinstance(edit, MoveFrames):
@@ -69,10 +71,12 @@ def edit_frames(
             source = current if edit.document is None else tx.documents.get(edit.document)
             insert_frames(tx, current, edit.at, source, edit.first, edit.last, renumber=request.renumber)
         elif isinstance(edit, LoopFrames):
-            told += loop_frames(tx, current, edit, renumber=request.renumber)
+            loop_frames(tx, current, edit, report, renumber=request.renumber)
         else:
-            told += reshape(tx, current, edit)
+            reshape(tx, current, edit, report)
         done.append(_summarise(edit))
+    if len(request.edits) > 1:
+        report.first_kept = None
     tx.documents.add_revision(stored, "frames", request.message or ", ".join(done)[:200])
     return tx.documents.get(stored.uuid)
 
@@ -110,8 +114,10 @@ def _summarise(edit: FrameEdit) -> str:
     return edit.do if isinstance(edit, UnrollFrames) else f"{edit.do} {edit.first}-{edit.last}"
 
 
-def loop_frames(tx: Transaction, stored: StoredDocument, edit: LoopFrames, *, renumber: bool = True) -> list[str]:
-    """Keep a loop of a range. Returns sentences about it."""
+def loop_frames(
+    tx: Transaction, stored: StoredDocument, edit: LoopFrames, report: EditReport, *, renumber: bool = True
+) -> None:
+    """Keep a loop of a range."""
     check_range(stored, edit.first, edit.last)
     whole = read_whole(tx, stored, edit.first, edit.last)
     made = close_loop(
@@ -131,11 +137,12 @@ def loop_frames(tx: Transaction, stored: StoredDocument, edit: LoopFrames, *, re
     current = tx.documents.get(stored.uuid)
     splice_frames(tx, current, 1, current.frames, blocks, renumber=False, same_instants=True)
     held = " and ".join(made.locked)
-    return [
+    report.first_kept = first
+    report.notes.append(
         f"frames {first:,} to {last:,} are the loop: the largest step from its end to its beginning is {made.jump:.2f} "
         f"of those inside, and it turns by {np.degrees(made.turn):.1f} degrees a round"
         + (f"; {held} foot held at its end" if held else "")
-    ]
+    )
 
 
 def delete_frames(tx: Transaction, stored: StoredDocument, first: int, last: int, *, renumber: bool = True) -> None:

@@ -11,7 +11,9 @@ from pydantic import Field
 from mcml.errors import RequestError
 from mcml.motion.bodies.quantities import AskedQuantity, asked_quantity
 from mcml.motion.skeleton import Array
-from mcml_schemas.frames import CurveSamples, EditedCurve, FrameEdits, FramesEdited
+from mcml_schemas.frames import CurveSamples, EditedCurve, FrameEdits, FramesEdited, ReplacedSamples
+from mcml_schemas.revisions import FrameRange
+from mcml_service.actions.editing.edit_report import EditReport
 from mcml_service.actions.editing.frame_ranges import edit_frames as apply_edits
 from mcml_service.actions.editing.frame_ranges import ranges_to_compare
 from mcml_service.actions.reading.read_curves import Curve, read_curves
@@ -22,6 +24,8 @@ from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 MOST_CURVES = 8
+MOST_RANGES = 2000
+"""Most ranges of new samples in an answer."""
 MOST_POINTS = 2000
 """Most frame ranges of a curve in an answer."""
 
@@ -60,7 +64,7 @@ def edit_frames(
     edits that keep the number of frames, else over the whole document.
     """
     columns, quantities = _parse_curves(column, quantity, dry_run=dry_run)
-    notes: list[str] = []
+    report = EditReport()
     curves: list[EditedCurve] = []
 
     def read(tx: Transaction, document: StoredDocument, frames: tuple[int, int]) -> list[Curve]:
@@ -71,15 +75,38 @@ def edit_frames(
             stored = find_for_write(tx, id, if_match)
             ranges = ranges_to_compare(stored, edits.edits)
             before = read(tx, stored, ranges.before)
-            changed = apply_edits(tx, stored, edits, notes)
+            changed = apply_edits(tx, stored, edits, report)
             if dry_run:
                 after = read(tx, changed, ranges.after or (1, changed.frames))
                 curves = [_compare(*pair) for pair in zip(before, after, strict=True)]
                 raise UndoneError
     except UndoneError:
-        return FramesEdited(revision=stored.revision, frames=changed.frames, notes=notes, curves=curves)
+        return _describe(stored.revision, changed.frames, report, curves)
     call.tag = tag(changed)
-    return FramesEdited(revision=changed.revision, frames=changed.frames, notes=notes)
+    return _describe(changed.revision, changed.frames, report, [])
+
+
+def _describe(revision: int, frames: int, report: EditReport, curves: list[EditedCurve]) -> FramesEdited:
+    """replaced: bones with the most new samples first, as many frame ranges as an answer may have."""
+    left = MOST_RANGES
+    replaced: list[ReplacedSamples] = []
+    for bone, found in sorted(report.replaced.items(), key=lambda item: -item[1].frames):
+        shown = [FrameRange(first=first, last=last) for first, last in found.ranges[:left]]
+        left -= len(shown)
+        if shown:
+            replaced.append(ReplacedSamples(bone=bone, channels=found.channels, frames=found.frames, ranges=shown))
+    notes = list(report.notes)
+    total = sum(len(found.ranges) for found in report.replaced.values())
+    if total > MOST_RANGES:
+        notes.append(f"{total:,} ranges of new samples, of which {MOST_RANGES:,} are listed")
+    return FramesEdited(
+        revision=revision,
+        frames=frames,
+        notes=notes,
+        curves=curves,
+        replaced=replaced,
+        first_kept=report.first_kept,
+    )
 
 
 def _parse_curves(

@@ -3129,6 +3129,9 @@ export interface components {
             notes: string[];
             /** @default [] */
             curves: components["schemas"]["EditedCurve"][];
+            /** @default [] */
+            replaced: components["schemas"]["ReplacedSamples"][];
+            first_kept?: number | null;
         };
         GaitBelt: {
             is_belt: boolean;
@@ -4357,6 +4360,12 @@ export interface components {
             do: "replace";
             xpath: string;
             fragment: string;
+        };
+        ReplacedSamples: {
+            bone: string;
+            channels: string[];
+            frames: number;
+            ranges: components["schemas"]["FrameRange"][];
         };
         ResampleFrames: {
             /**
