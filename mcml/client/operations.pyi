@@ -597,6 +597,9 @@ class Operations:
         id: str,
         edits: FrameEdits | dict[str, Any],
         dry_run: bool | None = ...,
+        column: list[str] | None = ...,
+        quantity: list[str] | None = ...,
+        pixels: int | None = ...,
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> FramesEdited:

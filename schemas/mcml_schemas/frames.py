@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from mcml_schemas.examples import DOCUMENT, shown
 from mcml_schemas.request_body import RequestBody
+from mcml_schemas.revisions import FrameRange
 
 FrameForm: TypeAlias = Literal["json", "npy", "npz", "block", "arrow", "parquet", "csv"]
 """How frames are written as numbers."""
@@ -215,11 +216,61 @@ class PreviewMotion(MotionHead):
     data: str
 
 
+class CurveSamples(BaseModel):
+    """A curve for drawing: the least and the greatest sample of successive frame ranges, null without samples."""
+
+    first: int = Field(description="Position of the first frame")
+    step: int = Field(description="Frames in each range; 1: every frame, and both lists are the samples")
+    minimum: list[float | None]
+    maximum: list[float | None]
+
+
+class EditedCurve(BaseModel):
+    """A channel or a quantity before and after an edit."""
+
+    name: str = Field(description="BONE.CHANNEL, or the quantity as it was requested")
+    unit: str = Field(description="Unit of a quantity; empty for channels, which are in the units of the document")
+    before: CurveSamples
+    after: CurveSamples
+
+
+class ReplacedSamples(BaseModel):
+    """Frames in which a bone or marker has new samples after `fill` or `despike`."""
+
+    bone: str
+    channels: list[str] = Field(description="Channels with new samples, the most changed first")
+    frames: int = Field(description="Number of frames")
+    ranges: list[FrameRange] = Field(description="Positions at the time of the edit; at most 2,000 of all bones")
+
+
 class FramesEdited(BaseModel):
     """The revision that was made, and how many frames the document now has."""
 
-    model_config = ConfigDict(json_schema_extra=shown({"revision": 2, "frames": 301, "notes": []}))
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {
+                "revision": 2,
+                "frames": 301,
+                "notes": ["spikes replaced: 1 (Root 1)", "first in frame 31, last in frame 31"],
+                "replaced": [{"bone": "Root", "channels": ["Tx"], "frames": 1, "ranges": [{"first": 31, "last": 31}]}],
+                "first_kept": None,
+                "curves": [
+                    {
+                        "name": "Root.Tx",
+                        "unit": "",
+                        "before": {"first": 30, "step": 1, "minimum": [4.0, 504.2, 4.3], "maximum": [4.0, 504.2, 4.3]},
+                        "after": {"first": 30, "step": 1, "minimum": [4.0, 4.1, 4.3], "maximum": [4.0, 4.1, 4.3]},
+                    }
+                ],
+            }
+        )
+    )
 
     revision: int
     frames: int
     notes: list[str] = Field([], description="Numbers of filled samples by method, remaining gaps, and chosen cut-offs")
+    curves: list[EditedCurve] = Field([], description="With `dry_run`: requested curves before and after the edits")
+    replaced: list[ReplacedSamples] = Field([], description="New samples of `fill` and `despike`, most frames first")
+    first_kept: int | None = Field(
+        None, description="After a single `keep` or `loop`: the former position of the frame that is now the first"
+    )

@@ -239,6 +239,13 @@ def test_frames(run: Run, walk: str) -> None:
     assert "18 frames" in run("frames", walk, "insert", "1-3", "--to", "16")
     run("frames", walk, "reverse", "2-4")
     run("frames", walk, "resample", "--rate", "60")
+    curve = f"{bone}.Rx"
+    shown = run("frames", walk, "adjust", "1-5", "--channel", "Rx", "--factor", "0", "--offset", "9", "--dry-run",
+                "--column", curve, "--quantity", f"height:{bone}")  # fmt: skip
+    (row,) = (line for line in shown.splitlines() if line.startswith(curve))
+    assert row.endswith("9 to 9")
+    assert f"height:{bone}" in shown
+    assert "Add dry_run" in run("frames", walk, "unroll", "--column", curve, code=1)
     assert "needs FIRST-LAST" in run("frames", walk, "smooth", code=2)
     assert "no use for rate" in run("frames", walk, "delete", "1", "--rate", "3", code=2)
     assert "not in a document" in run("frames", walk, "delete", "1-99999", code=1)

@@ -16,6 +16,7 @@ import mcml
 from mcml.client.client import Client
 from mcml.client.remote import Remote
 from mcml.errors import ConflictError, McmlError, NotFoundError, RequestError
+from mcml_schemas.frames import FrameEdits
 from mcml_service.actions.importing.load_demo import demo_files
 from mcml_service.local_store import Local
 from mcml_service.settings import Settings
@@ -226,3 +227,16 @@ def test_a_server_that_is_too_busy_is_asked_again(monkeypatch: pytest.MonkeyPatc
     with pytest.raises(McmlError, match="100 wait"):
         client.call("list_documents")
     assert waited == [5, 5]
+
+
+def test_curves_of_a_dry_run(repo: mcml.Repository) -> None:
+    """The answer has the samples of the same edit, here and from a server, and nothing is changed."""
+    clip = repo.operations.get_document(id=repo.document("clip3").id)
+    column = f"{clip.bones[0].name}.{clip.bones[0].channels[0]}"
+    edits = FrameEdits.model_validate({"edits": [{"do": "reverse", "first": 2, "last": 6}]})
+    done = repo.operations.edit_frames(id=clip.id, edits=edits, dry_run=True, column=[column], if_match="*")
+    (curve,) = done.curves
+    assert (curve.name, curve.before.first, curve.before.step) == (column, 2, 1)
+    assert len(set(curve.before.minimum)) > 1
+    assert curve.after.minimum == curve.before.minimum[::-1]
+    assert repo.operations.get_document(id=clip.id) == clip

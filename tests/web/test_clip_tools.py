@@ -303,6 +303,28 @@ def test_spikes_are_previewed_removed_and_taken_back(visit: Visit, studio: Serve
     notes = dialog.get_by_role("status", name="Preview")
     expect(notes).to_contain_text("Root 1")
     expect(dialog.get_by_text("Frames 1–60")).to_be_visible()
+    # The curve of the spike, before and after, as the service gives both.
+    curve = dialog.get_by_label("Curve", exact=True)
+    expect(curve).to_have_value("column=left_up_leg.Rx")
+    curve.select_option("column=Root.Tx")
+    expect(dialog.get_by_role("img", name="Root.Tx before and after")).to_be_visible()
+    dialog.get_by_text("As table").click()
+    row = dialog.get_by_role("row").filter(has=page.get_by_role("cell", name="31", exact=True))
+    before, after = (float(text.replace(",", "")) for text in row.get_by_role("cell").all_inner_texts()[1:])
+    assert before - after == pytest.approx(500, abs=5)
+    # Less strict, nothing is a spike: the curve follows the parameters.
+    dialog.get_by_label("Deviations").fill("1000")
+    dialog.get_by_label("Deviations").blur()
+    expect(notes).to_contain_text("no spikes")
+    expect(row.get_by_role("cell").nth(2)).to_have_text(row.get_by_role("cell").nth(1).inner_text())
+    dialog.get_by_label("Deviations").fill("6")
+    dialog.get_by_label("Deviations").blur()
+    expect(notes).to_contain_text("Root 1")
+    curve.select_option("quantity=height:Root")
+    expect(dialog.get_by_text("height:Root has no values in these frames.")).to_be_visible()
+    curve.select_option("column=left_low_leg.Ry")
+    expect(dialog.get_by_role("img", name="left_low_leg.Ry before and after")).to_be_visible()
+    assert studio.get(f"/documents/{uuid}")["revision"] == 1
     revision = studio.get(f"/documents/{uuid}")["revision"]
     dialog.get_by_role("button", name="Apply").click()
     expect(page.get_by_text("Now 60 frames; spikes replaced")).to_be_visible()

@@ -136,7 +136,7 @@ _ROWS = [
               "Get frames of a document as numbers in the source's units.", "edits.frames", open_to_links=True),
     Operation("edit_frames", "POST /documents/{id}/frames", WRITES, EDIT,
               "Edit ranges of frames: delete, move, mirror, fill gaps, filter, smooth, resample, and more.",
-              "edits.frames"),
+              "edits.frame_edits"),
     Operation("put_frames", "PUT /documents/{id}/frames", WRITES, EDIT,
               "Set channels of consecutive frames from JSON or a NumPy file.", "edits.frames"),
 

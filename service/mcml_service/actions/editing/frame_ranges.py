@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,7 @@ from mcml_schemas.frames import (
     UnrollFrames,
 )
 from mcml_service.actions.checking.check_timed import seconds_of
+from mcml_service.actions.editing.edit_report import EditReport
 from mcml_service.actions.editing.frame_splicing import (
     check_range,
     counts_up,
@@ -42,22 +43,26 @@ from mcml_service.storage.documents.motion_names import names_of_frames
 from mcml_service.storage.documents.spans import StoredSpan
 from mcml_service.storage.transaction import Transaction
 
+_MOVING = DeleteFrames | KeepFrames | MoveFrames | InsertFrames | ResampleFrames | LoopFrames
+"""Edits after which frames are at other positions."""
+
 
 def edit_frames(
-    tx: Transaction, stored: StoredDocument, request: FrameEdits, notes: list[str] | None = None
+    tx: Transaction, stored: StoredDocument, request: FrameEdits, report: EditReport | None = None
 ) -> StoredDocument:
     """The edits of a request, one after the other, as one revision.
 
-    notes: gets sentences about decisions of edits, such as a cut-off that was chosen.
+    report: gets decisions and replaced samples of the edits.
     """
     done = []
-    told: list[str] = [] if notes is None else notes
+    report = EditReport() if report is None else report
     for edit in request.edits:
         current = tx.documents.get(stored.uuid)
         if isinstance(edit, DeleteFrames):
             delete_frames(tx, current, edit.first, edit.last, renumber=request.renumber)
         elif isinstance(edit, KeepFrames):
             trim(tx, current, edit.first, edit.last, renumber=request.renumber)
+            report.first_kept = edit.first
         elif isinstance(edit, ReverseFrames):
             reverse(tx, current, edit.first, edit.last)
         elif isinstance(edit, MoveFrames):
@@ -66,12 +71,41 @@ def edit_frames(
             source = current if edit.document is None else tx.documents.get(edit.document)
             insert_frames(tx, current, edit.at, source, edit.first, edit.last, renumber=request.renumber)
         elif isinstance(edit, LoopFrames):
-            told += loop_frames(tx, current, edit, renumber=request.renumber)
+            loop_frames(tx, current, edit, report, renumber=request.renumber)
         else:
-            told += reshape(tx, current, edit)
+            reshape(tx, current, edit, report)
         done.append(_summarise(edit))
+    if len(request.edits) > 1:
+        report.first_kept = None
     tx.documents.add_revision(stored, "frames", request.message or ", ".join(done)[:200])
     return tx.documents.get(stored.uuid)
+
+
+@dataclass(frozen=True)
+class ComparedRanges:
+    """Frames (first, last) in which a document before and after edits is compared. after: None for all."""
+
+    before: tuple[int, int]
+    after: tuple[int, int] | None
+
+
+def ranges_to_compare(stored: StoredDocument, edits: Sequence[FrameEdit]) -> ComparedRanges:
+    """Return the frames of edits that leave all frames in place, else all frames. stored: the document before.
+
+    Raises NotFoundError for ranges outside the document.
+    """
+    whole = (1, stored.frames)
+    ranged: list[tuple[int, int]] = []
+    for edit in edits:
+        if isinstance(edit, UnrollFrames):
+            ranged.append((1, stored.frames))
+        elif isinstance(edit, _MOVING):
+            return ComparedRanges(whole, None)
+        else:
+            check_range(stored, edit.first, edit.last)
+            ranged.append((edit.first, edit.last))
+    both = min(first for first, _ in ranged), max(last for _, last in ranged)
+    return ComparedRanges(both, both)
 
 
 def _summarise(edit: FrameEdit) -> str:
@@ -80,8 +114,10 @@ def _summarise(edit: FrameEdit) -> str:
     return edit.do if isinstance(edit, UnrollFrames) else f"{edit.do} {edit.first}-{edit.last}"
 
 
-def loop_frames(tx: Transaction, stored: StoredDocument, edit: LoopFrames, *, renumber: bool = True) -> list[str]:
-    """Keep a loop of a range. Returns sentences about it."""
+def loop_frames(
+    tx: Transaction, stored: StoredDocument, edit: LoopFrames, report: EditReport, *, renumber: bool = True
+) -> None:
+    """Keep a loop of a range."""
     check_range(stored, edit.first, edit.last)
     whole = read_whole(tx, stored, edit.first, edit.last)
     made = close_loop(
@@ -101,11 +137,12 @@ def loop_frames(tx: Transaction, stored: StoredDocument, edit: LoopFrames, *, re
     current = tx.documents.get(stored.uuid)
     splice_frames(tx, current, 1, current.frames, blocks, renumber=False, same_instants=True)
     held = " and ".join(made.locked)
-    return [
+    report.first_kept = first
+    report.notes.append(
         f"frames {first:,} to {last:,} are the loop: the largest step from its end to its beginning is {made.jump:.2f} "
         f"of those inside, and it turns by {np.degrees(made.turn):.1f} degrees a round"
         + (f"; {held} foot held at its end" if held else "")
-    ]
+    )
 
 
 def delete_frames(tx: Transaction, stored: StoredDocument, first: int, last: int, *, renumber: bool = True) -> None:

@@ -32,6 +32,7 @@ from mcml_schemas.frames import (
     UnrollFrames,
 )
 from mcml_service.actions.checking.check_timed import seconds_of
+from mcml_service.actions.editing.edit_report import EditReport
 from mcml_service.actions.editing.frame_splicing import check_range, splice_frames
 from mcml_service.actions.editing.single_element import Change, apply_change
 from mcml_service.clips.bodies import read_up
@@ -82,24 +83,33 @@ def read_whole(tx: Transaction, stored: StoredDocument, first: int = 1, last: in
     return Whole(head, joined(source.clip.blocks()), source.names, read_up(tx, stored, head))
 
 
-def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping) -> list[str]:
+def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping, report: EditReport) -> None:
     """Recompute samples of frames; unchanged samples keep their bits. Writes no revision.
 
-    Returns sentences about decisions: numbers of filled samples by method, a chosen cut-off.
+    report: gets numbers of filled samples by method, a chosen cut-off, replaced samples.
     """
     if isinstance(edit, ResampleFrames):
         _resample(tx, stored, edit)
-        return []
-    if isinstance(edit, UnrollFrames):
-        return _unroll(tx, stored, edit)
-    check_range(stored, edit.first, edit.last)
-    if isinstance(edit, FillFrames):
-        return _fill(tx, stored, edit)
-    if isinstance(edit, DespikeFrames):
-        return _despike(tx, stored, edit)
-    if isinstance(edit, LockFrames):
-        return _lock_feet(tx, stored, edit)
-    notes: list[str] = []
+    elif isinstance(edit, UnrollFrames):
+        report.notes += _unroll(tx, stored, edit)
+    else:
+        check_range(stored, edit.first, edit.last)
+        if isinstance(edit, FillFrames):
+            report.notes += _fill(tx, stored, edit, report)
+        elif isinstance(edit, DespikeFrames):
+            report.notes += _despike(tx, stored, edit, report)
+        elif isinstance(edit, LockFrames):
+            report.notes += _lock_feet(tx, stored, edit)
+        else:
+            _process(tx, stored, edit, report.notes)
+
+
+def _process(
+    tx: Transaction,
+    stored: StoredDocument,
+    edit: MirrorFrames | SmoothFrames | AdjustFrames | LowPassFrames,
+    notes: list[str],
+) -> None:
     first, last = edit.first, edit.last
     mirror = isinstance(edit, MirrorFrames)
     if isinstance(edit, MirrorFrames):
@@ -125,7 +135,6 @@ def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping) -> list[st
         block = rows_of(block, first - start, last - start + 1)
     blocks = [number_bones(tx, stored, whole, block)]
     splice_frames(tx, stored, first, last - first + 1, blocks, renumber=mirror, same_instants=not mirror)
-    return notes
 
 
 def _rate(stored: StoredDocument) -> float:
@@ -153,7 +162,7 @@ def _low_pass(whole: Whole, edit: LowPassFrames, strength: Array, rate: float, n
     return low_pass(whole.head.skeleton, whole.block, hertz, rate, strength, joints, whole.reading).block
 
 
-def _fill(tx: Transaction, stored: StoredDocument, edit: FillFrames) -> list[str]:
+def _fill(tx: Transaction, stored: StoredDocument, edit: FillFrames, report: EditReport) -> list[str]:
     rate = _rate(stored)
     whole = read_whole(tx, stored)
     rows = slice(edit.first - 1, edit.last)
@@ -165,12 +174,13 @@ def _fill(tx: Transaction, stored: StoredDocument, edit: FillFrames) -> list[str
         notes.append(f"{made.left:,} samples stay missing: gaps over {edit.longest:g} s, or that no other marker tells")
     if made.counts:
         block = rows_of(made.block, rows.start, rows.stop)
+        report.add_replaced(whole.names, rows_of(whole.block, rows.start, rows.stop), block, edit.first)
         blocks = [number_bones(tx, stored, whole, block)]
         splice_frames(tx, stored, edit.first, edit.last - edit.first + 1, blocks, renumber=False, same_instants=True)
     return notes or ["no gaps between known samples"]
 
 
-def _despike(tx: Transaction, stored: StoredDocument, edit: DespikeFrames) -> list[str]:
+def _despike(tx: Transaction, stored: StoredDocument, edit: DespikeFrames, report: EditReport) -> list[str]:
     if edit.window % 2 == 0:
         raise DocumentError(f"A window of {edit.window} frames has no middle.", remedy="Give an odd number.")
     start, end = max(1, edit.first - edit.window - 10), min(stored.frames, edit.last + edit.window + 10)
@@ -179,7 +189,9 @@ def _despike(tx: Transaction, stored: StoredDocument, edit: DespikeFrames) -> li
     joints = whole.joints(edit.bones)
     made = despike(whole.head.skeleton, whole.block, rows, edit.deviations, edit.window, joints, whole.reading)
     if made.counts:
-        blocks = [number_bones(tx, stored, whole, rows_of(made.block, rows.start, rows.stop))]
+        block = rows_of(made.block, rows.start, rows.stop)
+        report.add_replaced(whole.names, rows_of(whole.block, rows.start, rows.stop), block, edit.first)
+        blocks = [number_bones(tx, stored, whole, block)]
         splice_frames(tx, stored, edit.first, edit.last - edit.first + 1, blocks, renumber=False, same_instants=True)
     names = [f"{whole.names[joint]} {count:,}" for joint, count in made.counts.most_common(10)]
     notes = []

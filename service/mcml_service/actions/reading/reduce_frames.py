@@ -70,6 +70,15 @@ def reduce_frames(
     return Reduced(labels, step, values)
 
 
+def reduce_values(samples: Array, pixels: int) -> tuple[int, Array]:
+    """Return the frames a row (see `step_of`), and the extremes (rows, D, 2) of samples (F, D); NaN without samples."""
+    step = step_of(len(samples), pixels)
+    values = np.full((-(-len(samples) // step), samples.shape[1], 2), np.nan)
+    if len(samples):
+        _add(values, samples, 0, step)
+    return step, values
+
+
 def _add(values: Array, samples: Array, at: int, step: int) -> None:
     """Let rows of extremes cover samples (n, D), the first of which is number `at` of all."""
     starts = np.arange(at // step, (at + len(samples) - 1) // step + 1)

@@ -61,7 +61,15 @@ def frames(
         int | None, typer.Option(help="Frames at either end over which an edit of samples comes and goes")
     ] = None,
     renumber: Annotated[bool, typer.Option(help="Ids of frames that counted up by one do so again")] = True,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Preview the notes without changing anything")] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Preview the notes and curves without changing anything")
+    ] = False,
+    columns: Annotated[
+        list[str] | None, typer.Option("--column", help="--dry-run: compare BONE.CHANNEL; may be repeated")
+    ] = None,
+    quantities: Annotated[
+        list[str] | None, typer.Option("--quantity", help="--dry-run: compare a quantity of the body; may be repeated")
+    ] = None,
     message: MessageOption = "",
     revision: RevisionOption = None,
     database: DatabaseOption = None,
@@ -109,5 +117,13 @@ def frames(
     if source is not None:
         edit["document"] = id_of(client, source)
     request = FrameEdits.model_validate({"edits": [{"do": do} | edit], "renumber": renumber, "message": message})
-    done = client.call("edit_frames", id=id_of(client, id), edits=request, dry_run=dry_run, if_match=match_of(revision))
+    done = client.call(
+        "edit_frames",
+        id=id_of(client, id),
+        edits=request,
+        dry_run=dry_run,
+        column=columns,
+        quantity=quantities,
+        if_match=match_of(revision),
+    )
     present(OPERATIONS["edit_frames"], done, as_json)

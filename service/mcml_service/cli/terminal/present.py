@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mcml_schemas.bodies import Calibration, CalibrationValue
     from mcml_schemas.documents import ChangedDocuments, DocumentDetail
     from mcml_schemas.elements import ElementEdited
-    from mcml_schemas.frames import FramesEdited
+    from mcml_schemas.frames import CurveSamples, FramesEdited
     from mcml_schemas.gait import GaitComparison, GaitMeasures
     from mcml_schemas.names import AliasTable
     from mcml_schemas.querying.saved import Vocabulary
@@ -169,6 +169,18 @@ def _frames(done: FramesEdited) -> None:
     console.print(f"revision {done.revision}, {done.frames:,} frames")
     for note in done.notes:
         console.print(f"  {note}", markup=False)
+    if done.curves:
+        rows = table("curve", "unit", "before#", "after#")
+        for curve in done.curves:
+            rows.add_row(curve.name, curve.unit, _extent(curve.before), _extent(curve.after))
+        console.print(rows)
+
+
+def _extent(curve: CurveSamples) -> str:
+    """The least and the greatest sample."""
+    low = min((value for value in curve.minimum if value is not None), default=None)
+    high = max((value for value in curve.maximum if value is not None), default=None)
+    return "" if low is None or high is None else f"{low:.6g} to {high:.6g}"
 
 
 def _difference(found: Difference) -> None:

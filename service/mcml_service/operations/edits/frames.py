@@ -1,4 +1,4 @@
-"""Frames as numbers: read as pages or one array, set, and their ranges changed."""
+"""Frames as numbers: read as pages or one array, and set."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from mcml.files.read_numbers import Numbers, Space, chosen_bones, read_numbers
 from mcml.motion.bodies.quantities import asked_quantity
 from mcml.motion.skeleton import CHANNELS, Array
 from mcml_schemas.documents import FramePage, FrameRow
-from mcml_schemas.frames import FrameEdits, FrameForm, FramesEdited, FrameValues
+from mcml_schemas.frames import FrameForm, FramesEdited, FrameValues
 from mcml_service.actions.editing import frame_ranges
 from mcml_service.actions.exporting.write_tables import (
     TABLES,
@@ -54,7 +54,6 @@ from mcml_service.operations.arguments import (
     tag,
 )
 from mcml_service.operations.call import Call
-from mcml_service.operations.edits.changes import UndoneError
 from mcml_service.operations.operation import Body, gives
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.documents.documents import StoredDocument
@@ -277,29 +276,6 @@ def _short(columns: list[str]) -> dict[str, str]:
     return {"columns": text} if len(text) <= MOST_IN_HEADER else {}
 
 
-def edit_frames(
-    call: Call,
-    id: DocumentId,
-    edits: FrameEdits,
-    dry_run: Annotated[bool, Field(description="Preview the notes without changing anything")] = False,
-    if_match: IfMatch = None,
-) -> FramesEdited:
-    """The whole list becomes one revision, or nothing changes.
-
-    Remaining frames are not written again. Positions in a later edit refer to the result of the earlier ones.
-    """
-    notes: list[str] = []
-    try:
-        with call.database.write(call.author) as tx:
-            stored = find_for_write(tx, id, if_match)
-            changed = frame_ranges.edit_frames(tx, stored, edits, notes)
-            if dry_run:
-                raise UndoneError
-    except UndoneError:
-        return FramesEdited(revision=stored.revision, frames=changed.frames, notes=notes)
-    return _edit(call, changed, notes)
-
-
 def put_frames(
     call: Call,
     id: DocumentId,
@@ -345,7 +321,9 @@ def put_frames(
         )
     named = [(text.rpartition(".")[0], text.rpartition(".")[2]) for text in columns]
     with call.database.write(call.author) as tx:
-        return _edit(call, _put(tx, find_for_write(tx, id, if_match), first, named, values))
+        changed = _put(tx, find_for_write(tx, id, if_match), first, named, values)
+    call.tag = tag(changed)
+    return FramesEdited(revision=changed.revision, frames=changed.frames)
 
 
 def _put(
@@ -355,11 +333,6 @@ def _put(
         names = ", ".join(".".join(column) for column in columns[:4])
         tx.documents.add_revision(stored, "frames", f"set {names} of frames {first} to {first + len(values) - 1}")
     return tx.documents.get(stored.uuid)
-
-
-def _edit(call: Call, changed: StoredDocument, notes: list[str] | None = None) -> FramesEdited:
-    call.tag = tag(changed)
-    return FramesEdited(revision=changed.revision, frames=changed.frames, notes=notes or [])
 
 
 def _from_json(content: bytes, stated: list[str]) -> tuple[list[str], Array]:

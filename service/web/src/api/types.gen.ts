@@ -2480,6 +2480,12 @@ export interface components {
             value: string;
             documents: number;
         };
+        CurveSamples: {
+            first: number;
+            step: number;
+            minimum: (number | null)[];
+            maximum: (number | null)[];
+        };
         DanceParameters: {
             source_bpm?: number | null;
             /**
@@ -2719,6 +2725,12 @@ export interface components {
             threshold: number;
             /** @default 5000 */
             most: number;
+        };
+        EditedCurve: {
+            name: string;
+            unit: string;
+            before: components["schemas"]["CurveSamples"];
+            after: components["schemas"]["CurveSamples"];
         };
         ElementChange: {
             attributes?: {
@@ -3127,6 +3139,11 @@ export interface components {
             frames: number;
             /** @default [] */
             notes: string[];
+            /** @default [] */
+            curves: components["schemas"]["EditedCurve"][];
+            /** @default [] */
+            replaced: components["schemas"]["ReplacedSamples"][];
+            first_kept?: number | null;
         };
         GaitBelt: {
             is_belt: boolean;
@@ -4355,6 +4372,12 @@ export interface components {
             do: "replace";
             xpath: string;
             fragment: string;
+        };
+        ReplacedSamples: {
+            bone: string;
+            channels: string[];
+            frames: number;
+            ranges: components["schemas"]["FrameRange"][];
         };
         ResampleFrames: {
             /**
@@ -7193,6 +7216,9 @@ export interface operations {
         parameters: {
             query?: {
                 dry_run?: boolean;
+                column?: string[] | null;
+                quantity?: string[] | null;
+                pixels?: number;
             };
             header?: {
                 "if-match"?: string | null;

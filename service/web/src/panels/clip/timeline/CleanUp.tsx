@@ -1,11 +1,13 @@
 /** Gaps, noise, spikes, angles that leap, feet that slide, loops: chosen, previewed by what would change, then made. */
-import { useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
+import { startCurve, type CurveName } from "../../../motion/timeline/comparing";
 import type { Clip } from "../../../state/clip/clip";
 import { Dialog } from "../../../ui/Dialog";
 import { NumberField } from "../../../ui/forms/NumberField";
 import { Trouble } from "../../../ui/Trouble";
 import { useAsync } from "../../../ui/useAsync";
 import { w } from "../../../words";
+import { CurvePreview } from "./CurvePreview";
 import { editFrames, previewEdits, type Edits } from "./editFrames";
 
 const KINDS = ["fill", "despike", "low-pass", "unroll", "lock-feet", "loop"] as const;
@@ -57,6 +59,33 @@ function editOf(
   return [edits[kind]] as unknown as Edits;
 }
 
+/** The dry run of edits, with a curve: the chosen one, else of the selected joint, else of the one with the most new samples. */
+function usePreview(clip: Clip, edits: Edits) {
+  const [chosen, setChosen] = useState<CurveName | null>(null);
+  const [most, setMost] = useState<string | null>(null);
+  const { bones } = clip.selection.value;
+  const curve =
+    chosen ??
+    (most !== null && !bones.length
+      ? { kind: "column" as const, name: most }
+      : startCurve(clip.skeleton.view.bones, bones));
+  const preview = useAsync(
+    async (signal) => {
+      await new Promise((resolve) => setTimeout(resolve, WAIT));
+      signal.throwIfAborted();
+      return previewEdits(clip, edits, curve, signal);
+    },
+    [JSON.stringify([edits, curve])],
+  );
+  const made = preview.value ?? preview.before;
+  const found = preview.value?.replaced[0];
+  const changed = found && `${found.bone}.${found.channels[0]}`;
+  useEffect(() => {
+    if (changed !== undefined) setMost(changed);
+  }, [changed]);
+  return { preview, made, curve, choose: setChosen };
+}
+
 export function CleanUp({
   clip,
   range,
@@ -79,14 +108,7 @@ export function CleanUp({
   });
   const span = range ?? [1, clip.frames];
   const edits = editOf(kind, choices, clip, span);
-  const preview = useAsync(
-    async (signal) => {
-      await new Promise((resolve) => setTimeout(resolve, WAIT));
-      signal.throwIfAborted();
-      return previewEdits(clip, edits, signal);
-    },
-    [JSON.stringify(edits)],
-  );
+  const { preview, made, curve, choose } = usePreview(clip, edits);
   const change = (more: Partial<Choices>) => setChoices({ ...choices, ...more });
   return (
     <Dialog title={w("button.repairFrames")} onClose={onClose}>
@@ -123,11 +145,14 @@ export function CleanUp({
         <p>{kind === "unroll" ? w("label.cleanAll") : w("label.cleanRange", { first: span[0], last: span[1] })}</p>
         <Trouble error={preview.error} />
         <ul class="clean-notes" role="status" aria-busy={preview.busy} aria-label={w("label.preview")}>
-          {(preview.value ?? preview.before ?? []).map((one) => (
+          {made?.notes.map((one) => (
             <li key={one}>{one}</li>
           ))}
           {preview.busy && <li class="busy" />}
         </ul>
+        {curve && !preview.error && (
+          <CurvePreview clip={clip} made={made} busy={preview.busy} chosen={curve} choose={choose} />
+        )}
         <div class="row">
           <span class="grow" />
           <button type="submit" class="button primary" disabled={preview.busy || Boolean(preview.error)}>

@@ -1,5 +1,6 @@
 /** Edits of frames, made at once as a revision of their own, which the toast takes back. */
 import { ask, type Schemas } from "../../../api/client";
+import type { CurveName } from "../../../motion/timeline/comparing";
 import type { Clip } from "../../../state/clip/clip";
 import { note, refuse } from "../../../state/session/notes";
 import { w } from "../../../words";
@@ -32,14 +33,20 @@ export async function editFrames(clip: Clip, reload: () => void, edits: Edits): 
   }
 }
 
-/** The notes that edits would have, without making them. */
-export async function previewEdits(clip: Clip, edits: Edits, signal: AbortSignal): Promise<string[]> {
-  const made = await ask("post", "/documents/{id}/frames", {
+export type Made = Schemas["FramesEdited"];
+
+/** What edits would do, without making them: notes, and a curve before and after. */
+export async function previewEdits(
+  clip: Clip,
+  edits: Edits,
+  curve: CurveName | null,
+  signal: AbortSignal,
+): Promise<Made> {
+  return ask("post", "/documents/{id}/frames", {
     path: { id: clip.id },
     match: clip.detail.revision,
     body: { edits, renumber: true, message: "" },
-    query: { dry_run: true },
+    query: { dry_run: true, ...(curve ? { [curve.kind]: [curve.name] } : {}) },
     signal,
   });
-  return made.notes;
 }
