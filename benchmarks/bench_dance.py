@@ -310,6 +310,44 @@ def ten_minutes_table(clips: list[Motion]) -> str:
     return "\n".join(lines)
 
 
+GROUPS: dict[str, dict[str, object] | None] = {
+    "one": None,
+    "2, unison": {"count": 2},
+    "3, unison": {"count": 3},
+    "2, canon": {"count": 2, "mode": "canon"},
+    "3, canon": {"count": 3, "mode": "canon"},
+    "2, free": {"count": 2, "mode": "free"},
+    "3, free": {"count": 3, "mode": "free"},
+}
+
+
+def group_table(clips: list[Motion]) -> str:
+    """Five minutes of several dancers: 150 bars at 120 a minute on a stage of 4 m radius, else as in ten minutes."""
+    lines = [
+        "| clips | dancers | least distance m | outside m | most uses of each | alignment music, of each "
+        "| alignment motion, of each | s |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for name, members in SETS.items():
+        own = [replace(clip, skeleton=assign(clip.skeleton)) for clip in clips if clip.name in members]
+        for group, wish in GROUPS.items() if own else ():
+            options = {"bpm": 120, "bars": 150, "stride": 1, "pulse": "1", "stage": 4, "dancers": wish}
+            begun = perf_counter()
+            parts = DANCE.run(own, DanceParameters.model_validate(options), silent)
+            seconds = perf_counter() - begun
+            values = dict(parts["metrics"].data["rows"])
+            dancers = _records(parts["dancers"]) if wish else [values]
+            cells = [
+                ", ".join(f"{dancer[column]:{form}}" for dancer in dancers)
+                for column, form in (("most_uses", ""), ("beat_align_music", ".3f"), ("beat_align_motion", ".3f"))
+            ]
+            least = f"{values['least_distance']:.2f}" if wish else "–"
+            figures = f"| {least} | {values['outside_stage']:.1f} | {' | '.join(cells)} | {seconds:.0f} |"
+            lines.append(f"| {name} | {group} {figures}")
+            print(lines[-1], flush=True)
+    return "\n".join(lines)
+
+
 def _graph_of(motion: Motion, options: dict[str, object]) -> Part | None:
     if not BEATS.run([motion], BeatsParameters.model_validate(options), silent)["bars"].data["rows"]:
         return None
@@ -330,5 +368,6 @@ if __name__ == "__main__":
         real_table(real),
         blend_table(real),
         ten_minutes_table(real),
+        group_table(real),
     ):
         print(table, end="\n\n")

@@ -148,6 +148,21 @@ def test_bars_become_motion_names_and_dances_documents(mcml: Run) -> None:
     shown = json.loads(mcml("show", document, "--json")[1])
     assert shown["project"] == "made"
     assert shown["duration"] == pytest.approx(16 * 60 / 116, abs=2 * shown["seconds_per_frame"])
+    code, _, errors = mcml(
+        "analyse",
+        "dance",
+        "make",
+        "--project",
+        "dances",
+        "bpm=116",
+        "bars=4",
+        'dancers={"count": 2}',
+        "--into",
+        "pairs",
+    )
+    assert code == 0, errors
+    roots = "//bone[name='dancer1:Root' or name='dancer2:Root']"
+    assert mcml("xpath", roots, "--project", "pairs", "--as", "count")[1].strip() == "2"
 
 
 def test_properties_from_a_table(mcml: Run, tmp_path: Path) -> None:

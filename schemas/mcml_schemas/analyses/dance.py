@@ -241,6 +241,29 @@ class StageSize(RequestBody):
 StageRadius: TypeAlias = Annotated[float, Field(gt=0, le=1000)]
 
 
+class Dancers(RequestBody):
+    """Several dancers on one stage."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"count": 3, "mode": "canon", "delay": 2}]})
+
+    count: int = Field(ge=2, le=6, description="Number of dancers", examples=[3])
+    mode: Literal["unison", "canon", "free"] = Field(
+        "unison",
+        description="unison: all dance the same bars. canon: each starts some bars after the one before. free: each "
+        "has a path of its own that keeps away from the others",
+        examples=["unison"],
+    )
+    delay: int = Field(1, ge=1, le=8, description="Canon: bars of music from one dancer to the next", examples=[2])
+    spacing: float = Field(
+        1.2, ge=0.5, le=10, description="Distance of neighbours at the start, metres", examples=[1.2]
+    )
+    mirrored: bool = Field(
+        False,
+        description="Unison and canon: every second dancer dances with left and right exchanged",
+        examples=[False],
+    )
+
+
 class DanceParameters(GraphParameters):
     """Parameters of a dance."""
 
@@ -319,6 +342,12 @@ class DanceParameters(GraphParameters):
         le=360,
         description="Direction that the dancer faces at the first beat, degrees to the left of +Z (with Z up: of -Y)",
         examples=[0.0],
+    )
+    dancers: Dancers | None = Field(
+        None,
+        description="Several dancers instead of one: how many, in unison, in canon or free, and their distance. The "
+        "clip has all bodies; joints of the second dancer are named dancer2:Root and so on",
+        examples=[None],
     )
     max_run: int = Field(4, ge=1, le=512, description="Consecutive bars in the order of their clip", examples=[4])
     start: int | None = Field(None, ge=1, description="Bar of the graph, from 1, to begin with", examples=[1])

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 
@@ -20,8 +19,9 @@ from mcml_schemas.analyses.dance import (
     StageSize,
 )
 from mcml_service.analysis.dance import tables
-from mcml_service.analysis.dance.assembly import Dance, lock_feet_of
+from mcml_service.analysis.dance.assembly import Dance, cut_dance, lock_feet_of
 from mcml_service.analysis.dance.bar_graph import BarGraph, bar_graph
+from mcml_service.analysis.dance.blend import Blend
 from mcml_service.analysis.dance.choreography import (
     MOST_OUT,
     Choice,
@@ -29,11 +29,11 @@ from mcml_service.analysis.dance.choreography import (
     Wish,
     check_pulse,
     dance_of,
-    plan_dance,
-    stage_dance,
     turn_dance,
 )
-from mcml_service.analysis.dance.energy import Loudness
+from mcml_service.analysis.dance.energy import Loudness, check_loudness
+from mcml_service.analysis.dance.group_dance.dancers import Group, bars_of_each, make_dancers
+from mcml_service.analysis.dance.group_dance.figures import measure_group
 from mcml_service.analysis.dance.made_clip import Naming, make_clip
 from mcml_service.analysis.dance.measured import measure
 from mcml_service.analysis.dance.motion_graph import strong_components
@@ -42,7 +42,7 @@ from mcml_service.analysis.dance.pictures import BEATS_PICTURES, DANCE_PICTURES,
 from mcml_service.analysis.dance.sources import Clip, Search, channels_of, on_one_skeleton, read_clip, upright_clip
 from mcml_service.analysis.dance.stage import Stage
 from mcml_service.analysis.dance.tempo import Tempo, tempo_of
-from mcml_service.analysis.dance.time_warp import even_grid
+from mcml_service.analysis.dance.time_warp import even_grid, frame_count, motion_grid
 from mcml_service.analysis.interface import (
     Analysis,
     AnalysisError,
@@ -189,26 +189,37 @@ def run_dance(motions: Sequence[Motion], parameters: DanceParameters, progress: 
     clips, graph, warnings = _graph(motions, parameters, progress, (0.4, 0.3))
     progress("path", 0.72)
     choice = _choice(parameters)
-    plan = plan_dance(clips, graph, grid, choice)
+    stage = choice.stage
     fps = parameters.fps or clips[0].fps
-    progress("motion", 0.76)
-    dance = _dance(clips, graph, plan, fps, parameters, parameters.blend)
-    plan = stage_dance(clips, plan, dance, fps, choice)
-    dance = turn_dance(clips, plan, dance, fps, choice)
+
+    def make(plan: Plan, frames: int, blend: Blend = parameters.blend) -> Dance:
+        beats, warp, placement = parameters.blend_beats, parameters.warp, parameters.placement
+        return dance_of(clips, graph.bars, plan, fps, blend, beats, warp, placement, frames)
+
+    dancers, choice = make_dancers(clips, graph, grid, fps, choice, _group(parameters), make)
+    progress("motion", 0.78)
     if parameters.lock_feet:
-        dance = lock_feet_of(clips, dance, fps)
+        dancers = [replace(dancer, dance=lock_feet_of(clips, dancer.dance, fps)) for dancer in dancers]
     progress("figures", 0.84)
+    first, frames = dancers[0].plan, frame_count(dancers[0].plan.grid, fps)
     classic = None
     if parameters.blend != "classic":
-        classic = turn_dance(clips, plan, _dance(clips, graph, plan, fps, parameters, "classic"), fps, choice)
-    measured = measure(clips, dance, classic, plan, fps, _search(parameters, ""), choice.stage)
-    warnings += tables.stage_warnings(clips, dance, choice.stage)
+        classic = turn_dance(clips, first, make(first, frames, "classic"), fps, choice)
+    search = _search(parameters, "")
+    own = cut_dance(dancers[0].dance, frames)
+    measured = measure(clips, own, classic, first, fps, search, stage if len(dancers) == 1 else None)
     parts: dict[str, Part] = {
-        "path": tables.path_table(clips, graph.bars, plan),
+        "path": tables.path_table(clips, graph.bars, first),
         "transitions": measured.transitions,
         "metrics": measured.metrics,
-        "warnings": tables.warnings_table(warnings, clips),
     }
+    if len(dancers) > 1:
+        figures, near = measure_group(clips, dancers, measured, fps, search, stage)
+        parts |= figures
+        warnings += near
+    outside = dict(parts["metrics"].data["rows"])["outside_stage"]
+    warnings += tables.stage_warnings(clips, outside, stage, len(dancers) > 1)
+    parts["warnings"] = tables.warnings_table(warnings, clips)
     if not parameters.dry_run:
         naming = Naming(
             parameters.name,
@@ -220,10 +231,30 @@ def run_dance(motions: Sequence[Motion], parameters: DanceParameters, progress: 
         )
         parts["clips"] = tables.clips_table(clips)
         parts["graph"] = tables.graph_part(clips, graph)
-        parts["speed"] = tables.dance_curve(measured.watched.speed, measured.watched.beats, plan.grid, fps)
-        parts["clip"] = Part("clip", clip=make_clip(clips, plan, dance, fps, naming, motions))
+        parts["speed"] = tables.dance_curve(measured.watched.speed, measured.watched.beats, first.grid, fps)
+        whole = motion_grid(grid, first.pulse)
+        parts["clip"] = Part("clip", clip=make_clip(clips, dancers, whole, fps, naming, motions))
     progress("done", 1.0)
     return parts
+
+
+def _check(parameters: BeatsParameters, documents: Sequence[str]) -> None:
+    """Check parameters independently of the clips."""
+    named = [clip.document for clip in parameters.clips]
+    if isinstance(parameters, DanceParameters):
+        _grid(parameters)
+        _loudness(parameters)
+        bars = bars_of_each(parameters.bars, _group(parameters))
+        if parameters.pulse is not None:
+            check_pulse(bars, Fraction(parameters.pulse))
+        named += [allowed.document for allowed in parameters.allowed if allowed.document is not None]
+    for document in named:
+        if document not in documents:
+            raise AnalysisError(
+                "unknown-clip",
+                f"The parameters name {document!r}, which is not one of the documents.",
+                remedy="Name documents of the selection.",
+            )
 
 
 def _grid(parameters: DanceParameters) -> Array:
@@ -248,42 +279,10 @@ def _grid(parameters: DanceParameters) -> Array:
     return even_grid(check_bpm(parameters.bpm), parameters.bars)
 
 
-def _check(parameters: BeatsParameters, documents: Sequence[str]) -> None:
-    """Check parameters independently of the clips."""
-    named = [clip.document for clip in parameters.clips]
-    if isinstance(parameters, DanceParameters):
-        _grid(parameters)
-        _loudness(parameters)
-        if parameters.pulse is not None:
-            check_pulse(parameters.bars, Fraction(parameters.pulse))
-        named += [allowed.document for allowed in parameters.allowed if allowed.document is not None]
-    for document in named:
-        if document not in documents:
-            raise AnalysisError(
-                "unknown-clip",
-                f"The parameters name {document!r}, which is not one of the documents.",
-                remedy="Name documents of the selection.",
-            )
-
-
 def _loudness(parameters: DanceParameters) -> Loudness | None:
-    """The loudness of the music, if it is known. Raises AnalysisError `loudness-unknown` where it is needed."""
     music = parameters.music
-    if music is None or music.loudness is None:
-        if parameters.energy:
-            raise AnalysisError(
-                "loudness-unknown",
-                "The dance is to follow the loudness of music, which is not given.",
-                remedy="Send music with its loudness, as POST /music answers, or set energy to 0.",
-            )
-        return None
-    if len(music.loudness) != len(music.beats):
-        raise AnalysisError(
-            "loudness-unknown",
-            f"The music has {len(music.beats)} beats and {len(music.loudness)} values of loudness.",
-            remedy="Give one value for each beat, or leave loudness out.",
-        )
-    return Loudness(np.array(music.beats), np.array(music.loudness))
+    beats, levels = (None, None) if music is None else (music.beats, music.loudness)
+    return check_loudness(beats, levels, needed=parameters.energy > 0)
 
 
 def _choice(parameters: DanceParameters) -> Choice:
@@ -321,12 +320,9 @@ def _choice(parameters: DanceParameters) -> Choice:
     )
 
 
-def _dance(
-    clips: Sequence[Clip], graph: BarGraph, plan: Plan, fps: float, parameters: DanceParameters, blend: Any
-) -> Dance:
-    return dance_of(
-        clips, graph.bars, plan, fps, blend, parameters.blend_beats, parameters.warp, parameters.placement
-    )  # fmt: skip
+def _group(parameters: DanceParameters) -> Group | None:
+    wish = parameters.dancers
+    return None if wish is None else Group(wish.count, wish.mode, wish.delay, wish.spacing, wish.mirrored)
 
 
 _CLIPS = PartInfo("table", "Each clip: rate, candidates, beats, period, bars, and which beats were used")
@@ -386,6 +382,8 @@ DANCE = Analysis(
         "path": PartInfo("table", "Its bars in order: which bar of which clip, when, and how it is reached"),
         "transitions": PartInfo("table", "Its jumps: when, how far, how smooth, and the same for the classic blend"),
         "metrics": PartInfo("table", "Beat alignment, and smoothness relative to the sources"),
+        "dancers": PartInfo("table", "Of several dancers: when each dances, its bars, beat alignment and way"),
+        "places": PartInfo("table", "Of several dancers: where each is on the floor at each beat, metres"),
         "speed": PartInfo("curve", "Speed of the new dance with its beats and the grid"),
         "graph": _GRAPH,
         "clips": _CLIPS,

@@ -110,6 +110,20 @@ def assemble(
     return Dance(translations, rotations, rate, tuple(transitions), np.array(worlds), sources, shown)
 
 
+def cut_dance(dance: Dance, frames: int) -> Dance:
+    """The first frames of a dance, with all its transitions."""
+    if frames >= len(dance.rate):
+        return dance
+    return replace(
+        dance,
+        translations=dance.translations[:frames],
+        rotations=dance.rotations[:frames],
+        rate=dance.rate[:frames],
+        owners=dance.owners[:frames],
+        shown=dance.shown[:frames],
+    )
+
+
 def lock_feet_of(clips: Sequence[Clip], dance: Dance, fps: float) -> Dance:
     """The dance with feet locked where they are planted in the clips; as it is for bodies without legs by name.
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mcml.motion.skeleton import Array
 from mcml_service.analysis.dance.path import Successors
-from mcml_service.analysis.dance.stage import Indices, Points, Stage, ease
+from mcml_service.analysis.dance.stage import Indices, Points, Stage, crowd, ease
 
 WIDTH = 64
 REPEAT_COST = 1.0
@@ -25,6 +25,8 @@ MEMORY = 16
 """Bars in which repeats cost by their square."""
 OUTSIDE = 4.0
 """Cost of a metre outside the stage, squared, in thresholds."""
+MEETING = 10.0
+"""Cost of a metre too near to another dancer, squared, in those outside the stage."""
 AHEAD = 0.25
 """Weight of the places ahead against those of the bar, where a turn is chosen."""
 TURNS = np.array([0.0, -1.0, 1.0, -0.5, 0.5])
@@ -52,7 +54,7 @@ class Floor:
     tracks: (B, L) the root's way through each bar, from its lead-in to its last beat, metres in its clip; `first` is
     the index of its first beat. spins, shifts: (E,) of the edges: multipliers and moves that bring the second bar to
     the first. ahead: (B,) mean move of the bars that may follow, in the axes of the bar's clip. start: (B,) multipliers
-    that turn the first bar.
+    that turn the first bar. place: where it starts. others: (N, M, L) places of other dancers through each bar.
     """
 
     stage: Stage
@@ -63,6 +65,8 @@ class Floor:
     shifts: Points
     ahead: Points
     start: Points
+    place: complex = 0.0
+    others: Points | None = None
 
     @property
     def turns(self) -> Array:
@@ -136,7 +140,8 @@ def beam_path(
 
     A step to bar B costs its edge; repeat * sum over earlier visits of B of forgetting ** (steps since - 1); novelty *
     (uses of B in the last 16 bars squared + uses of B above the mean of all bars); 4 per square metre that its way is
-    outside the stage; and its energy. At most `max_run` bars in source order, unless a state has no other way.
+    outside the stage and 40 per square metre that it is too near to other dancers; and its energy. At most `max_run`
+    bars in source order, unless a state has no other way.
     reach: (M, B), no dead ends inside. O(M width degree), memory O(width B).
     """
     count = reach.shape[1]
@@ -162,7 +167,7 @@ def beam_path(
     if floor is not None:
         shapes = floor.shapes()
         states.spins *= floor.start[bars]
-        states.shifts = -states.spins * floor.tracks[bars, floor.first]
+        states.shifts = floor.place - states.spins * floor.tracks[bars, floor.first]
     steps: list[tuple[Indices, Indices, Array]] = [(bars, np.zeros(size, dtype=np.intp), turn)]
     for position in range(1, len(reach)):
         states.remember(costs, position)
@@ -178,8 +183,9 @@ def beam_path(
         if floor is not None and shapes is not None:
             near = np.sort(np.argsort(np.round(total, 9), kind="stable")[:MOST_PLACED])
             state, edge, target, total = state[near], edge[near], target[near], total[near]
-            outside, turn, spins, shifts = _place(floor, shapes, states, state, edge, target)
-            total = total + OUTSIDE * outside**2
+            others = None if floor.others is None else floor.others[:, position]
+            away, turn, spins, shifts = _place(floor, shapes, states, state, edge, target, others)
+            total = total + OUTSIDE * away
         best = np.lexsort((target, states.ranks[state], np.round(total, 9)))[:width]
         state, edge, target = state[best], edge[best], target[best]
         ranks_before = states.ranks[state]
@@ -201,9 +207,16 @@ def beam_path(
 
 
 def _place(
-    floor: Floor, shapes: Points, states: _States, state: Indices, edge: Indices, target: Indices
+    floor: Floor,
+    shapes: Points,
+    states: _States,
+    state: Indices,
+    edge: Indices,
+    target: Indices,
+    others: Points | None,
 ) -> tuple[Array, Array, Points, Points]:
-    """Distances (n,) outside the stage of steps, each with the best turn (n,), and the worlds after it.
+    """Squared distances (n,) outside the stage and into others (N, L), each with the best turn (n,), and the worlds
+    after it.
 
     The best turn leaves the stage least in this bar and in the next ones, if they go on as bars usually do from here.
     """
@@ -211,14 +224,16 @@ def _place(
     shifts = states.shifts[state] + states.spins[state] * floor.shifts[edge]
     first = shifts + spins * floor.tracks[target, 0]
     ways = first[:, None, None] + spins[:, None, None] * shapes[target]
-    outside = floor.stage.outside(ways).max(axis=-1)
+    away = floor.stage.outside(ways).max(axis=-1) ** 2
+    for other in () if others is None else others:
+        away += MEETING * (np.abs(crowd(ways, other)) ** 2).max(axis=-1)
     turned = spins[:, None] * np.exp(-1j * floor.turns)
     ahead = turned * floor.ahead[target][:, None]
     later = sum(floor.stage.outside(ways[..., -1] + steps * ahead) ** 2 for steps in (1, 2, 4))
-    best = np.round(outside**2 + AHEAD * later, 9).argmin(axis=1)
+    best = np.round(away + AHEAD * later, 9).argmin(axis=1)
     rows = np.arange(len(state))
     after = turned[rows, best]
-    return outside[rows, best], floor.turns[best], after, ways[rows, best, -1] - after * floor.tracks[target, -1]
+    return away[rows, best], floor.turns[best], after, ways[rows, best, -1] - after * floor.tracks[target, -1]
 
 
 def _expansions(

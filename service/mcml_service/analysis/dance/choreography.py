@@ -23,12 +23,12 @@ from mcml_service.analysis.dance.energy import (
     find_efforts,
     match_energy,
 )
-from mcml_service.analysis.dance.floor import fit_to_stage, make_floor, place_dance, turn_to_face
+from mcml_service.analysis.dance.floor import Company, fit_to_stage, make_floor, place_dance, turn_to_face
 from mcml_service.analysis.dance.motion_beats import half_up
 from mcml_service.analysis.dance.motion_graph import Edges
 from mcml_service.analysis.dance.path import feasible, first_impossible, random_path, successors
 from mcml_service.analysis.dance.sources import Clip
-from mcml_service.analysis.dance.stage import Stage
+from mcml_service.analysis.dance.stage import Points, Stage
 from mcml_service.analysis.dance.time_warp import (
     PULSES,
     Warp,
@@ -43,6 +43,8 @@ from mcml_service.analysis.interface import AnalysisError
 MOST_OUT = 512
 VARIATION = 0.5
 """Thresholds: random cost of a jump, at most, by which seeds give different paths."""
+SHARED = 1.0
+"""Thresholds: cost of a bar that another dancer dances at the same time."""
 Strategy = Literal["beam", "random"]
 
 
@@ -59,7 +61,10 @@ class Wish:
 
 @dataclass(frozen=True)
 class Choice:
-    """How a path is chosen. docs/analyses/dance.md describes the fields; most_turn and facing are in radians."""
+    """How a path is chosen. docs/analyses/dance.md describes the fields; most_turn and facing are in radians.
+
+    place: where the dancer starts on the stage. company: the other dancers there.
+    """
 
     pulse: Fraction | None = None
     max_stretch: float = 2.0
@@ -74,6 +79,8 @@ class Choice:
     stage: Stage | None = None
     most_turn: float = 0.0
     facing: float | None = None
+    place: complex = 0.0
+    company: Company | None = None
 
 
 @dataclass(frozen=True)
@@ -155,7 +162,12 @@ def plan_dance(clips: Sequence[Clip], graph: BarGraph, grid: Array, choice: Choi
     energies = None
     if choice.energy and levels is not None and efforts is not None:
         energies = energy_costs(levels, efforts, graph.kept, choice.energy)
-    route = _find_route(clips, graph, inside, reach, choice, starts, energies)
+    others = None
+    if choice.company is not None:
+        shared = SHARED * choice.company.uses(len(bars))
+        energies = shared if energies is None else energies + shared
+        others = choice.company.find_tracks(beats)
+    route = _find_route(clips, graph, inside, reach, choice, starts, energies, others)
     steps = [_edge(inside.first, inside.second, a, b) for a, b in pairwise(route.path)]
     return Plan(
         tuple(route.path),
@@ -179,6 +191,7 @@ def _find_route(
     choice: Choice,
     starts: Array | None,
     energies: Array | None,
+    others: Points | None,
 ) -> Route:
     """Return the path and its turns."""
     ways = successors(len(graph.bars), inside, graph.threshold)
@@ -187,7 +200,7 @@ def _find_route(
         return Route(path, np.zeros(len(path)), 0.0)
     floor = None
     if choice.stage is not None:
-        floor = make_floor(clips, graph.bars, inside, choice.stage, choice.most_turn, starts)
+        floor = make_floor(clips, graph.bars, inside, choice.stage, choice.most_turn, starts, choice.place, others)
     if choice.novelty and choice.seed:
         varied = VARIATION * np.random.default_rng(choice.seed).random(len(inside)) * ~inside.natural
         ways = replace(ways, costs=ways.costs + varied)
@@ -280,14 +293,18 @@ def dance_of(
     blend_beats: float = 1.0,
     warp: Warp = "beats",
     placement: Placement = "cloud",
+    frames: int | None = None,
 ) -> Dance:
-    """The motion of a plan at a frame rate, as its bars lead: `stage_dance` places it."""
+    """The motion of a plan at a frame rate, as its bars lead: `stage_dance` places it.
+
+    frames: of the motion, up to the end of its grid by default; its last pose is held.
+    """
     runs = segments(
         plan.path, plan.natural, bars.frames, bars.entries, bars.leaves, plan.grid, warp, blend == "classic"
     )
     owners = [int(bars.owners[plan.path[run.first]]) for run in runs]
     jumps = plan.transforms[[not natural for natural in plan.natural]]
-    frames = frame_count(plan.grid, fps)
+    frames = frames or frame_count(plan.grid, fps)
     return assemble(clips, owners, runs, jumps, frames, fps, blend, blend_beats, placement)
 
 
@@ -295,12 +312,25 @@ def stage_dance(clips: Sequence[Clip], plan: Plan, dance: Dance, fps: float, cho
     """The plan with turns that keep its dance on the stage, if there is one."""
     if choice.stage is None:
         return plan
-    turns = fit_to_stage(dance, clips[0], plan.grid, fps, choice.stage, plan.turns, plan.start, choice.most_turn)
+    others = None if choice.company is None else choice.company.ways
+    turns = fit_to_stage(
+        dance,
+        clips[0],
+        plan.grid,
+        fps,
+        choice.stage,
+        plan.turns,
+        plan.start,
+        choice.most_turn,
+        choice.place,
+        others,
+    )
     return replace(plan, turns=turns)
 
 
 def turn_dance(clips: Sequence[Clip], plan: Plan, dance: Dance, fps: float, choice: Choice) -> Dance:
-    """The dance with the turns of its plan; on a stage it starts in the middle, at the origin."""
+    """The dance with the turns of its plan; on a stage it starts at its place, else the middle."""
     if choice.stage is None and not plan.start:
         return dance
-    return place_dance(dance, clips[0], plan.grid, fps, plan.turns, plan.start, choice.stage is not None)
+    place = None if choice.stage is None else choice.place
+    return place_dance(dance, clips[0], plan.grid, fps, plan.turns, plan.start, place)

@@ -15,6 +15,7 @@ from mcml_service.analysis.dance.bar_graph import AllBars
 from mcml_service.analysis.dance.figure import Figure
 from mcml_service.analysis.dance.motion_beats import speed_signal
 from mcml_service.analysis.dance.sources import Clip
+from mcml_service.analysis.interface import AnalysisError
 
 _LIMB = re.compile(r"hand|wrist|foot|ankle|toe", re.IGNORECASE)
 _LEAST = 1e-3
@@ -37,6 +38,25 @@ def measure_levels(samples: Array, rate: float, beats: Array) -> Array:
     squares = (sums[edges[1]] - sums[edges[0]]) / np.maximum(edges[1] - edges[0], 1)
     levels: Array = np.sqrt(np.maximum(squares, 0.0))
     return levels
+
+
+def check_loudness(beats: Sequence[float] | None, levels: Sequence[float] | None, needed: bool) -> Loudness | None:
+    """Return the loudness of music, if it is known. Raises AnalysisError `loudness-unknown` where it is needed."""
+    if beats is None or levels is None:
+        if needed:
+            raise AnalysisError(
+                "loudness-unknown",
+                "The dance is to follow the loudness of music, which is not given.",
+                remedy="Send music with its loudness, as POST /music answers, or set energy to 0.",
+            )
+        return None
+    if len(levels) != len(beats):
+        raise AnalysisError(
+            "loudness-unknown",
+            f"The music has {len(beats)} beats and {len(levels)} values of loudness.",
+            remedy="Give one value for each beat, or leave loudness out.",
+        )
+    return Loudness(np.array(beats), np.array(levels))
 
 
 def find_bar_loudness(loudness: Loudness, grid: Array) -> Array:

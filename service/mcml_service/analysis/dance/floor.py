@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,6 +27,36 @@ _PARTS = 3
 _UP = np.array([0.0, 1.0, 0.0])
 
 
+@dataclass(frozen=True)
+class Company:
+    """Dancers that are placed already. ways: (N, F) their roots. fps: frames a second. paths: (N, M) their bars."""
+
+    ways: Points
+    fps: float
+    paths: Array
+
+    def find_tracks(self, grid: Array) -> Points:
+        """(N, M, 13) places of the roots through each bar, at the points of `find_tracks`.
+
+        grid: (4 M + 1,) motion beats, seconds.
+        """
+        bars = len(grid) // 4
+        beats = np.concatenate([[2 * grid[0] - grid[1]], grid])
+        knots = np.stack([beats[4 * bar : 4 * bar + 5] for bar in range(bars)])
+        part = np.arange(4 * _PARTS + 1) / _PARTS
+        times = np.array([np.interp(part, np.arange(5), row) for row in knots])
+        frames = np.arange(self.ways.shape[1]) / self.fps
+        places = [np.interp(times, frames, way.real) + 1j * np.interp(times, frames, way.imag) for way in self.ways]
+        return np.array(places, dtype=np.complex128)
+
+    def uses(self, bars: int) -> Array:
+        """(M, B) how many of them dance a bar at a position."""
+        counts = np.zeros((self.paths.shape[1], bars))
+        for path in self.paths:
+            counts[np.arange(len(path)), path] += 1
+        return counts
+
+
 def metres_of(clip: Clip) -> float:
     """Metres in the unit of a clip: as stated, else such that its body has the size of an adult's."""
     return clip.motion.metres or BODY / (clip.figure.size or BODY)
@@ -46,10 +76,17 @@ def find_tracks(clips: Sequence[Clip], bars: AllBars, metres: float) -> Points:
 
 
 def make_floor(
-    clips: Sequence[Clip], bars: AllBars, edges: Edges, stage: Stage, most: float, start: Array | None
+    clips: Sequence[Clip],
+    bars: AllBars,
+    edges: Edges,
+    stage: Stage,
+    most: float,
+    start: Array | None,
+    place: complex = 0.0,
+    others: Points | None = None,
 ) -> Floor:
     """Return the places that bars and jumps lead to. most: radians that a bar is turned. start: (B,) turns of the first
-    bar."""
+    bar. place, others: see `Floor`."""
     metres = metres_of(clips[0])
     tracks = find_tracks(clips, bars, metres)
     spins = _spin(edges.transforms[:, 0])
@@ -59,7 +96,7 @@ def make_floor(
     ahead = np.asarray(across + 1j * along, dtype=np.complex128)
     shifts = np.asarray((edges.transforms[:, 1] + 1j * edges.transforms[:, 2]) * metres, dtype=np.complex128)
     turned = _spin(np.zeros(len(bars)) if start is None else start)
-    return Floor(stage, most, tracks, _PARTS, spins, shifts, ahead, turned)
+    return Floor(stage, most, tracks, _PARTS, spins, shifts, ahead, turned, place, others)
 
 
 def _spin(turns: Array) -> Points:
@@ -91,21 +128,36 @@ def turn_to_face(clips: Sequence[Clip], bars: AllBars, facing: float) -> Array:
 
 
 def fit_to_stage(
-    dance: Dance, clip: Clip, grid: Array, fps: float, stage: Stage, turns: Array, start: float, most: float
+    dance: Dance,
+    clip: Clip,
+    grid: Array,
+    fps: float,
+    stage: Stage,
+    turns: Array,
+    start: float,
+    most: float,
+    place: complex = 0.0,
+    others: Points | None = None,
 ) -> Array:
-    """Turns (M,) of each bar that keep the assembled dance on the stage. turns: those that the path was chosen with."""
+    """Turns (M,) of each bar that keep the assembled dance on the stage. turns: those that the path was chosen with.
+    place: where it starts. others: (N, F) roots to keep away from, metres."""
     root = dance.translations[:, clip.motion.skeleton.roots[0]]
     track = (root[:, 0] + 1j * root[:, 2]) * metres_of(clip)
     shares = find_shares(grid, len(track), fps)
-    return fit_turns((track - track[0]) * np.exp(-1j * start), shares, stage, turns, most)
+    return fit_turns(place + (track - track[0]) * np.exp(-1j * start), shares, stage, turns, most, others)
 
 
-def place_dance(dance: Dance, clip: Clip, grid: Array, fps: float, turns: Array, start: float, middle: bool) -> Dance:
-    """The dance turned by `start` in all and by turns (M,) over its bars. middle: it starts at the origin."""
+def place_dance(
+    dance: Dance, clip: Clip, grid: Array, fps: float, turns: Array, start: float, place: complex | None
+) -> Dance:
+    """The dance turned by `start` in all and by turns (M,) over its bars.
+
+    place: where it starts, metres; None: where it started before.
+    """
     roots = np.array(clip.motion.skeleton.roots, dtype=np.intp)
     angles = start + spread_turns(turns, find_shares(grid, len(dance.rotations), fps))
     first = dance.translations[0, roots[0]]
-    at = 0.0 if middle else complex(first[0], first[2])
+    at = complex(first[0], first[2]) if place is None else place / metres_of(clip)
     moved, turned = bend_motion(dance.translations, dance.rotations, roots, angles, at)
     return replace(dance, translations=moved, rotations=turned)
 

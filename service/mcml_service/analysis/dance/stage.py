@@ -22,6 +22,10 @@ INSIDE = 0.95
 POINTS_A_BAR = 24
 """Points of a bar at which turns are fitted."""
 ROUNDS = 400
+NEAR = 0.5
+"""Metres between the roots of two dancers below which they touch."""
+CLEAR = 0.8
+"""Metres between roots that a path aims for, so that its motion keeps `NEAR`."""
 _ASIDE = (0.0, 0.5, -0.5)
 """Turns, in the most of them, added to those to begin with: on a straight way out both sides are alike."""
 _STILL = 1e-3
@@ -124,32 +128,51 @@ def bend_motion(
     return moved, turned
 
 
-def fit_turns(track: Points, shares: Shares, stage: Stage, first: Array, most: float) -> Array:
-    """Turns (M,) of each bar that keep a track (F,) that starts at 0 on a stage, as far as possible.
+def crowd(points: Points, others: Points, clear: float = CLEAR) -> Points:
+    """Vectors to points from the nearest places that are `clear` metres away from others; 0 if they are further."""
+    between = points - others
+    distances = np.abs(between)
+    ahead = np.where(distances > 0, between / np.where(distances > 0, distances, 1.0), 1.0)
+    pushed: Points = ahead * np.minimum(distances - clear, 0.0)
+    return pushed
+
+
+def fit_turns(
+    track: Points, shares: Shares, stage: Stage, first: Array, most: float, others: Points | None = None
+) -> Array:
+    """Turns (M,) of each bar that keep a track (F,) on a stage and away from others (N, F), as far as possible.
 
     first: (M,) turns to begin with. most: radians a bar. The sum of squared distances outside is least (L-BFGS-B; its
     gradient by one pass forwards and one backwards). O(rounds * bars).
     """
-    if most <= 0 or not stage.outside(bend(track, spread_turns(first, shares))).any():
+    company = np.zeros((0, len(track)), dtype=np.complex128) if others is None else others
+
+    def miss(turns: Array) -> float:
+        way = bend(track, spread_turns(turns, shares))
+        near = np.abs(crowd(way, company, (NEAR + CLEAR) / 2)).max(initial=0.0)
+        return max(float(stage.outside(way).max()), float(near))
+
+    if most <= 0 or not miss(first):
         return first
     step = max(1, len(track) // (POINTS_A_BAR * len(first)))
     chosen = np.unique(np.append(np.arange(0, len(track), step), len(track) - 1))
     thin, own = track[chosen], Shares(shares.bars[chosen], shares.shares[chosen])
-    steps = np.diff(thin)
+    steps, beside = np.diff(thin), company[:, chosen]
     count = len(first)
 
     def cost(turns: Array) -> tuple[float, Array]:
         angles = spread_turns(turns, own)
         way = np.exp(-0.5j * (angles[1:] + angles[:-1])) * steps
-        beyond = stage.beyond(thin[0] + np.concatenate([[0.0], np.cumsum(way)]), INSIDE)
-        rest = np.cumsum(beyond[:0:-1])[::-1]
+        places = thin[0] + np.concatenate([[0.0], np.cumsum(way)])
+        misses = np.concatenate([stage.beyond(places, INSIDE)[None], crowd(places, beside)])
+        rest = np.cumsum(misses.sum(axis=0)[:0:-1])[::-1]
         # Of the cost by the middle of each step's turn; half of it belongs to the angle at either end.
         slopes = 2 * (np.conj(rest) * (-1j * way)).real / len(thin)
         at = np.concatenate([slopes, [0.0]]) / 2 + np.concatenate([[0.0], slopes]) / 2
         whole = np.bincount(own.bars, at, count)
         later = np.cumsum(whole[::-1])[::-1] - whole
         gradient = later + np.bincount(own.bars, at * own.shares, count) + 2 * _STILL * turns / (count * most**2)
-        value = float((np.abs(beyond) ** 2).mean() + _STILL * (turns**2).sum() / (count * most**2))
+        value = float((np.abs(misses) ** 2).sum() / len(thin) + _STILL * (turns**2).sum() / (count * most**2))
         return value, gradient
 
     tried = [first]
@@ -163,5 +186,4 @@ def fit_turns(track: Points, shares: Shares, stage: Stage, first: Array, most: f
             options={"maxiter": ROUNDS},
         )
         tried.append(np.clip(fit.x, -most, most))
-    farthest = [stage.outside(bend(track, spread_turns(turns, shares))).max() for turns in tried]
-    return tried[int(np.argmin(np.round(farthest, 9)))]
+    return tried[int(np.argmin(np.round([miss(turns) for turns in tried], 9)))]

@@ -12,11 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.motion.skeleton import Array
-from mcml_service.analysis.dance.assembly import Dance
 from mcml_service.analysis.dance.bar_graph import FAR, AllBars, BarGraph
 from mcml_service.analysis.dance.bars import find_held_frames
 from mcml_service.analysis.dance.choreography import Plan
-from mcml_service.analysis.dance.floor import measure_way
 from mcml_service.analysis.dance.motion_beats import REASONS, half_up, whole
 from mcml_service.analysis.dance.sources import Clip
 from mcml_service.analysis.dance.stage import Stage
@@ -43,6 +41,10 @@ _UNITS = {
     "dip": "mean speed",
     "rest": "mean speed",
     "speed_peak": "mean speed",
+    "farthest_from_centre": "m",
+    "outside_stage": "m",
+    "x": "m",
+    "z": "m",
     "foot_skate": "body size/s",
 }
 
@@ -230,18 +232,15 @@ def graph_warnings(clips: Sequence[Clip], graph: BarGraph) -> list[str]:
     return warnings
 
 
-def stage_warnings(clips: Sequence[Clip], dance: Dance, stage: Stage | None) -> list[str]:
-    """Return warnings about the places of a dance."""
-    if stage is None:
-        return []
+def stage_warnings(clips: Sequence[Clip], outside: float | None, stage: Stage | None, group: bool) -> list[str]:
+    """Return warnings about the places of a dance. outside: metres that it leaves its stage. group: of several."""
     warnings = []
-    outside = float(stage.outside(measure_way(dance.translations, clips[0])).max(initial=0.0))
-    if outside > 0:
+    if stage is not None and outside:
         warnings.append(
             f"The dance leaves the stage, {stage.text}, by up to {outside:.2f} m. Use a larger stage, more clips, or "
             "raise stage_turn."
         )
-    if clips[0].motion.metres is None:
+    if clips[0].motion.metres is None and (stage is not None or group):
         warnings.append(
             f"{clips[0].motion.name} states no unit of length: metres are those of an adult of its proportions."
         )

@@ -2562,6 +2562,7 @@ export interface components {
             /** @default 10 */
             stage_turn: number;
             facing?: number | null;
+            dancers?: components["schemas"]["Dancers"] | null;
             /** @default 4 */
             max_run: number;
             start?: number | null;
@@ -2597,6 +2598,20 @@ export interface components {
             name?: string | null;
             project?: string | null;
             skeleton?: string | null;
+        };
+        Dancers: {
+            count: number;
+            /**
+             * @default unison
+             * @enum {string}
+             */
+            mode: "unison" | "canon" | "free";
+            /** @default 1 */
+            delay: number;
+            /** @default 1.2 */
+            spacing: number;
+            /** @default false */
+            mirrored: boolean;
         };
         DeleteEdit: {
             /**

@@ -12,6 +12,7 @@ import { Trouble } from "../../ui/Trouble";
 import { number, w } from "../../words";
 import { USUAL_BARS, USUAL_BPM, type Bench } from "./bench";
 import { offsetNow, setOffset, tap, taps } from "./keys";
+import { DancersFields } from "./DancersFields";
 import { readMusic, withChoice } from "./music";
 import { d } from "./words";
 
@@ -216,6 +217,7 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
           />
         </label>
         <PathFields />
+        <DancersFields />
         <span class="grow" />
         {job ? (
           <span class="row grow bench-job" role="status">

@@ -104,11 +104,21 @@ export function Figures({ bench, result, dry }: { bench: Bench; result: Result; 
 /** Rows about variety and place; results of earlier versions have none. */
 function varietyOf(values: Record<string, number | null | undefined>): [string, string, string][] {
   const { bars_used: used, bars_available: available, most_uses: most, farthest_from_centre: farthest } = values;
+  const { least_distance: least, least_distance_at: at } = values;
   if (used == null || available == null || most == null || farthest == null) return [];
   return [
     [d("label.coverage"), d("label.ofAvailable", { used, available }), ""],
     [d("label.mostUses"), number(most), ""],
     [d("label.farthest"), d("label.metres", { n: number(farthest, 1) }), ""],
+    ...(least == null
+      ? []
+      : [
+          [d("label.leastDistance"), d("label.metresAt", { n: number(least, 2), at: number(at ?? 0, 1) }), ""] as [
+            string,
+            string,
+            string,
+          ],
+        ]),
   ];
 }
 

@@ -13,6 +13,7 @@ import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import type { Bench, Place, Shown } from "./bench";
 import { Figures } from "./Figures";
+import { FloorPlan } from "./FloorPlan";
 import { offsetNow } from "./keys";
 import { Sound } from "./sound";
 import { SoundBar } from "./SoundBar";
@@ -112,6 +113,7 @@ export function StagePane({ bench }: { bench: Bench }) {
         </div>
       )}
       {dry && <p class="bench-old">{d("help.dryNote")}</p>}
+      {dry && <FloorPlan result={dry} player={null} />}
       {(dry ?? dance) && <Figures bench={bench} result={(dry ?? dance)!} dry={dry !== null} />}
     </>
   );
@@ -208,6 +210,7 @@ function Moving({ bench, stage }: { bench: Bench; stage: Stage }) {
       <PlayBar player={player} bands={bands}>
         {dance && <SoundBar />}
       </PlayBar>
+      {dance && <FloorPlan result={dance} player={player} />}
     </div>
   );
 }

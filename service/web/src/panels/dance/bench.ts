@@ -259,6 +259,9 @@ export class Bench {
     const number = (name: string) => (param(name) === "" ? undefined : Number(param(name)));
     const allowed = [...readAllowed(param("allow"))].map(([position, bars]) => ({ position, bars }));
     const seed = number("seed");
+    const count = number("dancers") ?? 1;
+    const mode = param("mode") || "unison";
+    const delay = mode === "canon" ? { delay: number("delay") } : {};
     return {
       clips: this.clips,
       ...(music ? { music: music.wish } : { bpm: number("bpm") ?? USUAL_BPM }),
@@ -268,6 +271,7 @@ export class Bench {
       threshold: number("near"),
       stage: number("stage"),
       ...(seed ? { seed } : {}),
+      ...(count > 1 ? { dancers: { count, mode, spacing: number("spacing"), ...delay } } : {}),
     };
   }
 }

@@ -1,0 +1,1 @@
+"""Several dancers on one stage. Specification: docs/analyses/dance.md, "Several dancers"."""
