@@ -16,7 +16,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from mcml.client.repository import Document, Imported, Query, Repository, Run, open  # noqa: A004  # the name that is wanted
+    from mcml.client.queries import Query, Run
+    from mcml.client.repository import Document, Imported, Repository, open  # noqa: A004  # the name that is wanted
     from mcml.errors import McmlError as Error
     from mcml.files.motion import Motion, convert, read
     from mcml.frames import Frames
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
 _HOMES = {
     "mcml.frames": ("Frames",),
     "mcml.files.motion": ("Motion", "convert", "read"),
-    "mcml.client.repository": ("Document", "Imported", "Query", "Repository", "Run", "open"),
+    "mcml.client.queries": ("Query", "Run"),
+    "mcml.client.repository": ("Document", "Imported", "Repository", "open"),
 }
 
 __all__ = ["Document", "Error", "Frames", "Imported", "Motion", "Query", "Repository", "Run", "convert", "open", "read"]

@@ -240,3 +240,13 @@ def test_curves_of_a_dry_run(repo: mcml.Repository) -> None:
     assert len(set(curve.before.minimum)) > 1
     assert curve.after.minimum == curve.before.minimum[::-1]
     assert repo.operations.get_document(id=clip.id) == clip
+
+
+def test_a_job_is_finished(repo: mcml.Repository) -> None:
+    """Here it is run by the caller, on a server by the server."""
+    stages: list[str] = []
+    job = repo.operations.start_gait(request={"inputs": {"documents": [repo.document("clip3").id]}, "parameters": {}})
+    done = repo.finish(job, lambda stage, share: stages.append(stage))
+    assert done.state in ("done", "failed")
+    assert (done.result is None) == (done.problem is not None)
+    assert repo.operations.get_job(id=job.id).state == done.state
