@@ -155,7 +155,6 @@ export function ComposerPage() {
               <Icon name="close" />
             </button>
           )}
-          <AllSeams board={board} body={body} />
           <button
             type="button"
             class="button primary"
@@ -164,6 +163,9 @@ export function ComposerPage() {
           >
             {w("button.saveAsClip")}
           </button>
+        </div>
+        <div class="clip-bar row seams-bar">
+          <AllSeams board={board} body={body} />
         </div>
         <Trouble error={pieces.length ? preview.error : null} retry={preview.again} />
         {(shown?.notices.length ?? 0) > 0 && (
