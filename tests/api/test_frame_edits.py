@@ -40,7 +40,14 @@ def test_edits_are_one_revision_and_can_be_taken_back(client: TestClient, uuid: 
     ]
     answer = client.post(f"{API}/documents/{uuid}/frames", json={"edits": edits}, headers={"if-match": '"1"'})
     assert answer.status_code == 200, answer.text
-    assert answer.json() == {"revision": 2, "frames": 300, "notes": []}
+    assert answer.json() == {
+        "revision": 2,
+        "frames": 300,
+        "notes": [],
+        "replaced": [],
+        "first_kept": None,
+        "curves": [],
+    }
     assert answer.headers["etag"] == '"2-json"'
     rows = list(range(50, 350))
     rows = rows[9::-1] + rows[10:]
@@ -107,7 +114,14 @@ def test_channels_as_arrays(client: TestClient, uuid: str, form: str) -> None:
             headers=ANY | {"content-type": "application/octet-stream"},
         )
     assert answer.status_code == 200, answer.text
-    assert answer.json() == {"revision": 2, "frames": 600, "notes": []}
+    assert answer.json() == {
+        "revision": 2,
+        "frames": 600,
+        "notes": [],
+        "replaced": [],
+        "first_kept": None,
+        "curves": [],
+    }
     after = before.copy()
     after[199:499, columns.index("Spine.Rx")] = new
     assert np.array_equal(values(client, uuid), after)

@@ -308,6 +308,7 @@ def test_the_hand_goes_to_a_target_and_misses_are_shown(open_studio: Served, vis
     assert page.evaluate("() => mcmlReach.wish().target") is None
     page.wait_for_function("() => mcmlReach.shown.value.answer.hand_error == null")
     # An arrow in the viewer drags the target along its axis; the field follows.
+    page.evaluate("() => mcmlReach.player.pause()")  # while it plays the arrows go with the body
     before = [float(page.get_by_label(f"Hand target {axis} (m)").input_value()) for axis in "XYZ"]
     x, y = page.evaluate(ARROW)
     page.mouse.move(x, y)
