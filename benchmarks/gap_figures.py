@@ -15,6 +15,7 @@ import mcml
 from mcml.motion.clip import FrameBlock
 from mcml.motion.edits.gap_filling import fill_gaps
 from mcml.motion.frames import in_columns, joined, remade
+from mcml.motion.hub_writer import Flags
 from mcml.motion.skeleton import Array, Convention, Skeleton
 from mcml.numerics.runs import find_true
 from tests.conftest import shared_folder
@@ -52,7 +53,7 @@ def measure(file: Path, seconds: float, errors: dict[str, list[float]]) -> None:
     chance = np.random.default_rng(7)
     for _ in range(GAPS):
         joint = markers[chance.integers(len(markers))]
-        known = np.isfinite(values[:, places[joint]]).all(axis=1)
+        known: Flags = np.all(np.isfinite(values[:, places[joint]]), axis=1)
         runs = [(first, end) for first, end in find_true(known).tolist() if end - first > 3 * frames + 8]
         if not runs:
             continue
