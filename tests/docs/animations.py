@@ -60,21 +60,21 @@ class Maker:
     def id(self, name: str) -> str:
         return self.repo.document(name).id
 
-    def composed(self, *pieces: tuple[str, int, int], **options: Any) -> Document:
+    def compose(self, *pieces: tuple[str, int, int], **options: Any) -> Document:
         segments = [{"document": uuid, "first": first, "last": last} for uuid, first, last in pieces]
         made = self.call.compose(request={"segments": segments, "project": "made", **options})
         return self.repo.document(made.document)
 
     def copy(self, name: str, first: int = 1, last: int = 200) -> Document:
-        return self.composed((self.id(name), first, last))
+        return self.compose((self.id(name), first, last))
 
-    def edited(self, document: Document, *edits: dict[str, Any]) -> Document:
+    def edit(self, document: Document, *edits: dict[str, Any]) -> Document:
         """A copy with edits."""
-        copy = self.composed((document.id, 1, len(document)))
+        copy = self.compose((document.id, 1, len(document)))
         self.call.edit_frames(id=copy.id, edits={"edits": list(edits)}, if_match="*")
         return copy.refresh()
 
-    def disturbed(self, name: str, change: Callable[[Array], None]) -> Document:
+    def disturb(self, name: str, change: Callable[[Array], None]) -> Document:
         """A copy with other numbers in the channels of its joints below the root."""
         document = self.copy(name)
         values = document.frames()
@@ -95,25 +95,25 @@ class Maker:
 
 def transition(maker: Maker) -> tuple[Shown, Shown]:
     pieces = [(maker.id("walk_straight"), 1, 130), (maker.id("wave_1"), 1, 140)]
-    return show(maker.composed(*pieces, transition=0)), show(maker.composed(*pieces))
+    return show(maker.compose(*pieces, transition=0)), show(maker.compose(*pieces))
 
 
 def phase(maker: Maker) -> tuple[Shown, Shown]:
     pieces = [(maker.id("walk_straight"), 1, 150), (maker.id("walk_left_50"), 30, 300)]
-    before, after = (maker.composed(*pieces, style="crossfade", match_phase=match) for match in (False, True))
+    before, after = (maker.compose(*pieces, style="crossfade", match_phase=match) for match in (False, True))
     return show(before), show(after)
 
 
 def loop(maker: Maker) -> tuple[Shown, Shown]:
     raw = maker.copy("walk_straight", 20, 130)
-    once = maker.edited(raw, {"do": "loop", "first": 1, "last": len(raw)})
-    rounds = [maker.composed(*[(one.id, 1, len(one))] * 4, transition=0) for one in (raw, once)]
+    once = maker.edit(raw, {"do": "loop", "first": 1, "last": len(raw)})
+    rounds = [maker.compose(*[(one.id, 1, len(one))] * 4, transition=0) for one in (raw, once)]
     return show(rounds[0]), show(rounds[1])
 
 
 def feet(maker: Maker) -> tuple[Shown, Shown]:
     before = maker.copy("walk_straight")
-    return show(before), show(maker.edited(before, {"do": "lock-feet", "first": 1, "last": len(before)}))
+    return show(before), show(maker.edit(before, {"do": "lock-feet", "first": 1, "last": len(before)}))
 
 
 def spikes(maker: Maker) -> tuple[Shown, Shown]:
@@ -122,16 +122,16 @@ def spikes(maker: Maker) -> tuple[Shown, Shown]:
         for column in range(6, values.shape[1], 4):
             values[chance.choice(len(values), 4, replace=False), column] += chance.choice([-60.0, 60.0], 4)
 
-    before = maker.disturbed("wave_1", change)
-    return show(before), show(maker.edited(before, {"do": "despike", "first": 1, "last": len(before)}))
+    before = maker.disturb("wave_1", change)
+    return show(before), show(maker.edit(before, {"do": "despike", "first": 1, "last": len(before)}))
 
 
 def noise(maker: Maker) -> tuple[Shown, Shown]:
     def change(values: Array) -> None:
         values[:, 6:] += np.random.default_rng(3).normal(0, 2.5, values[:, 6:].shape)
 
-    before = maker.disturbed("walk_1", change)
-    return show(before), show(maker.edited(before, {"do": "low-pass", "hertz": 6, "first": 1, "last": len(before)}))
+    before = maker.disturb("walk_1", change)
+    return show(before), show(maker.edit(before, {"do": "low-pass", "hertz": 6, "first": 1, "last": len(before)}))
 
 
 def retargeting(maker: Maker) -> tuple[Shown, Shown]:

@@ -101,7 +101,7 @@ def spread_turns(turns: Array, shares: Shares) -> Array:
 
 
 def bend(track: Points, angles: Array) -> Points:
-    """The track of a dancer who turns by angles (F,) more, radians: each step from the middle of its turn. (F,)."""
+    """The track of a dancer with turns by angles (F,) more, radians: each step from the middle of its turn. (F,)."""
     middle = (angles[1:] + angles[:-1]) / 2
     bent: Points = track[0] + np.concatenate([[0.0], np.cumsum(np.exp(-1j * middle) * np.diff(track))])
     return bent

@@ -35,7 +35,7 @@ def form_lines(count: int, spacing: float, facing: float) -> Points:
 
 
 def find_room(stage: Stage, places: Points) -> Stage | None:
-    """The part of a stage in which a path keeps all dancers on it who dance it at places (N,); None without any."""
+    """The part of a stage in which a path keeps dancers at places (N,) on the stage; None without any."""
     if stage.radius is not None:
         radius = stage.radius - float(np.abs(places).max())
         return Stage(radius) if radius > 0 else None
