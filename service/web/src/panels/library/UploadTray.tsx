@@ -322,16 +322,23 @@ export function ReceiptView({ receipt, documents }: { receipt: Receipt; document
 function CalibrationRow({ id, said }: { id: string; said: object }) {
   const found = useAsync((signal) => get("/documents/{id}/calibration", { path: { id }, signal }), [id], [said]);
   const known = found.value;
-  if (!known) return null;
+  if (found.error) return null;
+  // The row is there from the first, so that the buttons above it do not move once the answer comes.
   return (
     <>
       <dt>{w("label.receiptBody")}</dt>
       <dd class="calibrated">
         {(Object.keys(FACTS) as Fact[]).map((name) => (
-          <span key={name} title={known[name].reason}>
+          <span key={name} title={known?.[name].reason}>
             {w(FACTS[name])}{" "}
-            <span class={/guessed|unknown/.test(known[name].origin) ? "guess" : ""}>{shownValue(known[name])}</span>{" "}
-            <span class="dim">{w(ORIGINS[known[name].origin])}</span>
+            {known ? (
+              <>
+                <span class={/guessed|unknown/.test(known[name].origin) ? "guess" : ""}>{shownValue(known[name])}</span>{" "}
+                <span class="dim">{w(ORIGINS[known[name].origin])}</span>
+              </>
+            ) : (
+              <span class="dim">…</span>
+            )}
           </span>
         ))}
       </dd>
