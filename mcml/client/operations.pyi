@@ -633,11 +633,12 @@ class Operations:
         self,
         *,
         id: str,
+        kind: Literal["activities", "movements"] | None = ...,
         confidence: float | None = ...,
         facing: Literal["X", "-X", "Y", "-Y", "Z", "-Z"] | None = ...,
         progress: FileProgress | None = None,
     ) -> SuggestedLabels:
-        """Suggest labels: anatomical movements recognised in the motion."""
+        """Suggest labels: activities or movements recognised in the motion."""
     def add_labels(
         self,
         *,

@@ -28,6 +28,9 @@ from mcml.laboratory.gait_events import Side
 from mcml.laboratory.gait_points import find_gait_points
 from mcml.laboratory.measure_gait import EventSource, Gait, find_walker, measure_gait
 from mcml.language.elements import to_head
+from mcml.motion.bodies.activities.activity import Activity
+from mcml.motion.bodies.activities.recognition import recognize_activities
+from mcml.motion.bodies.activities.signals import JOINTS
 from mcml.motion.bodies.calibration import Calibration
 from mcml.motion.bodies.clip_body import ClipBody, body_of, quantity_values
 from mcml.motion.bodies.quantities import asked_quantity
@@ -132,6 +135,21 @@ class Motion:
         off, NaN where no event tells.
         """
         return self._quantity("contact", joint)
+
+    def activity(self, name: str) -> Array:
+        """(frames,) 1 where the body is in an activity, such as "walk", "turn left" or "sit", else 0.
+
+        NaN where it cannot be recognised. Raises RequestError for unknown names, with the known ones.
+        """
+        return self._quantity("activity", name)
+
+    def activities(self) -> tuple[Activity, ...]:
+        """Return what the body does, in everyday words: walks, turns, jumps …, by first frames, which count from 0.
+
+        >>> [activity.name for activity in read("walk.bvh").activities()]
+        ['walk']
+        """
+        return recognize_activities(self._body.stretch(JOINTS))
 
     def quantity(self, label: str, axis: str) -> Array:
         """(frames,) of a quantity of the file's own model, such as "LKneeAngles" of Plug-in Gait, in the file's unit.

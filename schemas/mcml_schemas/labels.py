@@ -36,14 +36,15 @@ class LabelQuery(RequestBody):
     strict: bool = Field(False, description="Refuse names that are no anatomical movement")
 
 
-_SUGGESTED = {"name": MOTION_NAME, "first": 100, "last": 142, "degrees": 71.5, "confidence": 0.82}
+_SUGGESTED = {"name": "turn left", "first": 100, "last": 142, "degrees": 91.5, "steps": None, "confidence": 0.82}
 
 
 class SuggestedLabel(BaseModel):
-    """An anatomical movement that the motion seems to be: frames first to last, positions from 1.
+    """An activity or an anatomical movement that the motion seems to be: frames first to last, positions from 1.
 
-    degrees: how far the joint goes. confidence: 0 to 1, of how much of its motion is this movement, and how large it
-    is.
+    degrees: of a turn of the body, or how far a joint goes. steps: of a walk or a run. confidence: of an activity 0.5
+    to 1, by how far it is from not being one; of a movement 0 to 1, of how much of the joint's motion is this movement,
+    and how large it is.
     """
 
     model_config = ConfigDict(json_schema_extra=shown(_SUGGESTED))
@@ -51,13 +52,15 @@ class SuggestedLabel(BaseModel):
     name: str
     first: int
     last: int
-    degrees: float
+    degrees: float | None = None
+    steps: int | None = None
     confidence: float
 
 
 class SuggestedLabels(BaseModel):
-    """To be accepted by `POST /documents/{id}/labels`, all or some."""
+    """To be accepted by `POST /documents/{id}/labels`, all or some. warnings: activities that are not recognised, and why."""
 
-    model_config = ConfigDict(json_schema_extra=shown({"items": [_SUGGESTED]}))
+    model_config = ConfigDict(json_schema_extra=shown({"items": [_SUGGESTED], "warnings": []}))
 
     items: list[SuggestedLabel]
+    warnings: list[str] = Field(default_factory=list)

@@ -118,20 +118,42 @@ def test_names_are_suggested_from_the_motion(client: TestClient, database: Datab
     clip = body.clip("walk", 170.0, *body.walk(170.0, 4.0, 1.0, 6.0))
     uuid = store(database, {"walk.bvh": b"".join(FORMATS["bvh"].write(clip, "bvh"))})[0]
     before = client.get(f"{API}/documents/{uuid}").json()["revision"]
-    found = client.get(f"{API}/documents/{uuid}/labels/suggested").json()["items"]
+    found = client.get(f"{API}/documents/{uuid}/labels/suggested", params={"kind": "movements"}).json()["items"]
     assert {"left-leg-flexion", "right-leg-flexion", "left-knee-flexion"} & {item["name"] for item in found}
     assert all(1 <= item["first"] <= item["last"] <= 240 and item["confidence"] >= 0.5 for item in found)
     assert client.get(f"{API}/documents/{uuid}").json()["revision"] == before
-    surest = client.get(f"{API}/documents/{uuid}/labels/suggested", params={"confidence": 0.8}).json()["items"]
+    surest = client.get(
+        f"{API}/documents/{uuid}/labels/suggested", params={"kind": "movements", "confidence": 0.8}
+    ).json()["items"]
     assert surest == [item for item in found if item["confidence"] >= 0.8]
     wanted = [{key: item[key] for key in ("name", "first", "last")} for item in found]
     answer = client.post(f"{API}/documents/{uuid}/labels?strict=true", json=wanted, headers={"if-match": "*"})
     assert answer.status_code == 201, answer.text
     assert client.get(f"{API}/documents/{uuid}").json()["revision"] == before + 1
     markers = store(database, {"a.c3d": c3d_file()})[0]
-    refused = client.get(f"{API}/documents/{markers}/labels/suggested")
+    refused = client.get(f"{API}/documents/{markers}/labels/suggested", params={"kind": "movements"})
     assert refused.status_code == 422
     assert "Markers" in refused.json()["detail"]
+
+
+@one_kind
+def test_activities_are_suggested_in_everyday_words(client: TestClient, database: Database) -> None:
+    clip = body.clip("walk", 170.0, *body.walk(170.0, 4.0, 1.0, 6.0))
+    uuid = store(database, {"walk.bvh": b"".join(FORMATS["bvh"].write(clip, "bvh"))})[0]
+    answer = client.get(f"{API}/documents/{uuid}/labels/suggested").json()
+    (walk,) = [item for item in answer["items"] if item["name"] == "walk"]
+    assert walk["last"] - walk["first"] > 200
+    assert walk["steps"] >= 6
+    assert walk["degrees"] is None
+    assert answer["warnings"] == []
+    surest = client.get(f"{API}/documents/{uuid}/labels/suggested", params={"confidence": 1.0}).json()["items"]
+    assert all(item["confidence"] == 1.0 for item in surest)
+    found = client.get(f"{API}/xpath", params={"q": "//frame[mo:activity('walk')]", "as": "runs"}).json()["items"]
+    assert [(run["first"], run["last"]) for run in found] == [(walk["first"], walk["last"])]
+    markers = store(database, {"a.c3d": c3d_file()})[0]
+    unknown = client.get(f"{API}/documents/{markers}/labels/suggested").json()
+    assert unknown["items"] == []
+    assert "No activities are recognised" in unknown["warnings"][0]
 
 
 @one_kind
@@ -142,7 +164,9 @@ def test_movements_are_named_on_import(client: TestClient) -> None:
         ("file", ("points.c3d", c3d_file())),
     ]
     walk, points = client.post(f"{API}/documents", files=files, data={"movements": "0.5"}).json()["documents"]
-    found = client.get(f"{API}/documents/{walk['id']}/labels/suggested", params={"confidence": 0.5}).json()["items"]
+    found = client.get(
+        f"{API}/documents/{walk['id']}/labels/suggested", params={"kind": "movements", "confidence": 0.5}
+    ).json()["items"]
     assert walk["movements"] == len(found) > 0
     assert sorted(labels(client, walk["id"])) == sorted((item["name"], item["first"], item["last"]) for item in found)
     history = client.get(f"{API}/documents/{walk['id']}/revisions").json()["items"]

@@ -28,6 +28,7 @@ ASKED = {
     "mo:acceleration('right_hand')": lambda walk: walk.acceleration("right_hand"),
     "mo:heading()": lambda walk: walk.heading(),
     "mo:contact('left_foot')": lambda walk: walk.contact("left_foot"),
+    "mo:activity('walk')": lambda walk: walk.activity("walk"),
 }
 
 

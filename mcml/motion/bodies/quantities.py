@@ -16,6 +16,8 @@ import numpy as np
 
 from mcml.errors import NotFoundError, RequestError
 from mcml.motion.anatomy.axes import joints_of_part
+from mcml.motion.bodies.activities.recognition import find_frames, joints_needed
+from mcml.motion.bodies.activities.signals import JOINTS as JOINTS_OF_ACTIVITIES
 from mcml.motion.bodies.limb_angles import angle_named, turn_named
 from mcml.motion.bodies.local_fit import bends, reach, slopes
 from mcml.motion.bodies.stretch import HIPS, Stretch, known
@@ -44,6 +46,7 @@ class Quantity:
     joints: the joints that given arguments need (alternatives with `|`). windowed: whether it uses neighbouring frames,
     as far as `local_fit.reach`. whole: whether it needs the whole document instead. compute: (n,) values of a stretch.
     of_file: whether the file states it, not the body: `mcml.formats.measurements` reads it, and `compute` gives NaN.
+    is_truth: whether its values are 1 for true and 0 for false. optional: joints that it uses if they are known.
     """
 
     parameters: tuple[str, ...]
@@ -53,6 +56,8 @@ class Quantity:
     windowed: bool = False
     whole: bool = False
     of_file: bool = False
+    is_truth: bool = False
+    optional: tuple[str, ...] = ()
 
 
 def _height(stretch: Stretch, arguments: Arguments) -> Array:
@@ -159,6 +164,10 @@ def _contact(stretch: Stretch, arguments: Arguments) -> Array:
     return found
 
 
+def _activity(stretch: Stretch, arguments: Arguments) -> Array:
+    return find_frames(stretch, arguments[0])
+
+
 def _time(stretch: Stretch, arguments: Arguments) -> Array:
     places: Array = np.arange(stretch.first, stretch.first + stretch.frames, dtype=np.float64)
     return places * (float("nan") if stretch.frame_time is None else stretch.frame_time)
@@ -172,6 +181,10 @@ def _leg(stretch: Stretch, arguments: Arguments) -> Array:
 def _unit(stretch: Stretch, arguments: Arguments) -> Array:
     metres = stretch.calibration.metres
     return np.full(stretch.frames, np.nan if metres is None else metres)
+
+
+def _joints_of_activity(arguments: Arguments) -> tuple[str, ...]:
+    return joints_needed(arguments[0])
 
 
 def _named(arguments: Arguments) -> tuple[str, ...]:
@@ -222,7 +235,10 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {
     "speed": Quantity(("joint", "relative?"), "m/s", _named, _speed, windowed=True),
     "acceleration": Quantity(("joint", "relative?"), "m/s2", _named, _acceleration, windowed=True),
     "heading": Quantity((), "deg", _hips, _heading, whole=True),
-    "contact": Quantity(("joint or side",), "", _touching, _contact, whole=True),
+    "contact": Quantity(("joint or side",), "", _touching, _contact, whole=True, is_truth=True),
+    "activity": Quantity(
+        ("activity",), "", _joints_of_activity, _activity, whole=True, is_truth=True, optional=JOINTS_OF_ACTIVITIES
+    ),
     "quantity": Quantity(("label", "axis"), "", _axis_of_file, _give_nan, of_file=True),
     "analog": Quantity(("channel",), "", _none, _give_nan, of_file=True),
     "force": Quantity(("plate", "axis"), "N", _axis_of_file, _give_nan, of_file=True),
@@ -246,7 +262,8 @@ def quantity_of(name: str, arguments: Arguments) -> Quantity:
 
 def joints_of(name: str, arguments: Arguments, joints: Collection[str]) -> tuple[str, ...]:
     """Return the joints of a skeleton that a quantity needs, and the lines to the left of its bones."""
-    asked = quantity_of(name, arguments).joints(arguments)
+    quantity = quantity_of(name, arguments)
+    asked = (*quantity.joints(arguments), *quantity.optional)
     found = dict.fromkeys(found for one in asked if (found := known(one, joints)) is not None)
     if name == "angle" and len(arguments) == 1 and turn_named(arguments[0]) is None:
         angle, side = angle_named(arguments[0])

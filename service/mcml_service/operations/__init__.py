@@ -145,7 +145,7 @@ _ROWS = [
               "List the labels of a document with their frame ranges, in order.", "edits.labels", "labels list ID",
               open_to_links=True),
     Operation("suggest_labels", "GET /documents/{id}/labels/suggested", READS, READ,
-              "Suggest labels: anatomical movements recognised in the motion.", "edits.labels", queued=True),
+              "Suggest labels: activities or movements recognised in the motion.", "edits.labels", queued=True),
     Operation("add_labels", "POST /documents/{id}/labels", WRITES, EDIT,
               "Label ranges of frames.", "edits.labels", status=201),
     Operation("change_label", "PATCH /documents/{id}/labels/{label}", WRITES, EDIT,

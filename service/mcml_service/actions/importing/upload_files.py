@@ -48,10 +48,10 @@ def upload_files(
 
 def _name_movements(database: Database, document: ImportedDocument, confidence: float, author: str) -> None:
     # Imported late, as all mathematics: an import needs none.
-    from mcml_service.actions.labelling.suggest_labels import accept_labels
+    from mcml_service.actions.labelling.suggest_labels import accept_movement_names
 
     try:
-        document.movements = accept_labels(database, document.id, confidence, author)
+        document.movements = accept_movement_names(database, document.id, confidence, author)
     except McmlError as error:
         why = f"no movements are named: {error.what}"
         document.receipt.notices.append(NoticeLine(kind="note", what=why))

@@ -5,18 +5,42 @@ from __future__ import annotations
 from mcml.errors import ConflictError, ConversionError, DocumentError
 from mcml.language.motion_names import MotionName
 from mcml.motion.anatomy.movement_names import suggest_movements
+from mcml.motion.bodies.activities.recognition import find_unknown, recognize_activities
+from mcml.motion.bodies.activities.signals import JOINTS
 from mcml.motion.hub import HubReader
 from mcml.motion.skeleton import Convention
 from mcml_schemas.labels import SuggestedLabel
 from mcml_service.actions.checking.check_timed import seconds_of
 from mcml_service.actions.editing.motion_processing import read_whole
 from mcml_service.actions.editing.whole_document import add_labels
+from mcml_service.clips.bodies import read_bodies
 from mcml_service.storage.database import Database
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
 
-def suggest_labels(
+def suggest_activities(
+    tx: Transaction, stored: StoredDocument, confidence: float
+) -> tuple[list[SuggestedLabel], list[str]]:
+    """Return activities with at least this confidence, in order, and warnings of unrecognised ones. Nothing is written."""
+    (listed,) = tx.columns.documents([stored.key])
+    stretch = read_bodies(tx, [listed])[stored.key].stretch(JOINTS)
+    found = [
+        SuggestedLabel(
+            name=activity.name,
+            first=activity.first + 1,
+            last=activity.last + 1,
+            degrees=activity.degrees,
+            steps=activity.steps,
+            confidence=activity.confidence,
+        )
+        for activity in recognize_activities(stretch)
+        if activity.confidence >= confidence
+    ]
+    return found, find_unknown(stretch)
+
+
+def suggest_movement_names(
     tx: Transaction, stored: StoredDocument, confidence: float, facing: str | None = None
 ) -> list[SuggestedLabel]:
     """Return anatomical movements with at least this confidence, in order.
@@ -51,11 +75,12 @@ def suggest_labels(
     ]
 
 
-def accept_labels(database: Database, uuid: str, confidence: float, author: str) -> int:
-    """Name frames as suggested, as one revision; answers how many labels were added. Raises as `suggest_labels`."""
+def accept_movement_names(database: Database, uuid: str, confidence: float, author: str) -> int:
+    """Name frames as suggested, as one revision; answers how many labels were added. Raises as
+    `suggest_movement_names`."""
     with database.read() as tx:
         stored = tx.documents.get(uuid)
-        suggestions = suggest_labels(tx, stored, confidence)
+        suggestions = suggest_movement_names(tx, stored, confidence)
     with database.write(author) as tx:
         tx.documents.lock(stored.key)
         current = tx.documents.get(uuid)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -47,24 +47,31 @@ def label(
 
 def suggest(
     id: Annotated[str, typer.Argument(help="Document")],
+    kind: Annotated[
+        Literal["activities", "movements"],
+        typer.Option(help="Of the body in everyday words, or of joints in the words of anatomy"),
+    ] = "activities",
     confidence: Annotated[float, typer.Option(min=0, max=1, help="The least, 0 to 1")] = 0.5,
     facing: Annotated[
         str | None,
-        typer.Option(help="Facing direction of the upright body, such as Z or -X; default: from joint names"),
+        typer.Option(
+            help="For movements: facing direction of the upright body, such as Z or -X; default: from joint names"
+        ),
     ] = None,
     accept: Annotated[bool, typer.Option("--accept", help="Name the frames so, as one revision")] = False,
     database: DatabaseOption = None,
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Find anatomical movements in a motion, as names for its frames."""
+    """Find activities in a motion, such as walk, turn left or sit, as names for its frames."""
     write_to_the_end()
     client = open_client(database, server)
     id = id_of(client, id)
-    suggestions = client.call("suggest_labels", id=id, confidence=confidence, facing=facing and facing.upper())
+    asked_facing = facing and facing.upper()
+    suggestions = client.call("suggest_labels", id=id, kind=kind, confidence=confidence, facing=asked_facing)
     if accept and suggestions.items:
         asked = [{"name": item.name, "first": item.first, "last": item.last} for item in suggestions.items]
-        client.call("add_labels", id=id, labels=asked, strict=True, if_match="*")
+        client.call("add_labels", id=id, labels=asked, strict=kind == "movements", if_match="*")
     present(OPERATIONS["suggest_labels"], suggestions, as_json)
     if not as_json:
         console.print(f"{len(suggestions.items)} {'accepted' if accept else 'suggested'}")

@@ -46,6 +46,7 @@ COLUMNS: dict[str, dict[str, str]] = {
         "first": "first#",
         "last": "last#",
         "degrees": "degrees#.0f",
+        "steps": "steps#",
         "confidence": "confidence#.2f",
     },
     "MappingPage": {

@@ -58,15 +58,30 @@ def list_labels(
 def suggest_labels(
     call: Call,
     id: DocumentId,
+    kind: Annotated[
+        Literal["activities", "movements"],
+        Field(
+            description="activities: of the body in everyday words, such as walk or turn left; movements: of joints in "
+            "the words of anatomy, such as left-knee-flexion",
+            examples=["activities"],
+        ),
+    ] = "activities",
     confidence: Annotated[float, Field(ge=0, le=1, description="The least, 0 to 1", examples=[0.6])] = 0.5,
     facing: Annotated[
         Literal["X", "-X", "Y", "-Y", "Z", "-Z"] | None,
-        Field(description="Facing direction of the upright body, if the joint names have no sides", examples=["Z"]),
+        Field(
+            description="For movements: facing direction of the upright body, if the joint names have no sides",
+            examples=["Z"],
+        ),
     ] = None,
 ) -> SuggestedLabels:
     """Nothing is written; POST those to accept."""
     with call.database.read() as tx:
-        return SuggestedLabels(items=suggesting.suggest_labels(tx, tx.documents.get(id), confidence, facing))
+        stored = tx.documents.get(id)
+        if kind == "movements":
+            return SuggestedLabels(items=suggesting.suggest_movement_names(tx, stored, confidence, facing))
+        found, unknown = suggesting.suggest_activities(tx, stored, confidence)
+        return SuggestedLabels(items=found, warnings=unknown)
 
 
 def add_labels(

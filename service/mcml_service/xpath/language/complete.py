@@ -9,11 +9,19 @@ from typing import Literal
 
 from mcml.language.content import declarations
 from mcml.language.vocabulary import FRAME, MOTION_NAME, NAME
+from mcml.motion.bodies.activities.activity import ACTIVITIES
 from mcml.motion.bodies.limb_angles import angle_names, clinical_name
 from mcml.motion.bodies.quantities import AXES as BODY_AXES
 from mcml.motion.bodies.quantities import FEET
 from mcml_service.xpath.language.functions import FUNCTIONS
-from mcml_service.xpath.language.motion_functions import ANGLE, JOINT_OR_SIDE, JOINTS, MOTION_FUNCTIONS, OF_FRAME_SETS
+from mcml_service.xpath.language.motion_functions import (
+    ANGLE,
+    JOINT_OR_SIDE,
+    JOINTS,
+    MOTION_FUNCTIONS,
+    NAME_OF_ACTIVITY,
+    OF_FRAME_SETS,
+)
 from mcml_service.xpath.language.reach import DOCUMENT, Types, reach
 from mcml_service.xpath.language.rules import after
 from mcml_service.xpath.language.tree import AXES, KIND_TESTS, Step
@@ -186,6 +194,8 @@ def _of_motion(level: _Level, bone_names: Callable[[], Mapping[str, int]], more_
             yield Completion(name, "angle", "" if clinical is None else f"goniometer; clinical: {clinical}")
     if parameter == JOINT_OR_SIDE:
         yield from (Completion(side, "word", "the foot, from strike to off") for side in FEET)
+    if parameter == NAME_OF_ACTIVITY:
+        yield from (Completion(name, "word", "an activity") for name in ACTIVITIES)
     if parameter in JOINTS:
         yield from (Completion(text, "bone name", documents=count) for text, count in bone_names().items())
     elif parameter == "axis":

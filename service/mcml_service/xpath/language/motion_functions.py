@@ -53,6 +53,7 @@ _MEANINGS: Mapping[str, str] = {
     "acceleration": "of a joint, by itself or relative to another one",
     "heading": "where the body faces, without leaps, to the left",
     "contact": "whether a joint is on the ground and still, or the foot of a side is ('left'), from strike to off",
+    "activity": "whether the body walks, runs, turns, jumps, sits …: 'walk', 'turn left'",
     "analog": "of an analog channel of the file, the mean of the samples of the frame",
     "force": "of the ground on a force plate ('1') or a foot ('left'), along x, y or z of the laboratory",
     "cop": "of the centre of pressure on a force plate, along x, y or z of the laboratory",
@@ -62,13 +63,13 @@ _MEANINGS: Mapping[str, str] = {
 MOTION_FUNCTIONS: Final[Mapping[str, MotionFunction]] = {
     **{
         PREFIX + name: MotionFunction(
-            quantity.parameters, "boolean" if name == "contact" else "number", quantity.unit, _MEANINGS[name]
+            quantity.parameters, "boolean" if quantity.is_truth else "number", quantity.unit, _MEANINGS[name]
         )
         for name, quantity in QUANTITIES.items()
     },
     "mo:rate": MotionFunction(("number",), "number", "per s", "of change of any number of a frame"),
     "mo:known": MotionFunction(
-        ("number or contact",), "boolean", "", "whether the value of a function of bodies is known here, not NaN"
+        ("number or truth",), "boolean", "", "whether the value of a function of bodies is known here, not NaN"
     ),
     "mo:window": MotionFunction(
         ("from", "to", "'frames'?"), "nodes", "", "the frames from so many seconds after this one to so many"
@@ -89,6 +90,7 @@ MOTION_FUNCTIONS: Final[Mapping[str, MotionFunction]] = {
 OF_DOCUMENT: Final = frozenset({"mo:leg", "mo:unit"})
 """Functions whose value is the document's, not the frame's."""
 ANGLE: Final = "mo:angle"
+NAME_OF_ACTIVITY: Final = "activity"
 JOINT_OR_SIDE: Final = "joint or side"
 JOINTS: Final = frozenset({"joint", JOINT_OR_SIDE, "name or joint", "relative", "origin"})
 """Parameters that are joints."""
@@ -97,7 +99,9 @@ CONSTANT: Final = frozenset({"from", "to", "'frames'", "least", "gap", "document
 OF_FRAMES: Final = frozenset({"number", "key"})
 """Parameters that are evaluated for frames without positions."""
 DISTANCES: Final = frozenset({"mo:pose-distance", "mo:motion-distance"})
-CONTACT, KNOWN = "mo:contact", "mo:known"
+ACTIVITY, CONTACT, KNOWN = "mo:activity", "mo:contact", "mo:known"
+TRUTHS: Final = frozenset({ACTIVITY, CONTACT})
+"""Functions of a frame's body that are true or false, or unknown."""
 OF_NUMBERS: Final = frozenset({"mo:rate", KNOWN})
 """Functions of any expression that is evaluated for a frame, not of names."""
 TOP, WINDOW, RUNS, RATE = "mo:top", "mo:window", "mo:runs", "mo:rate"

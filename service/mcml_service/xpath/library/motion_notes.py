@@ -15,7 +15,7 @@ from mcml.motion.bodies.quantities import FEET, QUANTITIES, joints_of
 from mcml.motion.bodies.stretch import known
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
-from mcml_service.xpath.language.motion_functions import CONTACT, MOTION_FUNCTIONS, PREFIX, TOP
+from mcml_service.xpath.language.motion_functions import ACTIVITY, CONTACT, MOTION_FUNCTIONS, PREFIX, TOP
 from mcml_service.xpath.language.reach import HeadPart
 from mcml_service.xpath.language.tree import Call, Expression, Literal, walk
 from mcml_service.xpath.library.bodies import Bodies
@@ -27,11 +27,11 @@ from mcml_service.xpath.nodes.numbering import Bools
 
 OF_LENGTHS = frozenset({"m", "m/s", "m/s2"})
 WITH_FLOOR = frozenset({"mo:height", CONTACT})
-WITH_UP = WITH_FLOOR | {"mo:tilt", "mo:heading", "mo:pose-distance", "mo:motion-distance"}
+WITH_UP = WITH_FLOOR | {ACTIVITY, "mo:tilt", "mo:heading", "mo:pose-distance", "mo:motion-distance"}
 OF_UPRIGHT = frozenset({"trunk", "pelvis"})
 """Parts whose angles are those to the vertical."""
 OF_TIMES = frozenset({"s", "m/s", "m/s2", "per s"})
-WITH_TIMES = frozenset({CONTACT})
+WITH_TIMES = frozenset({CONTACT, ACTIVITY})
 """Functions that need times, in addition to those with a unit of time."""
 
 

@@ -4820,11 +4820,13 @@ export interface components {
             name: string;
             first: number;
             last: number;
-            degrees: number;
+            degrees?: number | null;
+            steps?: number | null;
             confidence: number;
         };
         SuggestedLabels: {
             items: components["schemas"]["SuggestedLabel"][];
+            warnings?: string[];
         };
         SynthesizeDone: {
             value: components["schemas"]["ReachMotion"];
@@ -7390,6 +7392,7 @@ export interface operations {
     suggest_labels: {
         parameters: {
             query?: {
+                kind?: "activities" | "movements";
                 confidence?: number;
                 facing?: ("X" | "-X" | "Y" | "-Y" | "Z" | "-Z") | null;
             };

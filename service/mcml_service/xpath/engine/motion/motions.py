@@ -17,7 +17,6 @@ from mcml.motion.bodies.quantities import QUANTITIES
 from mcml_service.xpath.engine.context import Context, Value
 from mcml_service.xpath.engine.functions import NotOnColumnsError
 from mcml_service.xpath.language.motion_functions import (
-    CONTACT,
     DISTANCES,
     KNOWN,
     OF_DOCUMENT,
@@ -25,6 +24,7 @@ from mcml_service.xpath.language.motion_functions import (
     PREFIX,
     RATE,
     RUNS,
+    TRUTHS,
     WINDOW,
 )
 from mcml_service.xpath.language.tree import Call, Expression, Path, Step, free_variables
@@ -92,13 +92,13 @@ class Motions:
         return found == 1 if type_of(call) == "boolean" else found
 
     def _asked_number(self, expression: Expression, context: Context) -> Floats:
-        """Evaluate the argument of `mo:known`: a contact stays a number here."""
-        if isinstance(expression, Call) and expression.function == CONTACT:
+        """Evaluate the argument of `mo:known`: truths stay numbers here."""
+        if isinstance(expression, Call) and expression.function in TRUTHS:
             return self._number(expression, context)
         return self._columns.numbers(expression, context)
 
     def _number(self, call: Call, context: Context) -> Floats:
-        """Of a quantity: NaN where it is unknown, a contact 1 or 0."""
+        """Of a quantity: NaN where it is unknown, a truth 1 or 0."""
         found = np.full(len(context), np.nan)
         for which, texts in self._combined([self._name(each, context) for each in call.arguments], len(context)):
             nodes = context.nodes if which is None else context.nodes[which]

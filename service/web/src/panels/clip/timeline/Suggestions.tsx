@@ -1,38 +1,72 @@
-/** Names that were recognised in the motion, to accept one by one or all. */
+/** Labels that were recognised in the motion, to accept one by one or all: activities by themselves, movements when asked. */
 import { signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
 import { get, type Schemas } from "../../../api/client";
 import type { Clip } from "../../../state/clip/clip";
+import { mayEdit } from "../../../state/session/me";
 import { note, refuse } from "../../../state/session/notes";
+import { Icon } from "../../../ui/icons";
+import { Menu } from "../../../ui/Menu";
 import { number, w } from "../../../words";
 import { newSpan } from "../actions";
 
 type Suggested = Schemas["SuggestedLabels"]["items"][number];
+type Kind = "activities" | "movements";
 export const suggested = signal<Suggested[]>([]);
+
+/** Longer clips are looked through when asked only. */
+const LONGEST_BY_ITSELF = 50_000;
+
+/** Suggestions that say more than the labels that there are: a label of the same name covers half of the others. */
+export function newSuggestions(
+  all: Suggested[],
+  labels: readonly { name: string; first: number; last: number }[],
+): Suggested[] {
+  return all.filter(
+    (one) =>
+      !labels.some(
+        (label) =>
+          label.name === one.name &&
+          2 * (Math.min(label.last, one.last) - Math.max(label.first, one.first) + 1) > one.last - one.first + 1,
+      ),
+  );
+}
 
 export function Suggestions({ clip }: { clip: Clip }) {
   const [busy, setBusy] = useState(false);
+  const mends = clip.pinned === null && mayEdit();
   useEffect(() => {
     suggested.value = [];
-  }, [clip]);
-  const offer = async () => {
+    if (!mends || clip.detail.frames > LONGEST_BY_ITSELF) return;
+    const stop = new AbortController();
+    get("/documents/{id}/labels/suggested", { path: { id: clip.id }, signal: stop.signal }).then(
+      (answer) => {
+        if (!stop.signal.aborted) suggested.value = answer.items;
+      },
+      // Nobody asked: what went wrong is told when somebody does.
+      () => undefined,
+    );
+    return () => stop.abort();
+  }, [clip, mends]);
+  const offer = async (kind: Kind) => {
     setBusy(true);
     try {
-      const answer = await get("/documents/{id}/labels/suggested", { path: { id: clip.id } });
+      const answer = await get("/documents/{id}/labels/suggested", { path: { id: clip.id }, query: { kind } });
       suggested.value = answer.items;
-      if (!answer.items.length) note(w("help.suggestionsNone"));
+      const warning = answer.warnings?.[0];
+      if (!answer.items.length || warning) note(warning ?? w("help.suggestionsNone"));
     } catch (error) {
       refuse(error);
     } finally {
       setBusy(false);
     }
   };
-  const all = suggested.value;
+  const all = newSuggestions(suggested.value, clip.labels.value);
   const accept = () => {
     clip.setLabels([...clip.labels.peek(), ...all.map((one) => newSpan(one.name, one.first, one.last))]);
     suggested.value = [];
   };
-  if (clip.pinned !== null || clip.skeleton.view.markers) return null;
+  if (!mends) return null;
   return (
     <div class="suggest row">
       {all.length ? (
@@ -44,22 +78,44 @@ export function Suggestions({ clip }: { clip: Clip }) {
             {w("button.hideSuggestions")}
           </button>
         </>
+      ) : busy ? (
+        <span class="dim">{w("label.loading")}</span>
       ) : (
-        <button type="button" class="button quiet dense" disabled={busy} onClick={() => void offer()}>
-          {busy ? w("label.loading") : w("button.suggestions")}
-        </button>
+        <Menu
+          label={w("button.suggestions")}
+          className="button quiet dense"
+          items={[
+            { text: w("label.activities"), detail: w("help.activities"), run: () => void offer("activities") },
+            {
+              text: w("label.movements"),
+              detail: w("help.movements"),
+              disabled: clip.skeleton.view.markers,
+              run: () => void offer("movements"),
+            },
+          ]}
+        >
+          {w("button.suggestions")}
+          <Icon name="down" />
+        </Menu>
       )}
     </div>
   );
 }
 
+/** The angle of a turn or a movement, the steps of a walk; nothing for others. */
+function amountOf(span: Suggested): string {
+  if (span.degrees != null) return ` ${number(span.degrees, 0)}°`;
+  return span.steps == null ? "" : `, ${w("label.steps", { n: span.steps })}`;
+}
+
 function Chip({ span, style, clip }: { span: Suggested; style: Record<string, string>; clip: Clip }) {
+  const text = `${span.name}${amountOf(span)}`;
   return (
     <div role="listitem" class="span-item" style={style}>
       <button
         type="button"
         class="span offer"
-        title={`${span.name} ${span.first}–${span.last}, ${w("label.confidence", { value: number(span.confidence, 2) })}: ${w("button.accept")}`}
+        title={`${text}, ${span.first}–${span.last}, ${w("label.confidence", { value: number(span.confidence, 2) })}: ${w("button.accept")}`}
         onClick={() => {
           clip.setLabels([...clip.labels.peek(), newSpan(span.name, span.first, span.last)]);
           suggested.value = suggested
@@ -67,7 +123,7 @@ function Chip({ span, style, clip }: { span: Suggested; style: Record<string, st
             .filter((one) => one !== span && !(one.name === span.name && one.first === span.first));
         }}
       >
-        {span.name}? {number(span.confidence, 2)}
+        {text}?
       </button>
     </div>
   );

@@ -17,7 +17,7 @@ import { w } from "../../../words";
 import { naming, newSpan } from "../actions";
 import { clock } from "../../../motion/timeline/clock";
 import { NameSpan } from "./NameSpan";
-import { Suggestions, suggested } from "./Suggestions";
+import { newSuggestions, Suggestions, suggested } from "./Suggestions";
 
 const RULER = 24;
 const LANE = 24;
@@ -52,9 +52,7 @@ export function Timeline({ clip }: { clip: Clip }) {
 
   const spans = clip.labels.value;
   const shownSpans = drag.value ? [...spans.filter((one) => one.id !== drag.value!.span.id), drag.value.span] : spans;
-  const offered = suggested.value.filter(
-    (one) => !spans.some((span) => span.name === one.name && span.first === one.first && span.last === one.last),
-  );
+  const offered = newSuggestions(suggested.value, spans);
   const all = [...shownSpans, ...offered.map((one, index) => ({ ...one, id: -1e9 - index }))];
   const places = lanes(all);
   // One lane is free: a label is drawn there over any other.
