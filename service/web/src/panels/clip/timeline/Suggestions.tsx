@@ -74,8 +74,14 @@ export function Suggestions({ clip }: { clip: Clip }) {
           <button type="button" class="button dense" onClick={accept}>
             {w("button.acceptAll", { n: all.length })}
           </button>
-          <button type="button" class="button quiet dense" onClick={() => (suggested.value = [])}>
-            {w("button.hideSuggestions")}
+          <button
+            type="button"
+            class="button quiet icon dense"
+            aria-label={w("button.hideSuggestions")}
+            title={w("button.hideSuggestions")}
+            onClick={() => (suggested.value = [])}
+          >
+            <Icon name="close" />
           </button>
         </>
       ) : busy ? (
@@ -105,7 +111,7 @@ export function Suggestions({ clip }: { clip: Clip }) {
 /** The angle of a turn or a movement, the steps of a walk; nothing for others. */
 function amountOf(span: Suggested): string {
   if (span.degrees != null) return ` ${number(span.degrees, 0)}°`;
-  return span.steps == null ? "" : `, ${w("label.steps", { n: span.steps })}`;
+  return span.steps == null || span.name === "step" ? "" : `, ${w("label.steps", { n: span.steps })}`;
 }
 
 function Chip({ span, style, clip }: { span: Suggested; style: Record<string, string>; clip: Clip }) {
