@@ -50,6 +50,7 @@ from mcml_schemas.jobs import (
 )
 from mcml_schemas.labels import LabelChange, LabelQuery, SuggestedLabels
 from mcml_schemas.matching import FollowRequest, MatchingFacts, MatchingSelection, PathFollowed
+from mcml_schemas.measure import MeasureRequest, Measures
 from mcml_schemas.measurements import MeasurementList
 from mcml_schemas.media import MediaChange, MediaInfo
 from mcml_schemas.names import AliasTable, AppliedNames, SavedAliases
@@ -846,6 +847,13 @@ class Operations:
         progress: FileProgress | None = None,
     ) -> SearchAnswer:
         """Find the poses or motions most similar to those of a file, without importing it."""
+    def measure(
+        self,
+        *,
+        request: MeasureRequest | dict[str, Any],
+        progress: FileProgress | None = None,
+    ) -> Measures | Content:
+        """Measure quantities in frame ranges of many clips: a table, outliers first, and mean curves of groups."""
     def compose(
         self,
         *,

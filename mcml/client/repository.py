@@ -24,6 +24,7 @@ from mcml.files.read_numbers import Space
 from mcml.frames import Frames
 from mcml_schemas.documents import DocumentDetail, DocumentSummary, FileProblem, Label
 from mcml_schemas.jobs import Job
+from mcml_schemas.measure import Measures
 from mcml_schemas.skeletons import SkeletonView
 
 _URLS = ("http://", "https://")
@@ -121,6 +122,39 @@ class Repository:
         asked: dict[str, Any] = {"project": project, "document": documents or [], "revision": revision, "per": per}
         asked |= {"guesses": guesses, "variables": variables}
         return Query(self._client, expression, asked)
+
+    def measure(
+        self,
+        *quantities: str,
+        documents: Sequence[Document | str] = (),
+        project: str | None = None,
+        query: str | None = None,
+        cycles: str | Sequence[str] = (),
+        by: Sequence[str] = ("side",),
+        **options: Any,
+    ) -> Measures:
+        """Measure quantities such as "angle:left-knee-flexion" in frame ranges of many clips.
+
+        documents: Documents, ids, or "collection:NAME". query: an XPath expression; its frame ranges are measured.
+        cycles: labels whose occurrences are. Without both, clips as a whole, or with `strides=True` strides of gait.
+        by: keys of groups (clip, label, side, person, project, property:NAME). options: strides, guesses ("no"), limit,
+        and selection, a dictionary with other conditions. Ranges of the answer are outliers first, each with its curve
+        of 101 values; its groups have mean curves; its warnings list missing clips with reasons.
+        """
+        selection = dict(options.pop("selection", {}))
+        if documents:
+            selection["documents"] = [item if isinstance(item, str) else item.id for item in documents]
+        if project is not None:
+            selection["project"] = project
+        request: dict[str, Any] = {
+            "selection": selection or None,
+            "quantities": list(quantities),
+            "query": query,
+            "by": list(by),
+        }
+        request |= {"cycles": [cycles] if isinstance(cycles, str) else list(cycles), "curves": True, "limit": 10_000}
+        measures: Measures = self._client.call("measure", request=request | options)
+        return measures
 
     def import_(self, *paths: str | PathLike[str], progress: Told | None = None, **options: Any) -> Imported:
         """Store files, folders with all their files, or zips.

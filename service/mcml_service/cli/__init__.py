@@ -37,6 +37,7 @@ BY_HAND = {
     "numbers": "numbers:numbers",
     "analog": "numbers:analog",
     "gait": "gait:gait",
+    "measure": "measuring:measure",
     "compose": "edits.composing:compose",
     "retarget": "edits.composing:retarget",
     "follow": "edits.matching:follow",

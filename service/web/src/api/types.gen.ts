@@ -708,6 +708,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/measure": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["measure"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/compose": {
         parameters: {
             query?: never;
@@ -3691,6 +3707,92 @@ export interface components {
             /** @default [] */
             projects: components["schemas"]["Belonging"][];
         };
+        MeanOfRanges: {
+            mean: number;
+            sd: number | null;
+        };
+        MeasureRequest: {
+            selection?: components["schemas"]["Selection"] | null;
+            query?: string | null;
+            quantities: string[];
+            /** @default [] */
+            cycles: string[];
+            /** @default false */
+            strides: boolean;
+            /**
+             * @default [
+             *       "side"
+             *     ]
+             */
+            by: string[];
+            /**
+             * @default yes
+             * @enum {string}
+             */
+            guesses: "yes" | "no";
+            /** @default false */
+            curves: boolean;
+            /** @default 1000 */
+            limit: number;
+            /**
+             * @default json
+             * @enum {string}
+             */
+            as: "json" | "csv" | "arrow" | "parquet" | "npz";
+            /**
+             * @default ranges
+             * @enum {string}
+             */
+            table: "ranges" | "curves" | "groups";
+            /** @default false */
+            raw: boolean;
+        };
+        MeasuredGroup: {
+            quantity: string;
+            unit: string;
+            group: {
+                [key: string]: string;
+            };
+            ranges: number;
+            documents: number;
+            outliers: number;
+            minimum: components["schemas"]["MeanOfRanges"];
+            maximum: components["schemas"]["MeanOfRanges"];
+            mean: components["schemas"]["MeanOfRanges"];
+            range: components["schemas"]["MeanOfRanges"];
+            mean_curve: (number | null)[];
+            sd_curve: (number | null)[];
+            count: number[];
+        };
+        MeasuredRange: {
+            document: string;
+            name: string;
+            project: string;
+            revision: number;
+            quantity: string;
+            unit: string;
+            label: string;
+            side: string;
+            group: {
+                [key: string]: string;
+            };
+            first: number;
+            last: number;
+            start: number | null;
+            seconds: number | null;
+            missing: number;
+            minimum: number;
+            maximum: number;
+            mean: number;
+            sd: number | null;
+            range: number;
+            max_frame: number;
+            max_time: number | null;
+            score: number | null;
+            score_of: string;
+            outlier: boolean;
+            curve?: (number | null)[] | null;
+        };
         MeasurementFacts: {
             function: string;
             name: string;
@@ -3705,6 +3807,14 @@ export interface components {
         };
         MeasurementList: {
             items: components["schemas"]["MeasurementFacts"][];
+        };
+        Measures: {
+            ranges: components["schemas"]["MeasuredRange"][];
+            groups: components["schemas"]["MeasuredGroup"][];
+            total_ranges: number;
+            total_groups: number;
+            documents: number;
+            warnings: string[];
         };
         MediaChange: {
             offset: number;
@@ -8344,6 +8454,57 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["SearchAnswer"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    measure: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MeasureRequest"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Measures"];
+                    "text/csv": unknown;
+                    "application/vnd.apache.arrow.stream": unknown;
+                    "application/vnd.apache.parquet": unknown;
+                    "application/octet-stream": string;
                 };
             };
             503: {

@@ -1,0 +1,1 @@
+"""Measure quantities in many frame ranges."""
