@@ -1,7 +1,8 @@
 """Precision and recall of recognised activities, by the names of clips: the table of docs/motion.md.
 
-`python -m benchmarks.activity_figures FOLDER` takes BVH files of the Bandai-Namco-Research-Motiondataset, whose names say
-what they show (`dataset-2_walk-turn-left_normal_003.bvh`). A clip has an activity if it is recognised in any frame.
+`python -m benchmarks.activity_figures FOLDER` takes BVH files of the Bandai-Namco-Research-Motiondataset, with their
+contents in their names (`dataset-2_walk-turn-left_normal_003.bvh`). A clip has an activity if it is recognised in any
+frame.
 """
 
 from __future__ import annotations

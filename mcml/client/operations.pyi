@@ -5,6 +5,7 @@ from typing import Any, Literal
 from mcml.answers import Content
 from mcml.client.client import Client, FileProgress
 from mcml.formats.format import SourceFile
+from mcml_schemas.arrays import ArraysRequest
 from mcml_schemas.bodies import Calibration, CalibrationChange
 from mcml_schemas.catalogues import (
     FormatList,
@@ -847,6 +848,13 @@ class Operations:
         progress: FileProgress | None = None,
     ) -> SearchAnswer:
         """Find the poses or motions most similar to those of a file, without importing it."""
+    def export_arrays(
+        self,
+        *,
+        request: ArraysRequest | dict[str, Any],
+        progress: FileProgress | None = None,
+    ) -> Content:
+        """Export frames of many clips as one array or table: positions, rotations, channels, quantities."""
     def measure(
         self,
         *,

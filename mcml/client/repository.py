@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import entry_points
 from os import PathLike
@@ -12,6 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 from mcml.answers import Content
+from mcml.client.arrays import ClipArrays
 from mcml.client.choosing import choose_documents, find_document
 from mcml.client.client import Client, JobProgress
 from mcml.client.folders import Told, import_paths
@@ -141,13 +142,8 @@ class Repository:
         and selection, a dictionary with other conditions. Ranges of the answer are outliers first, each with its curve
         of 101 values; its groups have mean curves; its warnings list missing clips with reasons.
         """
-        selection = dict(options.pop("selection", {}))
-        if documents:
-            selection["documents"] = [item if isinstance(item, str) else item.id for item in documents]
-        if project is not None:
-            selection["project"] = project
         request: dict[str, Any] = {
-            "selection": selection or None,
+            "selection": self._select(documents, project, options.pop("selection", {})),
             "quantities": list(quantities),
             "query": query,
             "by": list(by),
@@ -155,6 +151,45 @@ class Repository:
         request |= {"cycles": [cycles] if isinstance(cycles, str) else list(cycles), "curves": True, "limit": 10_000}
         measures: Measures = self._client.call("measure", request=request | options)
         return measures
+
+    def arrays(
+        self,
+        *quantities: str,
+        documents: Sequence[Document | str] = (),
+        project: str | None = None,
+        query: str | None = None,
+        space: Space | None = None,
+        bones: Sequence[str] = (),
+        **options: Any,
+    ) -> ClipArrays:
+        """Return frames of many clips as one array: joint positions, or `quantities` such as "speed:right_hand".
+
+        documents: Documents, ids, or "collection:NAME". query: an XPath expression, for the frame ranges in its answer.
+        space: "positions", "rotations" or "channels"; with quantities "channels", of the stated bones. options: columns
+        ("shared": those that all clips have), dtype ("f8"), guesses ("no"), and selection, a dictionary with other
+        conditions.
+        """
+        request = {
+            "selection": self._select(documents, project, options.pop("selection", {})),
+            "query": query,
+            "space": space or ("channels" if quantities else "positions"),
+            "bones": list(bones),
+            "quantities": list(quantities),
+        }
+        content = self._client.call("export_arrays", request=request | options)
+        return ClipArrays.of(b"".join(map(bytes, content.blocks)), [notice.what for notice in content.notices])
+
+    @staticmethod
+    def _select(
+        documents: Sequence[Document | str], project: str | None, others: Mapping[str, Any]
+    ) -> dict[str, Any] | None:
+        """A selection; None without conditions."""
+        selection = dict(others)
+        if documents:
+            selection["documents"] = [item if isinstance(item, str) else item.id for item in documents]
+        if project is not None:
+            selection["project"] = project
+        return selection or None
 
     def import_(self, *paths: str | PathLike[str], progress: Told | None = None, **options: Any) -> Imported:
         """Store files, folders with all their files, or zips.

@@ -58,7 +58,7 @@ class SuggestedLabel(BaseModel):
 
 
 class SuggestedLabels(BaseModel):
-    """To be accepted by `POST /documents/{id}/labels`, all or some. warnings: activities that are not recognised, and why."""
+    """To be accepted by `POST /documents/{id}/labels`, all or some. warnings: unrecognised activities, and why."""
 
     model_config = ConfigDict(json_schema_extra=shown({"items": [_SUGGESTED], "warnings": []}))
 

@@ -196,6 +196,7 @@ def request_of(operation: Operation, things: Things, word: str) -> Asked | None:
         "change_documents": Asked("thing", {}, {}, {"json": {"selection": selected, "change": {"description": "z"}}}),
         "export_documents": Asked("thing", {}, {}, {"json": {"selection": selected, "format": "bvh"}}),
         "label_by_query": Asked("thing", {}, {}, {"json": {"name": "all", "xpath": "//frame[1]", "document": [one]}}),
+        "export_arrays": Asked("thing", {}, {}, {"json": {"selection": selected}}),
         "measure": Asked("thing", {}, {}, {"json": {"selection": selected, "quantities": ["position:Root,x"]}}),
         "post_query": Asked("thing", {}, {}, {"json": {"q": "//frame[1]", "document": [one]}}),
         "search_motion": Asked("thing", {}, {}, {"json": {"document": things.stored[1], "first": 1, "last": 3}}),

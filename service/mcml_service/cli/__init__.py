@@ -36,6 +36,7 @@ BY_HAND = {
     "frames": "edits.frames:frames",
     "numbers": "numbers:numbers",
     "analog": "numbers:analog",
+    "arrays": "numbers:arrays",
     "gait": "gait:gait",
     "measure": "measuring:measure",
     "compose": "edits.composing:compose",

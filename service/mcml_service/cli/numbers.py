@@ -1,14 +1,17 @@
-"""`mcml numbers` and `mcml analog`: frames and analog channels of a document as tables or arrays."""
+"""`mcml numbers`, `mcml arrays` and `mcml analog`: frames and analog channels as tables or arrays."""
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
-from typing import Annotated, get_args
+from typing import Annotated, Any, Literal, get_args
 
 import typer
 
 from mcml.client.choosing import id_of
 from mcml.errors import RequestError
+from mcml.files.read_numbers import Space
+from mcml_schemas.arrays import ArrayForm
 from mcml_schemas.frames import FrameForm
 from mcml_service.cli.terminal.opening import (
     DatabaseOption,
@@ -62,6 +65,53 @@ def numbers(
         raw=raw,
     )
     write_blocks(answer.blocks, output, force=force)
+
+
+def arrays(
+    output: Annotated[Path, typer.Argument(help=".npz, .csv, .arrow or .parquet")],
+    ids: Annotated[
+        list[str] | None, typer.Argument(metavar="[ID]...", help="Documents, or collection:NAME", show_default=False)
+    ] = None,
+    project: Annotated[str | None, typer.Option(help="All documents of this project")] = None,
+    query: Annotated[
+        str | None, typer.Option(help="An XPath expression; the frame ranges that it finds are exported")
+    ] = None,
+    space: Annotated[Space, typer.Option(help="Joint positions, joint rotations, or channels")] = "positions",
+    bone: Annotated[list[str] | None, typer.Option(help="Only this bone; may be repeated; default all")] = None,
+    quantity: Annotated[
+        list[str] | None, typer.Option(help="Such as angle:left-knee-flexion, with --space channels; may be repeated")
+    ] = None,
+    columns: Annotated[
+        Literal["all", "shared"], typer.Option(help="Columns of any clip, or those that all clips share")
+    ] = "all",
+    raw: RawOption = False,
+    force: ForceOption = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Export frames of many clips as one array or table."""
+    form = output.suffix.removeprefix(".").lower()
+    if form not in get_args(ArrayForm):
+        forms = ", .".join(get_args(ArrayForm))
+        raise RequestError(f"{output} is no array or table by its name.", remedy=f"End it in one of: .{forms}.")
+    client = open_client(database, server)
+    selection: dict[str, Any] = {} if project is None else {"project": project}
+    if ids:
+        selection["documents"] = [id_of(client, text) for text in ids]
+    request = {
+        "selection": selection or None,
+        "query": query,
+        "space": space,
+        "bones": bone or [],
+        "quantities": quantity or [],
+        "columns": columns,
+        "as": form,
+        "raw": raw,
+    }
+    answer = client.call("export_arrays", request=request)
+    write_blocks(answer.blocks, output, force=force)
+    for notice in answer.notices:
+        print(f"mcml: {notice.what}", file=sys.stderr)
 
 
 def analog(

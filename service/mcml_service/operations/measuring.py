@@ -40,10 +40,11 @@ def measure(call: Call, request: MeasureRequest) -> Measures | Content:
     arrays of groups: `group_mean`, `group_sd`, `group_count`, and `group_of` each range.
     """
     # Imported here: other operations need no mathematics.
-    from mcml_service.actions.measuring.choose_ranges import choose_clips
+    from mcml_service.actions.measuring.choose_ranges import check_kinds, choose_clips
     from mcml_service.actions.measuring.measure_clips import measure_clips
     from mcml_service.actions.measuring.write_measures import describe_measures, write_measures
 
+    check_kinds(request)
     call.limits.extend(max(_SECONDS, call.settings.query_seconds))
     clips, warnings = choose_clips(call.database, call.queries, request, call.limits)
     bodies = call.queries.caches.bodies

@@ -121,7 +121,7 @@ def find_jumps(signals: BodySignals, runs: list[Activity]) -> Iterator[Activity]
 
 @dataclass(frozen=True, eq=False)
 class _Gait:
-    """apart: (n,) level distance of the feet, of which each step is a peak in `peaks`. flight: (n,) share of the time in
+    """apart: (n,) level distance of the feet, of which each step is a peak in `peaks`. flight: (n,) share of time in
     flight, less that with both feet planted. bounce: (n,) heights of the hips without their slow part."""
 
     apart: Array

@@ -22,7 +22,7 @@ from mcml_service.storage.transaction import Transaction
 def suggest_activities(
     tx: Transaction, stored: StoredDocument, confidence: float
 ) -> tuple[list[SuggestedLabel], list[str]]:
-    """Return activities with at least this confidence, in order, and warnings of unrecognised ones. Nothing is written."""
+    """Return activities with at least this confidence, in order, and warnings of unrecognised ones."""
     (listed,) = tx.columns.documents([stored.key])
     stretch = read_bodies(tx, [listed])[stored.key].stretch(JOINTS)
     found = [

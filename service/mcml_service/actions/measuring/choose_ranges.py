@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Literal, Protocol
 
 import numpy as np
 
 from mcml.errors import RequestError, SizeError
 from mcml.laboratory.measure_gait import Gait
+from mcml_schemas.jobs import Selection
 from mcml_schemas.measure import MeasureRequest
 from mcml_schemas.querying.queries import MOST_DOCUMENTS, QueryRequest, RunItem
 from mcml_service.actions.composing.select_documents import select_captured, select_documents
@@ -49,15 +51,24 @@ class ChosenClip:
     found: tuple[tuple[int, int], ...] | None = None
 
 
+class RangesRequest(Protocol):
+    """A request for the frame ranges of clips or of a query. quantities: each range has a row for each of them."""
+
+    selection: Selection | None
+    query: str | None
+    quantities: list[str]
+    guesses: Literal["yes", "no"]
+
+
 def choose_clips(
-    database: Database, queries: Queries, request: MeasureRequest, limits: Limits
+    database: Database, queries: Queries, request: RangesRequest, limits: Limits
 ) -> tuple[list[ChosenClip], list[str]]:
     """Return the clips of a request in the order of their ids, and warnings.
 
-    Raises RequestError for a request without clips or with two kinds of ranges, SizeError for too many ranges, and the
-    errors of queries.
+    Raises RequestError for a request without clips, SizeError for too many ranges, and the errors of queries.
     """
-    _check(request)
+    if request.selection is None and request.query is None:
+        raise RequestError("No clips are selected.", remedy="State `selection`, or a `query` that finds frame ranges.")
     clips: list[ChosenClip] = []
     warnings: list[str] = []
     documents: list[str] = []
@@ -80,9 +91,8 @@ def choose_clips(
     return _ask(queries, request, documents, limits, warnings), warnings
 
 
-def _check(request: MeasureRequest) -> None:
-    if request.selection is None and request.query is None:
-        raise RequestError("No clips are selected.", remedy="State `selection`, or a `query` that finds frame ranges.")
+def check_kinds(request: MeasureRequest) -> None:
+    """Raise RequestError for a request with two kinds of ranges."""
     kinds = [name for name in ("query", "cycles", "strides") if getattr(request, name)]
     if len(kinds) > 1:
         raise RequestError(
@@ -91,7 +101,7 @@ def _check(request: MeasureRequest) -> None:
 
 
 def _ask(
-    queries: Queries, request: MeasureRequest, documents: list[str], limits: Limits, warnings: list[str]
+    queries: Queries, request: RangesRequest, documents: list[str], limits: Limits, warnings: list[str]
 ) -> list[ChosenClip]:
     found: dict[tuple[str, int], list[tuple[int, int]]] = {}
     cursor: str | None = None
@@ -115,8 +125,8 @@ def _ask(
             return [ChosenClip(*key, tuple(ranges)) for key, ranges in sorted(found.items())]
 
 
-def _require_room(count: int, request: MeasureRequest) -> None:
-    require_rows(count * len(request.quantities))
+def _require_room(count: int, request: RangesRequest) -> None:
+    require_rows(count * max(1, len(request.quantities)))
 
 
 def require_rows(count: int) -> None:

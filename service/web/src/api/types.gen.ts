@@ -708,6 +708,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/arrays": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["export_arrays"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/measure": {
         parameters: {
             query?: never;
@@ -2038,6 +2054,41 @@ export interface components {
             shape: number[];
             first: number;
             values: unknown[];
+        };
+        ArraysRequest: {
+            selection?: components["schemas"]["Selection"] | null;
+            query?: string | null;
+            /**
+             * @default positions
+             * @enum {string}
+             */
+            space: "channels" | "positions" | "rotations";
+            /** @default [] */
+            bones: string[];
+            /** @default [] */
+            quantities: string[];
+            /**
+             * @default all
+             * @enum {string}
+             */
+            columns: "all" | "shared";
+            /**
+             * @default f4
+             * @enum {string}
+             */
+            dtype: "f8" | "f4";
+            /**
+             * @default yes
+             * @enum {string}
+             */
+            guesses: "yes" | "no";
+            /**
+             * @default npz
+             * @enum {string}
+             */
+            as: "npz" | "csv" | "arrow" | "parquet";
+            /** @default false */
+            raw: boolean;
         };
         BeatsParameters: {
             source_bpm?: number | null;
@@ -8454,6 +8505,56 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["SearchAnswer"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    export_arrays: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ArraysRequest"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/csv": unknown;
+                    "application/vnd.apache.arrow.stream": unknown;
+                    "application/vnd.apache.parquet": unknown;
+                    "application/octet-stream": string;
                 };
             };
             503: {

@@ -13,6 +13,7 @@ import { AskName } from "../../ui/forms/AskName";
 import { Dialog } from "../../ui/Dialog";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
+import { ArraysDialog } from "../../ui/exporting/ArraysDialog";
 import { ShareDialog } from "../../ui/exporting/ShareDialog";
 import { w } from "../../words";
 import { ToProject } from "./ToProject";
@@ -21,6 +22,7 @@ export function PickedBar() {
   const [naming, setNaming] = useState(false);
   const [collecting, setCollecting] = useState(false);
   const [sharing, setSharing] = useState(false);
+  const [numbers, setNumbers] = useState(false);
   const [going, setGoing] = useState<"" | "copy" | "move">("");
   useEffect(() => void askMe(), []);
   const ids = [...library.picked.value];
@@ -64,6 +66,7 @@ export function PickedBar() {
             text: w("label.exportAs", { format: label }),
             run: () => void exportAll({ format: name }),
           })),
+          { text: w("label.arraysFile"), run: () => setNumbers(true) },
         ]}
       >
         <Icon name="export" />
@@ -107,6 +110,13 @@ export function PickedBar() {
         {w("button.pickNone")}
       </button>
       {going && <ToProject ids={ids} move={going === "move"} onClose={() => setGoing("")} />}
+      {numbers && (
+        <ArraysDialog
+          source={{ selection: { documents: ids } }}
+          about={w("help.arraysOfClips", { n: ids.length })}
+          onClose={() => setNumbers(false)}
+        />
+      )}
       {sharing && <ShareDialog ids={ids} onClose={() => setSharing(false)} />}
       {collecting && <Collect ids={ids} onClose={() => setCollecting(false)} />}
       {naming && <NameAll ids={ids} onClose={() => setNaming(false)} />}

@@ -4,6 +4,7 @@ import { address, ask, type Schemas } from "../../api/client";
 import { needsToken } from "../../state/session/me";
 import { copyText, note, refuse } from "../../state/session/notes";
 import { go } from "../../state/session/route";
+import { ArraysDialog } from "../../ui/exporting/ArraysDialog";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
 import { w } from "../../words";
@@ -25,7 +26,7 @@ const slug = (q: string, between = "-"): string =>
 /** runs: those of the answer; none where it is of another kind. */
 export function AnswerStatus({ answer, runs }: { answer: Answered; runs: Run[] }) {
   const [saving, setSaving] = useState(false);
-  const { q, project, per } = answer;
+  const { q, project } = answer;
   const totals = answer.totals ?? { frames: runs.reduce((sum, one) => sum + one.frames, 0), runs: runs.length };
   /** All runs, one after the other, as a new clip. */
   const saveAsClip = async () => {
@@ -78,19 +79,7 @@ export function AnswerStatus({ answer, runs }: { answer: Answered; runs: Run[] }
       <span class="grow" />
       <Explain explain={answer.explain} />
       <Copies answer={answer} />
-      <Menu
-        label={w("button.exportAll")}
-        className="button quiet dense"
-        side="right"
-        items={(["xml", "ndjson", "csv"] as const).map((one) => ({
-          text: one.toUpperCase(),
-          href: address("/xpath", {}, { q, project, as: one, per: per ? "document" : undefined }),
-          download: `${slug(q)}.${one}`,
-        }))}
-      >
-        {w("button.exportAll")}
-        <Icon name="down" />
-      </Menu>
+      <Exports answer={answer} hasRuns={runs.length > 0} />
       {runs.length > 0 && !answer.per && (
         <button type="button" class="button dense" disabled={saving} onClick={() => void saveAsClip()}>
           {w("button.saveAsClip")}
@@ -102,6 +91,39 @@ export function AnswerStatus({ answer, runs }: { answer: Answered; runs: Run[] }
         </button>
       )}
     </div>
+  );
+}
+
+/** The answer as a file: its nodes, or the numbers of its frames. */
+function Exports({ answer, hasRuns }: { answer: Answered; hasRuns: boolean }) {
+  const [numbers, setNumbers] = useState(false);
+  const { q, project, per } = answer;
+  return (
+    <>
+      <Menu
+        label={w("button.exportAll")}
+        className="button quiet dense"
+        side="right"
+        items={[
+          ...(["xml", "ndjson", "csv"] as const).map((one) => ({
+            text: one.toUpperCase(),
+            href: address("/xpath", {}, { q, project, as: one, per: per ? "document" : undefined }),
+            download: `${slug(q)}.${one}`,
+          })),
+          ...(hasRuns && !per ? [{ text: w("label.arraysFile"), run: () => setNumbers(true) }] : []),
+        ]}
+      >
+        {w("button.exportAll")}
+        <Icon name="down" />
+      </Menu>
+      {numbers && (
+        <ArraysDialog
+          source={{ query: q, ...(project ? { selection: { project } } : {}) }}
+          about={w("help.arraysOfQuery")}
+          onClose={() => setNumbers(false)}
+        />
+      )}
+    </>
   );
 }
 
