@@ -64,6 +64,8 @@ def filled(sqlite_template: Path, tmp_path_factory: pytest.TempPathFactory) -> I
                 "composer-empty": "/compose",
                 "retarget": f"/retarget?from={one}&to={two}",
                 "retarget-empty": "/retarget",
+                "measure": "/measure?project=Gait&m=speed:left_up_leg|angle:left-knee-flexion",
+                "measure-empty": "/measure",
                 "analyses": "/analyses",
                 "analysis": "/analyses/beats?project=Gait",
                 "result": f"/results/{result}",
@@ -97,8 +99,8 @@ def beats_of(database: Database) -> str:
 PAGES = [
     "library", "list", "nothing", "tree", "graph", "body", "structure", "text", "history", "info", "xpath",
     "xpath-empty",
-    "composer", "composer-empty", "retarget", "retarget-empty", "analyses", "analysis", "result",
-    "result-table", "reach-empty", "reach", "reach-gap", "reach-examples", "reach-fit",
+    "composer", "composer-empty", "retarget", "retarget-empty", "measure", "measure-empty", "analyses", "analysis",
+    "result", "result-table", "reach-empty", "reach", "reach-gap", "reach-examples", "reach-fit",
     "faces", "faces-start", "dance-start", "settings",
 ]  # fmt: skip
 

@@ -91,7 +91,7 @@ def test_start_up_is_small() -> None:
 
 PANEL = 60_000
 """Bytes that opening an analysis may load at once, gzip, with what it shares; three.js and CodeMirror apart."""
-ANALYSES = ("Reach", "Dance", "Faces", "Analyses", "Result")
+ANALYSES = ("Reach", "Dance", "Faces", "Measure", "Analyses", "Result")
 
 
 def is_scene_or_editor(chunk: str) -> bool:

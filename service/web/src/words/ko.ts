@@ -2,7 +2,7 @@
 import type { en } from "./en";
 
 export const ko: typeof en = {
-  "label.reach": "뻗기 합성", "label.matching": "모션 매칭", "button.goMatching": "모션 매칭으로 가기", "label.dance": "댄스", "label.faces": "표정 공간", "label.analyses": "분석", "button.goReach": "뻗기 합성으로 가기",
+  "label.reach": "뻗기 합성", "label.matching": "모션 매칭", "button.goMatching": "모션 매칭으로 가기", "label.dance": "댄스", "label.faces": "표정 공간", "label.analyses": "분석", "label.measure": "측정", "button.goMeasure": "측정으로 가기", "button.measureThese": "측정", "button.goReach": "뻗기 합성으로 가기",
   "button.addBeat": "비트 추가", "button.acceptTracked": "추적한 비트 받아들이기", "label.tapTempo": "템포 두드리기", "label.soundEarlier": "소리 10 ms 앞으로", "label.soundLater": "소리 10 ms 뒤로",
   "button.goAnalyses": "분석으로 가기", "button.goDance": "댄스로 가기", "button.goFaces": "표정 공간으로 가기", "label.jobs": "작업", 
   "label.reachExamples": "모델의 예제", "label.reachFit": "적합도", "label.reachBlend": "조절", "button.toNearest": "가장 가까운 예제로",
@@ -67,7 +67,7 @@ export const ko: typeof en = {
   "label.gridOf": "격자 {size}", "button.play": "재생", "button.pause": "멈춤", "label.firstFrame": "첫 프레임", "label.lastFrame": "마지막 프레임", "label.backFrame": "이전 프레임",
   "label.nextFrame": "다음 프레임", "label.frame": "프레임", "label.ofFrames": "/ {n}", "label.speed": "속력", "label.loop": "반복 {first}–{last} ({n})", "label.noLoop": "전체 클립",
   "button.clearLoop": "반복 구간 지우기", "button.setIn": "여기서부터 반복", "button.setOut": "여기까지 반복", "label.timeline": "타임라인", "help.oldRevision": "지난 리비전입니다. 바꾸려면 복원하세요.",
-  "button.restore": "복원", "label.restoredAs": "리비전 {n}(으)로 복원했습니다", "label.tree": "트리", "label.graph": "곡선", "label.bodyTab": "운동학", "label.quantity": "측정값", "label.quantityHeight": "높이", "label.quantitySpeed": "속력", "label.quantityAcceleration": "가속도", "label.quantityAngle": "각도", "label.goniometerAngle": "{name} (각도계)", "label.quantityContact": "발 접지", "label.quantityHeading": "바라보는 방향",
+  "button.restore": "복원", "label.restoredAs": "리비전 {n}(으)로 복원했습니다", "label.tree": "트리", "label.graph": "곡선", "label.bodyTab": "운동학", "label.quantity": "측정값", "label.quantityHeight": "높이", "label.quantityPosition": "위치", "label.axisUp": "위", "label.quantitySpeed": "속력", "label.quantityAcceleration": "가속도", "label.quantityAngle": "각도", "label.goniometerAngle": "{name} (각도계)", "label.quantityContact": "발 접지", "label.quantityHeading": "바라보는 방향",
   "label.gait": "보행", "label.walking": "걷기", "label.running": "달리기", "label.onBelt": "벨트 속력 {speed} m/s", "label.strides": "활보 {n}회", "label.warnings": "경고 {n}개",
   "label.gaitEvents": "보행 이벤트 {n}개", "button.addEvents": "이벤트를 라벨로 추가", "help.addEventsHelp": "발 닿기와 발 떼기마다 한 프레임 라벨을 추가합니다. C3D로 내보내면 이벤트가 됩니다.", "label.footStrike": "발 닿기", "label.footOff": "발 떼기", "label.normalBand": "정상 범위", "label.compareWith": "비교 대상", "label.compared": "비교", "help.collectionsHelp": "컬렉션의 클립입니다. 컬렉션은 라이브러리에서 저장합니다.", "button.saveReport": "보고서 저장 (PDF)", "button.saveCycles": "수치 저장 (CSV)", "label.leftFootSteps": "왼발, 걸음 기준", "label.rightFootSteps": "오른발, 걸음 기준", "label.sideLeft": "왼쪽", "label.sideRight": "오른쪽", "label.fromLabel": "라벨에서", "label.fromPositions": "위치에서 찾음", "label.fromPlate": "지면 반력기에서",
   "label.gaitParameter": "지표", "label.symmetry": "대칭", "help.symmetryHelp": "100 × (왼쪽 − 오른쪽) / 평균. 0이면 대칭입니다.", "label.strideTime": "활보 시간", "label.stepTime": "걸음 시간", "label.cadence": "분속수", "label.strideLength": "활보 길이", "label.stepLength": "걸음 길이", "label.stepWidth": "걸음 너비", "label.stance": "입각기", "label.doubleSupport": "양하지 지지", "label.singleSupport": "단하지 지지",

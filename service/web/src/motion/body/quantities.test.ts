@@ -29,6 +29,15 @@ test("another kind keeps the joint where it takes one", () => {
   expect(textOf({ kind: "angle", argument: "left-knee-flexion" })).toBe("angle:left-knee-flexion");
 });
 
+test("positions are of a joint along an axis", () => {
+  const asked = startOf("position:Root,front", undefined, bones);
+  expect(asked).toEqual({ kind: "position", argument: "Root,front" });
+  expect(argumentOf("position", { kind: "speed", argument: "Root" }, bones)).toBe("Root,up");
+  expect(argumentOf("speed", asked, bones)).toBe("Root");
+  expect(startOf("position:nobody,sideways", undefined, bones).argument).toBe("left_hand,up");
+  expect(expression(asked, 0.5, true)).toBe("//frame[mo:position('Root', 'front') > 0.5]");
+});
+
 test("contacts are of joints or of the feet of a walker", () => {
   expect(startOf("contact:left", undefined, bones)).toEqual({ kind: "contact", argument: "left" });
   expect(argumentOf("contact", { kind: "contact", argument: "Root" }, bones)).toBe("Root");

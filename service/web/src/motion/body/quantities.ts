@@ -1,6 +1,6 @@
 /** Quantities of a body as they are asked of the service, and the questions that they become. Pure functions. */
 
-export const KINDS = ["height", "speed", "acceleration", "angle", "contact", "heading"] as const;
+export const KINDS = ["height", "position", "speed", "acceleration", "angle", "contact", "heading"] as const;
 /** Measurements of the file itself. */
 export const FILE_KINDS = ["quantity", "force", "cop", "free-moment", "analog"] as const;
 export type FileKind = (typeof FILE_KINDS)[number];
@@ -24,6 +24,7 @@ export const JOINT_KINDS: ReadonlySet<Kind> = new Set<Kind>(["height", "speed", 
 export const FEET = ["left", "right"] as const;
 export const UNITS: Record<Kind, string> = {
   height: "m",
+  position: "m",
   speed: "m/s",
   acceleration: "m/s²",
   angle: "°",
@@ -35,7 +36,9 @@ export const UNITS: Record<Kind, string> = {
   "free-moment": "N m",
   analog: "",
 };
-const WITH_AXIS: ReadonlySet<Kind> = new Set<Kind>(["quantity", "force", "cop"]);
+const WITH_AXIS: ReadonlySet<Kind> = new Set<Kind>(["position", "quantity", "force", "cop"]);
+/** Axes of a position: of the space, or of the body in it. */
+export const PLACE_AXES = ["x", "y", "z", "up", "front", "left"] as const;
 export const isOfFile = (kind: Kind): kind is FileKind => (FILE_KINDS as readonly string[]).includes(kind);
 /** What is being typed where the service offers all names of angles. */
 export const ANGLE = "//frame[mo:angle('";
@@ -59,13 +62,22 @@ export function startOf(text: string, selected: string | undefined, bones: reado
   return { kind: "height", argument: selected ?? jointOf(bones) };
 }
 
+/** A joint and an axis; those of before, where they are. */
+function placeOf(before: Asked, bones: readonly string[]): string {
+  const [joint, axis] = before.kind === "position" ? nameAndAxis(before) : [before.argument, ""];
+  const along = PLACE_AXES.find((one) => one === axis) ?? "up";
+  return `${bones.includes(joint) ? joint : jointOf(bones)},${along}`;
+}
+
 /** The argument that a kind takes; the one of before, where it takes it. */
 export function argumentOf(kind: Kind, before: Asked, bones: readonly string[]): string {
   if (kind === "heading") return "";
   if (kind === "angle") return before.kind === "angle" && before.argument ? before.argument : FIRST_ANGLE;
+  if (kind === "position") return placeOf(before, bones);
   if (kind === "contact" && before.kind === kind && FEET.some((side) => side === before.argument))
     return before.argument;
-  return JOINT_KINDS.has(before.kind) && bones.includes(before.argument) ? before.argument : jointOf(bones);
+  const joint = before.kind === "position" ? nameAndAxis(before)[0] : before.argument;
+  return (JOINT_KINDS.has(before.kind) || before.kind === "position") && bones.includes(joint) ? joint : jointOf(bones);
 }
 
 const jointOf = (bones: readonly string[]): string => PREFERRED.find((name) => bones.includes(name)) ?? bones[0] ?? "";
@@ -85,7 +97,7 @@ export function measuredArgument({ name, axes }: Measured, axis: string): string
 /** The frames in which it is above (or below) a threshold. */
 export function expression(asked: Asked, limit: number, above: boolean): string {
   const { kind, argument } = asked;
-  const parts = isOfFile(kind) ? nameAndAxis(asked).filter(Boolean) : argument ? [argument] : [];
+  const parts = WITH_AXIS.has(kind) || isOfFile(kind) ? nameAndAxis(asked).filter(Boolean) : argument ? [argument] : [];
   const call = `mo:${kind}(${parts.map(quoted).join(", ")})`;
   return kind === "contact" ? `//frame[${call}]` : `//frame[${call} ${above ? ">" : "<"} ${limit}]`;
 }
@@ -116,6 +128,7 @@ export const rounded = (value: number): number => Number(value.toPrecision(DIGIT
 export type Ground = "rate" | "unit" | "up" | "floor" | "leg";
 const RESTS: Record<Kind, readonly Ground[]> = {
   height: ["unit", "up", "floor"],
+  position: ["unit"],
   speed: ["rate", "unit"],
   acceleration: ["rate", "unit"],
   angle: [],

@@ -53,6 +53,10 @@ export function PickedBar() {
         <Icon name="compose" />
         {w("button.composeThese")}
       </button>
+      <button type="button" class="button dense" onClick={() => go(`/measure?doc=${ids.join("&doc=")}`)}>
+        <Icon name="chart" />
+        {w("button.measureThese")}
+      </button>
       <Menu
         label={w("button.exportWord")}
         className="button dense"

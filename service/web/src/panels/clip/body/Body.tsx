@@ -13,13 +13,14 @@ import {
 } from "../../../motion/body/quantities";
 import type { Clip } from "../../../state/clip/clip";
 import { go, param, setParams } from "../../../state/session/route";
+import { MeasurementChoice } from "../../../ui/clips/MeasurementChoice";
 import { Trouble } from "../../../ui/Trouble";
 import { useAsync } from "../../../ui/useAsync";
 import { number, w } from "../../../words";
 import { Alike } from "./Alike";
 import { Curve } from "./BodyCurve";
 import { Calibrated } from "./Calibration";
-import { MeasurementChoice, useMeasured } from "./MeasurementChoice";
+import { useMeasured } from "./useMeasurements";
 import { NoMeasurement, Unknown } from "./UnknownMeasure";
 
 export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {

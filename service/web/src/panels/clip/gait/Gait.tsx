@@ -8,7 +8,7 @@ import { Trouble } from "../../../ui/Trouble";
 import { useAsync } from "../../../ui/useAsync";
 import { number, w } from "../../../words";
 import { newSpan } from "../actions";
-import { useMeasurements } from "../body/MeasurementChoice";
+import { useMeasurements } from "../body/useMeasurements";
 import { Comparing, useCompared, type Others } from "./Comparing";
 import { Cycles } from "./Cycles";
 import { Parameters } from "./Parameters";

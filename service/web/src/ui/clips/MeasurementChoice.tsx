@@ -1,5 +1,5 @@
 /** Chooses a measurement of the body, or of the file, such as a force plate and an axis. */
-import { get } from "../../../api/client";
+import { get } from "../../api/client";
 import {
   ANGLE,
   argumentOf,
@@ -10,17 +10,19 @@ import {
   KINDS,
   measuredArgument,
   nameAndAxis,
-  UNITS,
+  PLACE_AXES,
   type Asked,
   type Kind,
   type Measured,
-} from "../../../motion/body/quantities";
-import type { Clip } from "../../../state/clip/clip";
-import { useAsync } from "../../../ui/useAsync";
-import { w, type Word } from "../../../words";
+} from "../../motion/body/quantities";
+import { useAsync } from "../useAsync";
+import { w, type Word } from "../../words";
 
-const WORDS: Record<Kind, Word> = {
+const AXIS_WORDS: Partial<Record<string, Word>> = { up: "label.axisUp", front: "label.front", left: "label.sideLeft" };
+
+export const KIND_WORDS: Record<Kind, Word> = {
   height: "label.quantityHeight",
+  position: "label.quantityPosition",
   speed: "label.quantitySpeed",
   acceleration: "label.quantityAcceleration",
   angle: "label.quantityAngle",
@@ -32,21 +34,6 @@ const WORDS: Record<Kind, Word> = {
   "free-moment": "label.quantityMoment",
   analog: "label.quantityAnalog",
 };
-
-/** The measurements of the file of a clip. */
-export const useMeasurements = (clip: Clip) =>
-  useAsync(
-    (signal) =>
-      get("/documents/{id}/measurements", { path: { id: clip.id }, query: { revision: clip.detail.revision }, signal }),
-    [clip],
-  );
-
-/** The measurements of the file; unit of the one that is asked for, and the reason if it has no values. */
-export function useMeasured(clip: Clip, asked: Asked): { measured: Measured[]; unit: string; reason: string } {
-  const measured = useMeasurements(clip).value?.items ?? [];
-  const chosen = measured.find((each) => each.function === asked.kind && each.name === nameAndAxis(asked)[0]);
-  return { measured, unit: chosen?.unit ?? UNITS[asked.kind], reason: chosen?.reason ?? "" };
-}
 
 export function MeasurementChoice({
   asked,
@@ -82,7 +69,7 @@ export function MeasurementChoice({
       >
         {kinds.map((kind) => (
           <option key={kind} value={kind}>
-            {w(WORDS[kind])}
+            {w(KIND_WORDS[kind])}
           </option>
         ))}
       </select>
@@ -106,6 +93,7 @@ export function MeasurementChoice({
           ))}
         </select>
       )}
+      {asked.kind === "position" && <Place asked={asked} bones={bones} choose={choose} />}
       {isOfFile(asked.kind) && (
         <FileMeasurement
           asked={asked}
@@ -113,6 +101,45 @@ export function MeasurementChoice({
           choose={(argument) => choose({ kind: asked.kind, argument })}
         />
       )}
+    </>
+  );
+}
+
+const axisName = (axis: string): string => {
+  const word = AXIS_WORDS[axis];
+  return word ? w(word) : axis.toUpperCase();
+};
+
+/** A joint, and the axis along which it is. */
+function Place({ asked, bones, choose }: { asked: Asked; bones: readonly string[]; choose: (next: Asked) => void }) {
+  const [joint, axis] = nameAndAxis(asked);
+  const take = (next: string, along: string) => choose({ kind: "position", argument: `${next},${along}` });
+  return (
+    <>
+      <select
+        class="field"
+        aria-label={w("label.joints")}
+        value={joint}
+        onChange={(event) => take(event.currentTarget.value, axis)}
+      >
+        {bones.map((name) => (
+          <option key={name} value={name}>
+            {name}
+          </option>
+        ))}
+      </select>
+      <select
+        class="field"
+        aria-label={w("label.axis")}
+        value={axis}
+        onChange={(event) => take(joint, event.currentTarget.value)}
+      >
+        {PLACE_AXES.map((each) => (
+          <option key={each} value={each}>
+            {axisName(each)}
+          </option>
+        ))}
+      </select>
     </>
   );
 }
