@@ -18,6 +18,7 @@ from mcml.numerics.curves import normalise_range
 from mcml_service.actions.measuring import choose_ranges, measure_clips
 from mcml_service.cli import app
 from mcml_service.storage.database import Database
+from mcml_service.xpath.limits import Limits
 from tests.builders import bvh, one_kind, upload
 from tests.conftest import StoreOf
 from tests.laboratory.walkers import Gait, events_of, make_c3d
@@ -243,6 +244,16 @@ def test_requests_that_make_no_sense_or_too_much_are_refused(
     monkeypatch.setattr(choose_ranges, "MOST_ROWS", 50)
     monkeypatch.setattr(measure_clips, "MOST_GROUPS", 5)
     assert "more than 5 groups" in refused(413, selection=chosen, quantities=[KNEE], by=["clip"])
+
+
+def test_a_request_that_takes_too_long_ends_with_a_remedy(
+    people: tuple[TestClient, list[str]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    client, ids = people
+    monkeypatch.setattr(Limits, "over", property(lambda limits: True))
+    answer = client.post(f"{API}/measure", json={"selection": {"documents": ids}, "quantities": [KNEE]})
+    assert answer.status_code == 422, answer.text
+    assert "Measure fewer clips or quantities at a time" in answer.text
 
 
 def test_an_answer_says_that_it_is_cut(people: tuple[TestClient, list[str]]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, cast
 
 from mcml.answers import Content
+from mcml.errors import LimitError
 from mcml_schemas.measure import MeasureRequest, Measures
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import gives
@@ -49,12 +50,20 @@ def measure(call: Call, request: MeasureRequest) -> Measures | Content:
     clips, warnings = choose_clips(call.database, call.queries, request, call.limits)
     bodies = call.queries.caches.bodies
 
+    def check() -> None:
+        try:
+            call.limits.check()
+        except LimitError as error:
+            if error.details.get("code") == "query-timeout":
+                error.remedy = "Measure fewer clips or quantities at a time; mcml db derive prepares all bodies once."
+            raise
+
     def read_body(tx: Transaction, stored: StoredDocument) -> Body:
         return bodies.read(tx, [cast("Listed", stored)])[0]
 
     with_curves = request.curves if request.as_ == "json" else request.as_ == "npz" or request.table == "curves"
     with call.database.read() as tx:
-        measured = measure_clips(tx, read_body, clips, request, call.limits.check, with_curves=with_curves)
+        measured = measure_clips(tx, read_body, clips, request, check, with_curves=with_curves)
     measured.warnings[:0] = warnings
     if request.as_ == "json":
         return describe_measures(measured, request.limit, with_curves=request.curves)

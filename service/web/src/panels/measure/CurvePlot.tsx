@@ -48,7 +48,7 @@ export function CurvePlot({
   const side = group.group.side;
   const ink = colour(side === "left" || side === "right" ? side : "accent");
   const outliers = group.outliers ? `, ${m("label.outliers", { n: group.outliers })}` : "";
-  const hidden = rows.length > drawn.length ? `, ${m("label.hiddenCurves", { n: number(drawn.length) })}` : "";
+  const hidden = group.ranges > drawn.length ? `, ${m("label.hiddenCurves", { n: number(drawn.length) })}` : "";
   const chosen = drawn.find((row) => keyOf(row) === picked);
   const name = quantityName(group.quantity);
   return (

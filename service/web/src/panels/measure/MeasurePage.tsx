@@ -31,6 +31,8 @@ import "../../styles/analyses.css";
 import "../../styles/measure.css";
 
 const DEMO = "demo-walk";
+/** Plots on the page; the downloads have all groups. */
+const MOST_PLOTS = 60;
 
 type Request = NonNullable<ReturnType<typeof requestOf>>;
 
@@ -153,7 +155,7 @@ function Result({ found, request }: { found: Measures; request: Request }) {
           <h2>{m("label.curves")}</h2>
           <p class="dim">{m("help.curves")}</p>
           <div class="measure-plots" ref={plots}>
-            {groups.map(({ group, rows }) => (
+            {groups.slice(0, MOST_PLOTS).map(({ group, rows }) => (
               <CurvePlot
                 key={`${group.quantity} ${JSON.stringify(group.group)}`}
                 group={group}
@@ -163,6 +165,9 @@ function Result({ found, request }: { found: Measures; request: Request }) {
               />
             ))}
           </div>
+          {found.total_groups > MOST_PLOTS && (
+            <p class="dim">{m("label.moreGroups", { n: found.total_groups - MOST_PLOTS })}</p>
+          )}
         </section>
       )}
       {found.total_ranges > 0 && <Rows found={found} picked={picked} onPick={pick} />}
