@@ -388,6 +388,8 @@ class Operations:
         self,
         *,
         id: str,
+        first: int | None = ...,
+        last: int | None = ...,
         revision: int | None = ...,
         progress: FileProgress | None = None,
     ) -> Content:

@@ -114,6 +114,21 @@ def test_of_long_clips_the_loop_is_looked_at_again(
         assert turns >= 12, "three times a second"
 
 
+def test_a_range_is_the_picture_of_a_clip_of_these_frames_alone(database: Database, client: TestClient) -> None:
+    head, time, rows = bvh(400).partition(b"Frame Time: 0.0083333\n")
+    frames = rows.splitlines()
+    alone = head.replace(b"Frames: 400", b"Frames: 120") + time + b"\n".join([*frames[100:220], b""])
+    whole, part = store(database, {"walk.bvh": bvh(400)})[0], store(database, {"part.bvh": alone})[0]
+    before = kept(database)
+    assert shown(client, whole, first=101, last=220) == shown(client, part)
+    assert kept(database) == before, "it is not stored"
+    assert mt1.read(shown(client, whole, first=150, last=150)).loop.shape[0] == 1
+    assert shown(client, whole, first=1) == shown(client, whole, last=400) == shown(client, whole)
+    for wrong in ({"first": 401}, {"first": 9, "last": 8}, {"last": 401}):
+        answer = client.get(f"{API}/{whole}/thumbnail", params=wrong)
+        assert (answer.status_code, "a document of 400 frames" in answer.text) == (404, True)
+
+
 def test_nothing_to_draw(client: TestClient) -> None:
     uuid = str(upload(client, {"a.bvh": bvh(0)})["documents"][0]["id"])  # type: ignore[index]
     assert mt1.read(shown(client, uuid)).loop.shape[0] == 1, "its rest pose"

@@ -1,4 +1,4 @@
-"""The body of a clip in a real browser: quantities as curves, thresholds that write questions, poses like this one."""
+"""The body of a clip in a real browser: quantities as curves, thresholds that write questions."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.motion.bodies.made import person
 from tests.web.conftest import Served, Visit, one_door, walk
 from tests.web.test_journeys import ready
 
@@ -65,32 +64,6 @@ def _moves(page: Any, box: Any, part: float, field: Any) -> bool:
     page.mouse.move(x, y - 4)
     page.mouse.up()
     return bool(field.input_value() != before)
-
-
-def test_poses_and_motions_like_these_are_found_in_other_clips(visit: Visit, studio: Served) -> None:
-    uuid, other = studio.upload("kick.bvh", person(1, 60)), studio.upload("again.bvh", person(2, 60))
-    page = visit.open(f"/clips/{uuid}?f=30&in=10&out=40&tab=body")
-    ready(page)
-    page.get_by_role("button", name="Find similar poses").click()
-    poses = page.get_by_role("dialog", name="Poses like frame 30 of kick")
-    best = poses.get_by_role("option").first
-    expect(best).to_contain_text("kick")
-    expect(best).to_contain_text("0.000")
-    expect(poses.get_by_role("option").filter(has_text="again").first).to_be_visible()
-    poses.get_by_role("button", name="Close").click()
-    page.get_by_role("button", name="Find motions like 10–40").click()
-    motions = page.get_by_role("dialog", name="Motions like frames 10–40 of kick")
-    expect(motions.get_by_role("option").first).to_contain_text("10–40")
-    motions.get_by_role("option").first.press("ArrowDown")
-    expect(motions.get_by_role("option", selected=True)).not_to_contain_text("10–40")
-    with studio.client() as client:
-        found = client.post("/search", json={"document": uuid, "first": 10, "last": 40, "limit": 60}).json()["hits"]
-    hit = found[1]
-    link = motions.get_by_role("link", name="Open")
-    expect(link).to_have_attribute(
-        "href", f"/clips/{hit['document']}?f={hit['first']}&in={hit['first']}&out={hit['last']}"
-    )
-    assert other in {one["document"] for one in found}
 
 
 @pytest.mark.fuzz

@@ -13,6 +13,7 @@ from mcml_schemas.bodies import Calibration, CalibrationChange
 from mcml_schemas.measurements import MeasurementFacts, MeasurementList
 from mcml_schemas.skeletons import SkeletonView
 from mcml_service.operations.arguments import (
+    MOST,
     AtRevision,
     DocumentId,
     First,
@@ -124,20 +125,37 @@ def change_calibration(call: Call, id: DocumentId, change: CalibrationChange, if
 
 
 @gives("A moving picture of at most 4 KB, in the form MT1", {THUMBNAIL: None})
-def get_thumbnail(call: Call, id: DocumentId, revision: AtRevision = None) -> Content:
+def get_thumbnail(
+    call: Call,
+    id: DocumentId,
+    first: Annotated[
+        int | None, Field(ge=1, le=MOST, description="Only frames from this one, a position from 1", examples=[1])
+    ] = None,
+    last: Last = None,
+    revision: AtRevision = None,
+) -> Content:
     """The busiest 2.6 seconds of the motion, and poses of the whole motion for scrubbing (docs/api/thumbnails.md).
 
-    404 if a document has nothing to draw. With a `revision` the answer never changes and can be cached.
+    `first` and `last` show only these frames. 404 if a document has nothing to draw. With a `revision` the answer
+    never changes and can be cached.
     """
+    from mcml_service.actions.reading.make_thumbnail import read_range_thumbnail
     from mcml_service.actions.reading.show_thumbnails import keep_pictures, picture_of
 
     with call.database.read() as tx:
         then, stored = at_revision(tx, id, revision)
-        call.set_tag(tag(stored, "thumbnail"), lasting=revision is not None)
-        thumbnail = then.thumbnails.of([stored]).get(stored.key)
-        if thumbnail is None:
-            thumbnail = picture_of(then, stored)
-            call.held.callback(keep_pictures, call.database, [(stored, thumbnail)])
-    if not thumbnail.data:
+        if first is not None or last is not None:
+            start, end = first or 1, last or stored.frames
+            call.set_tag(tag(stored, f"thumbnail-{start}-{end}"), lasting=revision is not None)
+            drawn = read_range_thumbnail(then, stored, start, end)
+            data = b"" if drawn is None else drawn.data
+        else:
+            call.set_tag(tag(stored, "thumbnail"), lasting=revision is not None)
+            thumbnail = then.thumbnails.of([stored]).get(stored.key)
+            if thumbnail is None:
+                thumbnail = picture_of(then, stored)
+                call.held.callback(keep_pictures, call.database, [(stored, thumbnail)])
+            data = thumbnail.data
+    if not data:
         raise NotFoundError(f"{stored.name!r} has no joints, so there is nothing to draw.", remedy="Look at its text.")
-    return Content(iter([thumbnail.data]), THUMBNAIL, f"{stored.name}.mt1", size=len(thumbnail.data))
+    return Content(iter([data]), THUMBNAIL, f"{stored.name}.mt1", size=len(data))

@@ -157,6 +157,18 @@ def read_thumbnail(tx: Transaction, stored: StoredDocument) -> Thumbnail | None:
     return drawing.thumbnail(poses_at(poses, dense / _rate(head), times))
 
 
+def read_range_thumbnail(tx: Transaction, stored: StoredDocument, first: int, last: int) -> Thumbnail | None:
+    """The thumbnail of frames first to last, positions from 1, both included: its whole clip is this range.
+
+    None where the document has no joints. NotFoundError for frames outside of it.
+    """
+    head = to_head(tx.heads.document(stored), stored.frame_time)
+    if not len(head.skeleton):
+        return None
+    step = max(1, int(_rate(head) / DENSE), -(-(last - first + 1) // most_poses(head)))
+    return _Drawing(_read(tx, stored, head, first, last, step), step / _rate(head)).thumbnail()
+
+
 def _read(tx: Transaction, stored: StoredDocument, head: ClipHead, first: int, last: int, step: int) -> Poses:
     poses = Poses(head)
     if stored.frames:

@@ -6251,6 +6251,8 @@ export interface operations {
     get_thumbnail: {
         parameters: {
             query?: {
+                first?: number | null;
+                last?: number | null;
                 revision?: number | null;
             };
             header?: never;

@@ -96,6 +96,16 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
         >
           <Icon name="redo" />
         </button>
+        {clip.frames > 0 && (
+          <button
+            type="button"
+            class="button"
+            title={w(clip.player.loop.value ? "help.motionsLikeHelp" : "help.posesLikeHelp")}
+            onClick={() => clipActions.findSimilar(clip)}
+          >
+            {w("button.findSimilar")}
+          </button>
+        )}
         <CompareButton clip={clip} />
         <Menu
           label={w("button.share")}

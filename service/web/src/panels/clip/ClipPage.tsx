@@ -14,6 +14,7 @@ import { Trouble } from "../../ui/Trouble";
 import { w } from "../../words";
 import { ClipBar } from "./ClipBar";
 import { Dock } from "./Dock";
+import { Similar } from "./similar/Similar";
 import { Timeline } from "./timeline/Timeline";
 import { Transport } from "./timeline/Transport";
 import { ViewerPane } from "./viewer/ViewerPane";
@@ -120,7 +121,10 @@ function OpenClip({ clip, coming, reload }: { clip: Clip; coming: { readonly cur
       <div class="clip-main">
         <h1 class="unseen">{clip.detail.name}</h1>
         <ClipBar clip={clip} reload={reload} />
-        <ViewerPane clip={clip} />
+        <div class="viewer-row">
+          <ViewerPane clip={clip} />
+          <Similar clip={clip} reload={reload} />
+        </div>
         <Transport clip={clip} reload={reload} />
         <Splitter size={timelineTall} least={96} most={420} initial={190} axis="y" label={w("label.timeline")} />
         <Timeline clip={clip} />

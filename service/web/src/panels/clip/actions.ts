@@ -4,10 +4,12 @@ import { signal } from "@preact/signals";
 import { ask } from "../../api/client";
 import type { Clip } from "../../state/clip/clip";
 import type { Span } from "../../state/editing/draft";
+import { setParams } from "../../state/session/route";
 import { note, refuse } from "../../state/session/notes";
 import { kept } from "../../state/session/settings";
 import type { CameraView, Shown } from "../../scene/stage";
 import { w } from "../../words";
+import { writeExample, type Example } from "./similar/asked";
 
 const SHOWN: Shown = { follow: true, ghosts: false, trails: false, names: false, axes: true, forces: true };
 /** What is drawn besides the body; stays from clip to clip. */
@@ -65,6 +67,14 @@ export const clipActions = {
           inside.includes(span) ? [{ ...span, last: here - 1 }, newSpan(span.name, here, span.last)] : [span],
         ),
     );
+  },
+  /** Search for motions like the loop, or for poses like the one at the playhead; a range that is being labelled is let go. */
+  findSimilar(clip: Clip, example?: Example): void {
+    const { player } = clip;
+    const loop = player.loop.peek();
+    const asked = example ?? (loop ? { first: loop[0] + 1, last: loop[1] + 1 } : { first: player.frame.peek() + 1 });
+    setParams({ like: writeExample(asked), likeof: null, likemax: null }, true);
+    naming.value = null;
   },
   async undoStored(clip: Clip, reload: () => void): Promise<void> {
     if (clip.detail.revision <= 1 || clip.pinned !== null) return;

@@ -1,19 +1,17 @@
 /** What can be done with the clips that are picked. */
 import { useEffect, useState } from "preact/hooks";
-import { ask, fetched, address } from "../../api/client";
-import { saveBlob } from "../../ui/exporting/saveBlob";
+import { ask } from "../../api/client";
 import * as library from "../../state/library/library";
-import { presets, writtenFormats } from "../../state/session/formats";
 import { askMe, mayEdit } from "../../state/session/me";
 import { note, refuse } from "../../state/session/notes";
-import { collectionsChanged } from "../../state/library/collections";
 import { go } from "../../state/session/route";
 import { namesLike } from "../../state/library/vocabulary";
-import { AskName } from "../../ui/forms/AskName";
+import { CollectClips } from "../../ui/clips/CollectClips";
 import { Dialog } from "../../ui/Dialog";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
 import { ArraysDialog } from "../../ui/exporting/ArraysDialog";
+import { exportClipsItems } from "../../ui/exporting/exportClips";
 import { ShareDialog } from "../../ui/exporting/ShareDialog";
 import { w } from "../../words";
 import { ToProject } from "./ToProject";
@@ -28,18 +26,6 @@ export function PickedBar() {
   const ids = [...library.picked.value];
   if (!ids.length) return null;
   const edits = mayEdit();
-  const exportAll = async (chosen: { format: string } | { for: string }) => {
-    try {
-      const answer = await fetched(address("/exports"), {
-        method: "POST",
-        headers: { "content-type": "application/json" },
-        body: JSON.stringify({ selection: { documents: ids }, ...chosen }),
-      });
-      saveBlob(await answer.blob(), `clips ${Object.values(chosen)[0]}.zip`);
-    } catch (error) {
-      refuse(error);
-    }
-  };
   return (
     <div class="picked-bar" role="toolbar" aria-label={w("label.picked", { n: ids.length })}>
       <strong>{w("label.picked", { n: ids.length })}</strong>
@@ -60,18 +46,7 @@ export function PickedBar() {
       <Menu
         label={w("button.exportWord")}
         className="button dense"
-        items={() => [
-          ...presets("bodies").map(({ preset, format }) => ({
-            text: w("label.exportFor", { program: preset.title }),
-            detail: format.label,
-            run: () => void exportAll({ for: preset.name }),
-          })),
-          ...writtenFormats().map(({ name, label }) => ({
-            text: w("label.exportAs", { format: label }),
-            run: () => void exportAll({ format: name }),
-          })),
-          { text: w("label.arraysFile"), run: () => setNumbers(true) },
-        ]}
+        items={() => [...exportClipsItems(ids), { text: w("label.arraysFile"), run: () => setNumbers(true) }]}
       >
         <Icon name="export" />
         {w("button.exportWord")}
@@ -122,7 +97,7 @@ export function PickedBar() {
         />
       )}
       {sharing && <ShareDialog ids={ids} onClose={() => setSharing(false)} />}
-      {collecting && <Collect ids={ids} onClose={() => setCollecting(false)} />}
+      {collecting && <CollectClips ids={ids} onClose={() => setCollecting(false)} />}
       {naming && <NameAll ids={ids} onClose={() => setNaming(false)} />}
     </div>
   );
@@ -172,19 +147,5 @@ function NameAll({ ids, onClose }: { ids: string[]; onClose: () => void }) {
         </datalist>
       </form>
     </Dialog>
-  );
-}
-
-/** Keep the picked clips under a name that every list and command takes. */
-function Collect({ ids, onClose }: { ids: string[]; onClose: () => void }) {
-  const keep = async (name: string) => {
-    await ask("put", "/collections/{name}", { path: { name }, body: { documents: ids, description: "" } });
-    note(w("label.savedAs", { name }));
-    collectionsChanged.value++;
-  };
-  return (
-    <AskName title={w("button.collect")} onName={keep} onClose={onClose}>
-      <p class="dim">{w("help.collectHelp")}</p>
-    </AskName>
   );
 }

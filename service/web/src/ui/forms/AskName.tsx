@@ -8,12 +8,21 @@ import { w } from "../../words";
 export function AskName({
   title,
   initial = "",
+  label = w("label.name"),
+  verb = w("button.save"),
+  names,
   children,
   onName,
   onClose,
 }: {
   title: string;
   initial?: string;
+  /** Of the field. */
+  label?: string;
+  /** On the button. */
+  verb?: string;
+  /** Names that complete the text. */
+  names?: (text: string) => string[];
   /** What is kept, above the field. */
   children?: ComponentChildren;
   /** Refusals are told; the dialog stays open. */
@@ -46,15 +55,23 @@ export function AskName({
           <input
             class="field grow"
             autoFocus
-            aria-label={w("label.name")}
-            placeholder={w("label.name")}
+            list={names && "asked-names"}
+            aria-label={label}
+            placeholder={label}
             value={name}
             onInput={(event) => setName(event.currentTarget.value)}
           />
           <button type="submit" class="button primary" disabled={!name.trim() || busy}>
-            {w("button.save")}
+            {verb}
           </button>
         </p>
+        {names && (
+          <datalist id="asked-names">
+            {names(name.trim()).map((one) => (
+              <option key={one} value={one} />
+            ))}
+          </datalist>
+        )}
       </form>
     </Dialog>
   );

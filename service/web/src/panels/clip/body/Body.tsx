@@ -17,7 +17,6 @@ import { MeasurementChoice } from "../../../ui/clips/MeasurementChoice";
 import { Trouble } from "../../../ui/Trouble";
 import { useAsync } from "../../../ui/useAsync";
 import { number, w } from "../../../words";
-import { Alike } from "./Alike";
 import { Curve } from "./BodyCurve";
 import { Calibrated } from "./Calibration";
 import { useMeasured } from "./useMeasurements";
@@ -35,36 +34,13 @@ export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
   const values = curve.value;
   const span = useMemo(() => (values ? known(values) : null), [values]);
   const mine = limit?.of === text ? limit : span && { of: text, at: rounded((span.low + span.high) / 2), above: true };
-  const frame = clip.player.playing.value ? clip.player.frame.peek() : clip.player.frame.value;
   const question = mine && expression(asked, mine.at, mine.above);
   const hits = values && mine ? countHits(values, asked.kind, mine.at, mine.above) : 0;
-  const loop = clip.player.loop.value;
-  const [alike, setAlike] = useState<{ first: number; last?: number } | null>(null);
   const search = (q: string) => go(`/xpath?q=${encodeURIComponent(q)}`);
   return (
     <div class="graph">
       <div class="row wrap graph-tools">
         <MeasurementChoice asked={asked} bones={bones} measured={measured} choose={choose} />
-        <span class="tail" />
-        <button
-          type="button"
-          class="button"
-          disabled={!clip.frames}
-          title={w("help.posesLikeHelp")}
-          onClick={() => setAlike({ first: frame + 1 })}
-        >
-          {w("button.posesLike")}
-        </button>
-        {loop && (
-          <button
-            type="button"
-            class="button"
-            title={w("help.motionsLikeHelp")}
-            onClick={() => setAlike({ first: loop[0] + 1, last: loop[1] + 1 })}
-          >
-            {w("button.motionsLike", { first: number(loop[0] + 1), last: number(loop[1] + 1) })}
-          </button>
-        )}
       </div>
       <Trouble error={curve.error} retry={curve.again} />
       {curve.busy && !values && <div class="busy" />}
@@ -128,7 +104,6 @@ export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
         </div>
       )}
       <Calibrated clip={clip} reload={reload} />
-      {alike && <Alike clip={clip} {...alike} onClose={() => setAlike(null)} />}
     </div>
   );
 }

@@ -124,6 +124,14 @@ export function NameSpan({ clip, left }: { clip: Clip; left: number }) {
             {w("button.delete")}
           </button>
         )}
+        <button
+          type="button"
+          class="button dense"
+          title={w("help.motionsLikeHelp")}
+          onClick={() => clipActions.findSimilar(clip, { first: Math.min(first, last), last: Math.max(first, last) })}
+        >
+          {w("button.findSimilar")}
+        </button>
         <button type="submit" class="button dense primary" disabled={!name.trim()}>
           {w(fresh ? "button.add" : "button.apply")}
         </button>
