@@ -13,6 +13,7 @@ import { Icon } from "../ui/icons";
 import { w } from "../words";
 import { Bar } from "./Bar";
 import { DropTarget } from "./DropTarget";
+import { focusHeading } from "./focusHeading";
 import { Keys } from "./Keys";
 import { lazy } from "../ui/lazy";
 import { Palette } from "./Palette";
@@ -81,7 +82,12 @@ export function App() {
 
 function PageOf() {
   const { id } = route.value;
-  const View = VIEWS.get(page.value);
+  const name = page.value;
+  useEffect(() => {
+    const main = document.getElementById("page");
+    return main ? focusHeading(main) : undefined;
+  }, [name, id]);
+  const View = VIEWS.get(name);
   // Another thing is another page; another section is the same one.
   if (View) return <View id={id} key={rowOf(page.value)?.about === "section" ? page.value : `${page.value}/${id}`} />;
   return (

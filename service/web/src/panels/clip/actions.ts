@@ -23,6 +23,8 @@ export const frameAsked = signal(0);
 export const naming = signal<{ span: Span; fresh: boolean } | null>(null);
 const VIEWS: CameraView[] = ["persp", "front", "side", "top"];
 let lastNew = 0;
+/** Whether a button has just asked for similar motion: the answer gets the focus. */
+export const similarAsked = { now: false };
 
 export const newSpan = (name: string, first: number, last: number): Span => ({ id: --lastNew, name, first, last });
 
@@ -75,6 +77,7 @@ export const clipActions = {
     const asked = example ?? (loop ? { first: loop[0] + 1, last: loop[1] + 1 } : { first: player.frame.peek() + 1 });
     setParams({ like: writeExample(asked), likeof: null, likemax: null }, true);
     naming.value = null;
+    similarAsked.now = true;
   },
   async undoStored(clip: Clip, reload: () => void): Promise<void> {
     if (clip.detail.revision <= 1 || clip.pinned !== null) return;

@@ -3,6 +3,7 @@ import { nameColour } from "../../motion/timeline/colours";
 import * as library from "../../state/library/library";
 import type { Card } from "../../state/library/library";
 import { Icon } from "../../ui/icons";
+import { MiddleCut } from "../../ui/MiddleCut";
 import { ThumbnailView } from "../../ui/clips/ThumbnailView";
 import { prefetch } from "../../state/session/prefetch";
 import { duration, rate, w } from "../../words";
@@ -93,7 +94,9 @@ export function CardView({
       <ThumbnailView thumbnail={card.thumb} runs={runs || library.current.value === card.id} scrub={scrub} label="" />
       <SpanStrip labels={card.labels} frames={card.frames || 1} />
       <div class="card-words">
-        <strong class="cut">{card.name}</strong>
+        <strong>
+          <MiddleCut text={card.name} />
+        </strong>
         {names.length > 0 && <span class="unseen">{names.slice(0, 4).join(", ")}</span>}
         <span class="dim cut">
           {(card.duration === null || card.duration === undefined

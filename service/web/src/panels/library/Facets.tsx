@@ -4,6 +4,7 @@ import * as library from "../../state/library/library";
 import { labelOf } from "../../state/session/formats";
 import { param, route, setParams } from "../../state/session/route";
 import { nameColour } from "../../motion/timeline/colours";
+import { useRoving } from "../../ui/useRoving";
 import { useAsync } from "../../ui/useAsync";
 import { SavedFilters, useCollections } from "./SavedFilters";
 import { Histogram } from "./Histogram";
@@ -84,6 +85,7 @@ export function Facets() {
 
 function Group({ word, name, choices }: { word: Word; name: string; choices: Choice[] }) {
   const chosen = param(name);
+  const roving = useRoving<HTMLElement>(".facet-item");
   const all =
     chosen && !choices.some((one) => one.value === chosen)
       ? [{ value: chosen, text: chosen, count: 0 }, ...choices]
@@ -103,7 +105,7 @@ function Group({ word, name, choices }: { word: Word; name: string; choices: Cho
     </button>
   );
   return (
-    <section class="facet" aria-label={w(word)}>
+    <section class="facet" aria-label={w(word)} {...roving}>
       <h3>{w(word)}</h3>
       {all.slice(0, SHOWN).map(item)}
       {all.length > SHOWN && (
@@ -120,6 +122,7 @@ function Group({ word, name, choices }: { word: Word; name: string; choices: Cho
 
 function Property({ property }: { property: Schemas["PropertyCounts"] }) {
   const conditions = route.value.params.getAll("property");
+  const roving = useRoving<HTMLElement>(".facet-item");
   const own = conditions.find((one) => one.startsWith(`${property.name}:`));
   const choose = (value: string | null) => {
     const next = conditions.filter((one) => one !== own);
@@ -133,7 +136,7 @@ function Property({ property }: { property: Schemas["PropertyCounts"] }) {
     route.value = { ...route.peek(), params };
   };
   return (
-    <section class="facet" aria-label={property.name}>
+    <section class="facet" aria-label={property.name} {...roving}>
       <h3>{property.name}</h3>
       {property.numbers && (
         <Histogram

@@ -1,10 +1,10 @@
 /** Numbers of clips by a range of numbers: dragged over, pressed, or given in two fields. */
 import { numberAt } from "../../lists";
 import { useSignal } from "@preact/signals";
-import { useRef } from "preact/hooks";
 import type { Schemas } from "../../api/client";
 import { isInRange, rangeOfBins, readRange, writeRange } from "../../state/library/ranges";
 import { NumberField } from "../../ui/forms/NumberField";
+import { useRoving } from "../../ui/useRoving";
 import { number, w } from "../../words";
 
 export function Histogram({
@@ -22,7 +22,7 @@ export function Histogram({
   onChoose: (range: string | null) => void;
   text: (value: number) => string;
 }) {
-  const box = useRef<HTMLDivElement>(null);
+  const { ref: box, ...roving } = useRoving<HTMLDivElement>("button:not(:disabled)");
   const brush = useSignal<[number, number] | null>(null);
   const { edges, counts } = histogram;
   const most = Math.max(...counts, 1);
@@ -57,6 +57,7 @@ export function Histogram({
     <>
       <div
         ref={box}
+        {...roving}
         class={`histogram ${any ? "chosen" : ""}`}
         onPointerDown={(event) => {
           if (event.button) return;

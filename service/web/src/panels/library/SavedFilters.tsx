@@ -9,6 +9,7 @@ import { go, route } from "../../state/session/route";
 import { AskName } from "../../ui/forms/AskName";
 import { Icon } from "../../ui/icons";
 import { useAsync } from "../../ui/useAsync";
+import { useRoving } from "../../ui/useRoving";
 import { w } from "../../words";
 
 interface Saved {
@@ -63,9 +64,10 @@ export function SavedFilters({ collections }: { collections: readonly Schemas["C
     collectionsChanged.value++;
     note(w("label.savedAs", { name }));
   };
+  const roving = useRoving<HTMLElement>("button");
   if (!saved.length && !filtered) return null;
   return (
-    <section class="facet" aria-label={w("label.savedFilters")}>
+    <section class="facet" aria-label={w("label.savedFilters")} {...roving}>
       <h3>{w("label.savedFilters")}</h3>
       {saved.map((one) => {
         const chosen = sameFilter(one.filter, now);

@@ -1,4 +1,5 @@
 /** A hit of a search as a small moving picture; a click plays its frames. */
+import { MiddleCut } from "../../../ui/MiddleCut";
 import { ThumbnailView } from "../../../ui/clips/ThumbnailView";
 import { useThumbnail } from "../../../ui/clips/useThumbnail";
 import { number, w } from "../../../words";
@@ -23,7 +24,9 @@ export function HitCard({
     <li>
       <a class="hit" href={href} aria-current={current ? "true" : undefined} title={hit.name} onClick={onOpen}>
         <ThumbnailView thumbnail={picture} runs label="" />
-        <strong class="cut">{hit.name}</strong>
+        <strong>
+          <MiddleCut text={hit.name} />
+        </strong>
         <span class="block">
           <span class="dim cut block">
             <span class="unseen">{w("label.framesWord")} </span>

@@ -10,6 +10,7 @@ import { Icon } from "../../../ui/icons";
 import { Trouble } from "../../../ui/Trouble";
 import { useAsync } from "../../../ui/useAsync";
 import { number, w } from "../../../words";
+import { similarAsked } from "../actions";
 import { parseExample, within, type Example, type Hit } from "./asked";
 import { HitActions } from "./HitActions";
 import { HitCard } from "./HitCard";
@@ -52,7 +53,8 @@ function Found({ clip, example, reload }: { clip: Clip; example: Example; reload
   const heading = useRef<HTMLHeadingElement>(null);
   // Asked by a button, the answer is next for keys and in sight; a page that opens with it leaves both alone.
   useEffect(() => {
-    if (window.document.activeElement !== window.document.body) heading.current?.focus();
+    if (similarAsked.now) heading.current?.focus();
+    similarAsked.now = false;
   }, [document, first, last]);
   const title = titleOf(example, found.value?.name ?? (own ? clip.detail.name : ""));
   return (
