@@ -185,19 +185,20 @@ def test_movements_of_rigs_that_lie_in_a_heap_at_rest(run: Run) -> None:
     for name, legs in (("sided", True), ("bare", False)):
         Path(f"{name}.bvh").write_bytes(heap(legs))
         found[name] = json.loads(run("import", f"{name}.bvh", "--json"))["documents"][0]["id"]
-    assert "head-flexion" in run("labels", "suggest", found["sided"])
-    refused = run("labels", "suggest", found["bare"], code=1)
+    assert "head-flexion" in run("labels", "suggest", found["sided"], "--kind", "movements")
+    refused = run("labels", "suggest", found["bare"], "--kind", "movements", code=1)
     assert "nothing tells left from right" in refused
     assert "--facing" in refused
-    assert "head-flexion" in run("labels", "suggest", found["bare"], "--facing", "z")
-    assert "head-extension" in run("labels", "suggest", found["bare"], "--facing=-Z")
+    assert "head-flexion" in run("labels", "suggest", found["bare"], "--kind", "movements", "--facing", "z")
+    assert "head-extension" in run("labels", "suggest", found["bare"], "--kind", "movements", "--facing=-Z")
 
 
 def test_what_files_do_not_say_is_stated(run: Run) -> None:
     Path("leg.asf").write_bytes(ASF)
     Path("leg.amc").write_bytes(amc(30))
     leg = json.loads(run("import", "leg.asf", "leg.amc", "--json"))["documents"][0]["id"]
-    refused = run("labels", "suggest", leg, code=1)
+    assert "0 suggested" in run("labels", "suggest", leg)
+    refused = run("labels", "suggest", leg, "--kind", "movements", code=1)
     assert f"mcml set {leg} --frame-time" in refused
     assert "revision 2" in run("set", leg, "--frame-time", "0.0083333", "--unit", "inch", "-m", "as CMU records")
     assert "as CMU records" in run("history", leg)

@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
+from mcml.formats import FORMATS
 from mcml.motion.bodies.quantities import QUANTITIES
+from mcml_service.demo import body as made_body
 from mcml_service.storage.database import Database
 from tests.builders import bvh, one_kind, store
 from tests.motion.bodies.made import person
@@ -42,7 +44,9 @@ def asked(client: TestClient, uuid: str, **query: Any) -> Any:
 def test_they_are_those_of_the_whole_document(
     client: TestClient, database: Database, uuid: str, first: int, last: int, step: int
 ) -> None:
-    assert {text.partition(":")[0] for text in ASKED} == {name for name in QUANTITIES if not QUANTITIES[name].of_file}
+    assert {text.partition(":")[0] for text in ASKED} == {
+        name for name in QUANTITIES if not QUANTITIES[name].of_file and name != "activity"
+    }
     found = asked(client, uuid, quantity=ASKED, first=first, last=last, step=step)
     (twin,) = read_documents(database)
     assert found["columns"].tolist() == list(ASKED)
@@ -54,6 +58,19 @@ def test_they_are_those_of_the_whole_document(
     assert units["height:left_hand"] == "m"
     assert units["speed:right_hand,Root"] == "m/s"
     assert units["contact:left_toes"] == ""
+
+
+def test_activities_of_some_frames_are_those_of_the_whole_document(client: TestClient, database: Database) -> None:
+    clip = made_body.clip("walk", 170.0, *made_body.walk(170.0, 4.0, 1.0, 6.0))
+    (uuid,) = store(database, {"walk.bvh": b"".join(FORMATS["bvh"].write(clip, "bvh"))})
+    whole = asked(client, uuid, quantity="activity:walk")["values"]
+    assert 0.5 < whole.mean() <= 1
+    for first, last in ((1, 5), (100, 140), (240, 240)):
+        part = asked(client, uuid, quantity="activity:walk", first=first, last=last)["values"]
+        np.testing.assert_array_equal(part, whole[first - 1 : last])
+    refused = client.get(f"/api/v1/documents/{uuid}/frames", params={"format": "npz", "quantity": "activity:hop"})
+    assert refused.status_code == 422
+    assert "no activity" in refused.json()["detail"]
 
 
 def test_they_stand_after_the_channels_of_bones(client: TestClient, uuid: str) -> None:

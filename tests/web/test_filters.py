@@ -97,3 +97,20 @@ def test_any_column_orders_the_library(page: Any) -> None:
     heads.get_by_role("button", name="Sort by: Name, ascending").click()
     page.wait_for_url(re.compile("sort=-name"))
     expect(page.get_by_role("row").locator("strong")).to_have_text(by_name[::-1])
+
+
+def test_a_range_and_all_are_selected_with_clips_that_were_never_in_sight(open_studio: Served, visit_of: Any) -> None:
+    for number in range(130):
+        open_studio.upload(f"clip_{number:03d}.bvh", walk(3, seed=number))
+    page = visit_of(open_studio).open("/library?sort=name")
+    cards = page.get_by_role("gridcell")
+    expect(cards.first).to_contain_text("clip_000")
+    cards.first.click(modifiers=["Control"])
+    expect(page.get_by_role("toolbar", name="1 selected")).to_be_visible()
+    page.get_by_role("button", name="Select all 130").click()
+    expect(page.get_by_role("toolbar", name="130 selected")).to_be_visible()
+    page.get_by_role("button", name="Clear selection").click()
+    cards.first.click(modifiers=["Control"])
+    cards.nth(3).click(modifiers=["Shift"])
+    expect(page.get_by_role("toolbar", name="4 selected")).to_be_visible()
+    expect(page.get_by_role("button", name="Select all 130")).to_be_visible()

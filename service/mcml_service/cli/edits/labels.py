@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Annotated, Literal
 
 import typer
@@ -75,6 +76,8 @@ def suggest(
     present(OPERATIONS["suggest_labels"], suggestions, as_json)
     if not as_json:
         console.print(f"{len(suggestions.items)} {'accepted' if accept else 'suggested'}")
+        for warning in suggestions.warnings:
+            print(f"mcml: {warning}", file=sys.stderr)
 
 
 def _range(label: Label, frames: int) -> dict[str, str | int]:

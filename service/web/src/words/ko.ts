@@ -33,7 +33,7 @@ export const ko: typeof en = {
   "label.emptyProject": "{name}에 아직 클립이 없습니다", "help.emptyProjectHelp": "파일이나 폴더, zip을 이 창에 놓으면 이 프로젝트에 들어갑니다.",
   "label.emptyLibrary": "아직 클립이 없습니다", "help.emptyLibraryHelp": "BVH, ASF와 AMC, HTR, C3D, TRC 파일이나 폴더, zip을 이 창 아무 곳에나 놓으세요. 원본 파일은 한 바이트도 다르지 않게 보관합니다.",
   "label.noneMatch": "결과가 없습니다", "help.noneMatchHelp": "필터를 하나 빼거나 다른 낱말로 찾으세요.",
-  "button.chooseFiles": "파일 고르기", "label.picked": "{n}개 선택", "button.pickNone": "선택 해제", "label.preview": "미리 보기", "label.unit": "단위", "label.rateWord": "속도",
+  "button.chooseFiles": "파일 고르기", "label.picked": "{n}개 선택", "button.pickAll": "{n}개 모두 선택", "button.pickNone": "선택 해제", "label.preview": "미리 보기", "label.unit": "단위", "label.rateWord": "속도",
   "label.up": "위쪽 축", "label.joints": "관절", "label.names": "라벨", "label.jointCount": "관절 {n}개", "label.description": "설명", "label.unknown": "모름", "label.frames": "{n}프레임", "label.framesAndTime": "{frames}, {time}",
   "label.mapped": "{n}개 중 {mapped}개 대응", "label.unitUnknown": "단위 모름", "label.rateUnknown": "프레임 속도 모름",
   "button.confirm": "확인", "label.upUnknown": "위쪽 축 모름", "label.unitGuessed": "단위는 추정", "label.upGuessed": "위쪽 축은 추정", "button.giveUnit": "단위 정하기", "button.giveRate": "프레임 속도 정하기", "label.needsRate": "프레임 속도가 필요합니다", "label.needsPlates": "C3D 파일의 지면 반력기가 필요합니다", "label.needsUnit": "단위가 필요합니다", "label.unitTaken": "단위를 몰라 {as}(으)로 읽힙니다", "label.upTaken": "위쪽 축 모름", "label.tooLarge": "{times}배 큽니다", "label.tooSmall": "{times}배 작습니다", "button.confirmAs": "{value} 확인", "label.deleted": "클립 {n}개를 삭제했습니다", "label.restored": "복원했습니다", "button.delete": "삭제",

@@ -25,6 +25,7 @@ export function PickedBar() {
   useEffect(() => void askMe(), []);
   const ids = [...library.picked.value];
   if (!ids.length) return null;
+  const total = library.total.value ?? 0;
   const edits = mayEdit();
   return (
     <div class="picked-bar" role="toolbar" aria-label={w("label.picked", { n: ids.length })}>
@@ -85,6 +86,11 @@ export function PickedBar() {
         </button>
       )}
       <span class="grow" />
+      {total > ids.length && (
+        <button type="button" class="button quiet dense" onClick={() => void library.pickRows(0, total - 1)}>
+          {w("button.pickAll", { n: total })}
+        </button>
+      )}
       <button type="button" class="button quiet dense" onClick={() => (library.picked.value = new Set())}>
         {w("button.pickNone")}
       </button>

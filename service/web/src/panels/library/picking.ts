@@ -6,12 +6,7 @@ let anchor = -1;
 /** Pick a card, or the range up to it; false: the click opens it. */
 export function pickBy(event: MouseEvent, row: number, id: string): boolean {
   if (event.shiftKey && anchor >= 0) {
-    const next = new Set(library.picked.peek());
-    for (let one = Math.min(anchor, row); one <= Math.max(anchor, row); one++) {
-      const card = library.cardAt(one);
-      if (card) next.add(card.id);
-    }
-    library.picked.value = next;
+    void library.pickRows(Math.min(anchor, row), Math.max(anchor, row));
     return true;
   }
   anchor = row;

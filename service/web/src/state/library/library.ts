@@ -57,6 +57,8 @@ export const current = signal<string | null>(null);
 const pages = new Map<number, Card[]>();
 const asked = new Map<number, AbortController>();
 const cards = new Map<string, Card>();
+/** Pages whose rows may have changed since. */
+const old = new Set<number>();
 
 export function cardAt(row: number): Card | null {
   return pages.get(Math.floor(row / PAGE))?.[row % PAGE] ?? null;
@@ -82,7 +84,7 @@ function fetchSeen(): void {
     stop.abort();
     asked.delete(page);
   }
-  for (const page of wanted) if (!pages.has(page) && !asked.has(page)) void fetchPage(page);
+  for (const page of wanted) if ((!pages.has(page) || old.has(page)) && !asked.has(page)) void fetchPage(page);
 }
 
 async function fetchPage(page: number): Promise<void> {
@@ -103,10 +105,12 @@ async function fetchPage(page: number): Promise<void> {
     for (const card of items) cards.set(card.id, card);
     pages.delete(page);
     pages.set(page, items);
+    old.delete(page);
     if (pages.size > KEPT_PAGES) {
       const [oldest = page] = pages.keys();
       for (const card of pages.get(oldest) ?? []) if (!picked.peek().has(card.id)) cards.delete(card.id);
       pages.delete(oldest);
+      old.delete(oldest);
     }
     batch(() => {
       total.value = answer.total ?? items.length;
@@ -131,11 +135,11 @@ function asCard(item: Summary): Card {
   return { ...item, thumb, labels: item.labels ?? [], passport: item.passport };
 }
 
-/** Ask for everything anew, as after an import. */
+/** Ask for everything anew, as after an import. What was there stays until the answer comes, so that a click meets its card. */
 export function refresh(): void {
   for (const stop of asked.values()) stop.abort();
   asked.clear();
-  pages.clear();
+  for (const page of pages.keys()) old.add(page);
   fetchSeen();
 }
 
@@ -146,6 +150,7 @@ effect(() => {
   if (before && now !== before) {
     seen = [0, PAGE - 1];
     total.value = null;
+    pages.clear();
     refresh();
   }
   before = now;
@@ -164,6 +169,26 @@ export function pick(id: string, on = !picked.peek().has(id)): void {
   if (on) next.add(id);
   else next.delete(id);
   picked.value = next;
+}
+
+const IDS_AT_ONCE = 500;
+
+/** Pick the rows from one to another, both included; those that were never in sight too. */
+export async function pickRows(first: number, last: number): Promise<void> {
+  const asking = key.peek();
+  const ids: string[] = [];
+  try {
+    for (let offset = first; offset <= last; offset += IDS_AT_ONCE) {
+      const limit = Math.min(IDS_AT_ONCE, last - offset + 1);
+      const answer = await get("/documents", { query: { ...filter.peek(), sort: sort.peek(), limit, offset } });
+      ids.push(...answer.items.map((one) => one.id));
+    }
+  } catch (error) {
+    refuse(error);
+    return;
+  }
+  // Another list is shown by now.
+  if (asking === key.peek()) picked.value = new Set([...picked.peek(), ...ids]);
 }
 
 /** Hide documents; the toast brings them back. */
