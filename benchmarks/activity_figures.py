@@ -41,7 +41,7 @@ def main() -> None:
 
 
 def content_of(file: Path) -> str:
-    """What a clip shows, as its name says."""
+    """The content of a clip, from its name."""
     return file.name.split("_")[1]
 
 

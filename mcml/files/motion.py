@@ -144,7 +144,7 @@ class Motion:
         return self._quantity("activity", name)
 
     def activities(self) -> tuple[Activity, ...]:
-        """Return what the body does, in everyday words: walks, turns, jumps …, by first frames, which count from 0.
+        """Return the activities of the body, such as walk, turn left and jump, in order; frames count from 0.
 
         >>> [activity.name for activity in read("walk.bvh").activities()]
         ['walk']

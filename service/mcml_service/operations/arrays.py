@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, cast
 from mcml.answers import Content
 from mcml.errors import Notice
 from mcml_schemas.arrays import ArraysRequest
+from mcml_service.actions.exporting.write_tables import TYPES
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import gives
 
@@ -16,18 +17,12 @@ if TYPE_CHECKING:
     from mcml_service.storage.documents.documents import StoredDocument
     from mcml_service.storage.transaction import Transaction
 
-TYPES = {
-    "csv": "text/csv",
-    "arrow": "application/vnd.apache.arrow.stream",
-    "parquet": "application/vnd.apache.parquet",
-    "npz": "application/octet-stream",
-}
-"""Media types by form."""
+_FORMS = ("csv", "arrow", "parquet", "npz")
 _SECONDS = 60.0
 """Time limit of the query and of the look at all columns."""
 
 
-@gives("All arrays in one npz, or one table", dict.fromkeys(TYPES.values()))
+@gives("All arrays in one npz, or one table", dict.fromkeys(TYPES[form] for form in _FORMS))
 def export_arrays(call: Call, request: ArraysRequest) -> Content:
     """The frames of all ranges, one after the other, with the same columns. Missing values are NaN.
 

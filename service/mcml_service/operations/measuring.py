@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, cast
 from mcml.answers import Content
 from mcml.errors import LimitError
 from mcml_schemas.measure import MeasureRequest, Measures
+from mcml_service.actions.exporting.write_tables import TYPES
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import gives
 
@@ -16,18 +17,12 @@ if TYPE_CHECKING:
     from mcml_service.storage.documents.documents import StoredDocument
     from mcml_service.storage.transaction import Transaction
 
-TYPES = {
-    "csv": "text/csv",
-    "arrow": "application/vnd.apache.arrow.stream",
-    "parquet": "application/vnd.apache.parquet",
-    "npz": "application/octet-stream",
-}
-"""Media types by form."""
+_FORMS = ("csv", "arrow", "parquet", "npz")
 _SECONDS = 60.0
 """Time limit, as bodies of clips may have to be computed first."""
 
 
-@gives("One table, or all arrays", dict.fromkeys(TYPES.values()))
+@gives("One table, or all arrays", dict.fromkeys(TYPES[form] for form in _FORMS))
 def measure(call: Call, request: MeasureRequest) -> Measures | Content:
     """Each frame range and quantity has a row: minimum, maximum, mean, standard deviation, range, place of the maximum,
     and how far it is from the other ranges of its group. Values are those of `GET /documents/{id}/frames?quantity=`.

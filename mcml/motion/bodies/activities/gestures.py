@@ -94,7 +94,7 @@ class _Arm:
         over = signals.height(hand) > np.fmax(neck, signals.height(shoulder)) + _OVER * size
         return cls(side, places, signals.height(hand) > signals.height(elbow), over)
 
-    def raised(self, frame: int) -> float:
+    def elevation(self, frame: int) -> float:
         """Degrees of the line from the shoulder to the hand from the trunk's axis down."""
         return float(angle_between(self.hand[frame][None], np.array([[0.0, -1.0, 0.0]]))[0])
 
@@ -140,7 +140,7 @@ def _reaches(signals: BodySignals, arm: _Arm, waving: Flags, travels: Flags) -> 
             continue
         over_head = bool(arm.over_head[end - 1])
         extends = np.linalg.norm(arm.hand[end - 1]) >= _EXTENDED
-        rises = arm.raised(end - 1) > max(_ARM_UP, arm.raised(first))
+        rises = arm.elevation(end - 1) > max(_ARM_UP, arm.elevation(first))
         if extends and rises and (over_head or not travels[first:end].any()):
             name = name_of("raise hand" if over_head else "reach", arm.side)
             yield Activity(name, first, end - 1, confidence_of(way, _REACHES, 2 * _REACHES))

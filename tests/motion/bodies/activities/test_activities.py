@@ -29,17 +29,17 @@ BODIES = given(
 """The same motion at any rate, of any size, in any direction."""
 
 
-def recognized(body: ClipBody) -> Sequence[Activity]:
+def activities_in(body: ClipBody) -> Sequence[Activity]:
     return recognize_activities(body.stretch(JOINTS))
 
 
 def names(body: ClipBody) -> set[str]:
-    return {one.name for one in recognized(body)}
+    return {one.name for one in activities_in(body)}
 
 
 @BODIES
 def test_a_walk(rate: float, size: float, heading: float) -> None:
-    found = recognized(walking().body(5.0, rate, size, heading))
+    found = activities_in(walking().body(5.0, rate, size, heading))
     assert {one.name for one in found} == {"walk"}
     (walk,) = found
     assert walk.steps == pytest.approx(10, abs=1)
@@ -54,7 +54,7 @@ def test_a_walk_on_a_treadmill(rate: float, size: float, heading: float) -> None
 @BODIES
 def test_a_walk_in_a_curve_turns(rate: float, size: float, heading: float) -> None:
     for curve, name in ((0.9, "turn left"), (-0.9, "turn right")):
-        found = {one.name: one for one in recognized(walking(curve=curve).body(3.0, rate, size, heading))}
+        found = {one.name: one for one in activities_in(walking(curve=curve).body(3.0, rate, size, heading))}
         assert set(found) == {"walk", name}
         assert found[name].degrees == pytest.approx(np.degrees(0.9 * 3.0), rel=0.05)
 
@@ -98,7 +98,7 @@ def hopping(height: float) -> Puppet:
 
 @BODIES
 def test_a_jump(rate: float, size: float, heading: float) -> None:
-    found = recognized(hopping(0.4).body(4.0, rate, size, heading))
+    found = activities_in(hopping(0.4).body(4.0, rate, size, heading))
     jumps = [one for one in found if one.name == "jump"]
     assert len(jumps) == 1
     assert jumps[0].first / rate == pytest.approx(1.25, abs=0.15)
@@ -148,7 +148,7 @@ def test_a_kick(rate: float, size: float, heading: float) -> None:
     assert names(kick.body(3.0, rate, size, heading)) - {"stand"} == {"right kick"}
 
 
-def moved(start: Array, end: Array, begin: float, seconds: float):
+def move_hand(start: Array, end: Array, begin: float, seconds: float):
     def course(times: Array) -> Array:
         part = np.clip((times - begin) / seconds, 0, 1)[:, None]
         smooth = part**3 * (10 - 15 * part + 6 * part**2)
@@ -161,9 +161,9 @@ def moved(start: Array, end: Array, begin: float, seconds: float):
 def test_hands(rate: float, size: float, heading: float) -> None:
     rest, out, high = np.array([0.02, -0.63, 0.02]), np.array([0.1, 0.0, 0.6]), np.array([0.05, 0.62, 0.05])
     for side in ("left", "right"):
-        reach = with_hand(Puppet(), side, moved(rest, out, 0.5, 0.9))
+        reach = with_hand(Puppet(), side, move_hand(rest, out, 0.5, 0.9))
         assert names(reach.body(3.0, rate, size, heading)) - {"stand"} == {f"{side} reach"}
-        raised = with_hand(Puppet(), side, moved(rest, high, 0.5, 0.9))
+        raised = with_hand(Puppet(), side, move_hand(rest, high, 0.5, 0.9))
         assert names(raised.body(3.0, rate, size, heading)) - {"stand"} == {f"raise {side} hand"}
 
         def wave(times: Array) -> Array:

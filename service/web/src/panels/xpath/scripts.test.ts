@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { asCommand, asCurl, asPython, quoted } from "./scripts";
+import { quoted } from "../../ui/exporting/arrays";
+import { asCommand, asCurl, asPython } from "./scripts";
 
 describe("lines for scripts", () => {
   it("hold any question, in any scope", () => {

@@ -1,3 +1,5 @@
+import { quoted } from "../../ui/exporting/arrays";
+
 /** A question as a line for scripts. per: each document by itself. values: the answer is no node set. token: the server asks for one,
  * which stands in MCML_TOKEN, where `mcml` finds it. */
 export interface Asked {
@@ -8,9 +10,6 @@ export interface Asked {
   values?: boolean;
   token?: boolean;
 }
-
-/** As a shell takes it, whatever is in it. */
-export const quoted = (text: string): string => `'${text.replaceAll("'", `'\\''`)}'`;
 
 export const asCurl = ({ q, project, form, per, token }: Asked, origin: string): string =>
   [

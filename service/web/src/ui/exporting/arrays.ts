@@ -8,8 +8,8 @@ export interface ArraysSource {
 }
 export type ArraysRequest = ArraysSource & Pick<Schemas["ArraysRequest"], "space" | "columns" | "as">;
 
-/** As a shell takes it. */
-const quoted = (text: string): string => `'${text.replaceAll("'", `'\\''`)}'`;
+/** As a shell takes it, whatever is in it. */
+export const quoted = (text: string): string => `'${text.replaceAll("'", `'\\''`)}'`;
 
 export const fileName = (request: ArraysRequest): string => `arrays.${request.as}`;
 
