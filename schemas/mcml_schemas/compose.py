@@ -176,19 +176,31 @@ class Composed(BaseModel):
 
 
 class SplitRequest(RequestBody):
-    """Where a document is cut: before some frames, or around the frames of a motion name."""
+    """Where a document is cut: before some frames, around the frames of a motion name, or around one range."""
 
-    model_config = ConfigDict(json_schema_extra=shown({"at": [101, 241]}, {"label": MOTION_NAME}))
+    model_config = ConfigDict(
+        json_schema_extra=shown({"at": [101, 241]}, {"label": MOTION_NAME}, {"first": 101, "last": 240, "name": "turn"})
+    )
 
     at: list[Annotated[int, Field(ge=2)]] = Field([], max_length=1000, description="First frames of parts; 1 is one")
     label: str | None = Field(None, min_length=1, max_length=1024, description="Every range of this name is a part")
+    first: int | None = Field(None, ge=1, description="Extract only one part: from this frame, default 1")
+    last: int | None = Field(None, ge=1, description="Extract only one part: to this frame, included; default the last")
+    name: str | None = Field(
+        None, min_length=1, max_length=1024, description="Of the only part; of several, the beginning of their names"
+    )
     project: str | None = Field(None, min_length=1, max_length=256, description="Of the parts; default the document's")
 
     @model_validator(mode="after")
     def _says_where(self) -> SplitRequest:
-        if bool(self.at) == (self.label is not None):
-            raise ValueError("say `at` which frames, or around which `label`")
+        if bool(self.at) + (self.label is not None) + self.is_range != 1:
+            raise ValueError("give one of these: frames `at` which to cut, a `label`, or `first` and `last`")
         return self
+
+    @property
+    def is_range(self) -> bool:
+        """Whether only one part is wanted."""
+        return self.first is not None or self.last is not None
 
 
 class SplitPart(BaseModel):

@@ -140,6 +140,23 @@ class LockFrames(_Range):
     sides: list[Literal["left", "right"]] = Field(["left", "right"], min_length=1)
 
 
+class SpeedFrames(_Range):
+    """Play frames faster or slower, at the same frame rate: there are fewer or more of them afterwards."""
+
+    do: Literal["speed"]
+    factors: list[Annotated[float, Field(ge=0.05, le=20)]] = Field(
+        min_length=1,
+        max_length=1000,
+        description="2: twice as fast; several are at even distances over the range, and linear between them",
+    )
+
+
+class InPlaceFrames(_Range):
+    """Keep the body over the place where it is in the first of these frames; later frames go on from there."""
+
+    do: Literal["in-place"]
+
+
 class LoopFrames(_Range):
     """Make a loop: cut the range where poses are most alike, and lead its end to its beginning. Other frames go."""
 
@@ -167,6 +184,8 @@ FrameEdit = Annotated[
     | DespikeFrames
     | UnrollFrames
     | LockFrames
+    | SpeedFrames
+    | InPlaceFrames
     | LoopFrames,
     Field(discriminator="do"),
 ]
@@ -254,6 +273,7 @@ class FramesEdited(BaseModel):
                 "notes": ["spikes replaced: 1 (Root 1)", "first in frame 31, last in frame 31"],
                 "replaced": [{"bone": "Root", "channels": ["Tx"], "frames": 1, "ranges": [{"first": 31, "last": 31}]}],
                 "first_kept": None,
+                "motion": None,
                 "curves": [
                     {
                         "name": "Root.Tx",
@@ -274,3 +294,4 @@ class FramesEdited(BaseModel):
     first_kept: int | None = Field(
         None, description="After a single `keep` or `loop`: the former position of the frame that is now the first"
     )
+    motion: PreviewMotion | None = Field(None, description="With `dry_run` and `positions`: the edited motion")

@@ -268,9 +268,14 @@ def test_a_document_in_parts(client: TestClient, walk: str) -> None:
     assert client.get(f"{API}/xpath", params=named).json()["value"] == 141
     (part,) = split(label="walk")
     assert (part["first"], part["last"], part["name"]) == (60, 200, "walk 60-200")
-    for wrong in ({"at": [301]}, {"label": "run"}):
+    (part,) = split(first=101, last=140, name="turn")
+    assert (part["first"], part["last"], part["name"]) == (101, 140, "turn")
+    assert np.array_equal(values(client, part["document"]), values(client, walk)[100:140])
+    (part,) = split(first=290)
+    assert (part["first"], part["last"]) == (290, 300)
+    for wrong in ({"at": [301]}, {"label": "run"}, {"first": 301}, {"first": 20, "last": 10}):
         assert client.post(f"{API}/documents/{walk}/split", json=wrong).status_code == 404
-    for wrong in ({}, {"at": [1]}, {"at": [5], "label": "walk"}):
+    for wrong in ({}, {"at": [1]}, {"at": [5], "label": "walk"}, {"at": [5], "last": 9}):
         assert client.post(f"{API}/documents/{walk}/split", json=wrong).status_code == 422
 
 

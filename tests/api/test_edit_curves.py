@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import io
 from typing import Any
 
@@ -226,3 +227,19 @@ def test_curves_without_a_dry_run_are_refused(client: TestClient, uuid: str) -> 
     assert answer.status_code == 422
     assert "dry_run=true" in answer.json()["remedy"]
     assert client.get(f"{API}/documents/{uuid}").json()["revision"] == 1
+
+
+def test_a_dry_run_previews_the_edited_motion(client: TestClient, uuid: str) -> None:
+    url = f"{API}/documents/{uuid}/frames"
+    body = {"edits": [{"do": "keep", "first": 11, "last": 20}]}
+    query = {"dry_run": "true", "positions": "f4", "step": "3"}
+    answer = client.post(url, json=body, params=query, headers=ANY).json()
+    motion = answer["motion"]
+    assert motion["shape"][0] == 4
+    values = np.frombuffer(base64.b64decode(motion["data"]), "<f4").reshape(motion["shape"])
+    stored = np.load(io.BytesIO(client.get(f"{url}?format=npy&space=positions").content))
+    shown = values[:, : stored.shape[1]] + motion["origin"]
+    assert np.allclose(shown, stored[10:20:3], atol=1e-3)
+    refused = client.post(url, json=body, params={"positions": "f4"}, headers=ANY)
+    assert refused.status_code == 422
+    assert "dry run" in refused.json()["detail"]

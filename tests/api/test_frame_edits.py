@@ -46,6 +46,7 @@ def test_edits_are_one_revision_and_can_be_taken_back(client: TestClient, uuid: 
         "notes": [],
         "replaced": [],
         "first_kept": None,
+        "motion": None,
         "curves": [],
     }
     assert answer.headers["etag"] == '"2-json"'
@@ -120,6 +121,7 @@ def test_channels_as_arrays(client: TestClient, uuid: str, form: str) -> None:
         "notes": [],
         "replaced": [],
         "first_kept": None,
+        "motion": None,
         "curves": [],
     }
     after = before.copy()

@@ -237,3 +237,33 @@ def test_spikes_are_replaced_and_told(client: TestClient, uuid: str) -> None:
     answer = client.post(f"{API}/documents/{uuid}/frames", json=even, headers={"if-match": "*"})
     assert answer.status_code == 422
     assert "no middle" in answer.json()["detail"]
+
+
+def test_faster_frames_are_fewer_and_labels_go_with_them(client: TestClient, uuid: str) -> None:
+    before = values(client, uuid)
+    made = edit(client, uuid, do="speed", first=101, last=200, factors=[2.0])
+    assert made["frames"] == 310
+    assert made["notes"] == ["100 frames became 50"]
+    after = values(client, uuid)
+    assert np.array_equal(after[:100], before[:100])
+    assert np.array_equal(after[100:150], before[100:200:2])
+    assert np.array_equal(after[150:], before[200:])
+    assert client.get(f"{API}/xpath", params={"q": "count(//frame[motion_name='walk'])"}).json()["value"] == 201
+    slower = edit(client, uuid, do="speed", first=1, last=310, factors=[1.0, 0.5, 1.0])
+    assert 310 < int(str(slower["frames"])) < 620
+
+
+def test_in_place_the_body_stays_and_later_frames_go_on(client: TestClient, uuid: str) -> None:
+    before, positions = values(client, uuid), values(client, uuid, space="positions")
+    made = edit(client, uuid, do="in-place", first=1, last=180)
+    assert made["frames"] == 360
+    notes = made["notes"]
+    assert isinstance(notes, list)
+    assert re.fullmatch(r"a way of 380\.\d units was taken out", notes[0])
+    assert notes[1:] == ["the frames from 181 on go on from there"]
+    after = values(client, uuid, space="positions")
+    assert np.ptp(after[:180, 0, [0, 2]], axis=0).max() < 1e-6
+    assert np.allclose(after[:, :, 1], positions[:, :, 1], atol=1e-6)
+    assert np.allclose(np.diff(after[180:], axis=0), np.diff(positions[180:], axis=0), atol=1e-6)
+    assert edit(client, uuid, do="in-place", first=1, last=180)["notes"] == ["the body does not travel in these frames"]
+    assert values(client, uuid).shape == before.shape

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 from mcml.errors import LimitError, NotFoundError
 from mcml_schemas.compose import SplitPart, SplitParts, SplitRequest
+from mcml_service.actions.editing.frame_splicing import check_range
 from mcml_service.actions.importing.store_clip import store_stream
 from mcml_service.clips.read_clip import read_clip
 from mcml_service.settings import Settings
@@ -25,7 +26,9 @@ def split_document(database: Database, settings: Settings, uuid: str, request: S
     with database.read() as tx:
         stored = tx.documents.get(uuid)
         for first, last in _ranges(tx, stored, request):
-            name = f"{stored.name} {first}-{last}"
+            name = f"{request.name or stored.name} {first}-{last}"
+            if request.name and request.is_range:
+                name = request.name
             made = store_stream(
                 database,
                 read_clip(tx, stored, first=first, last=last).clip,
@@ -51,6 +54,10 @@ def split_document(database: Database, settings: Settings, uuid: str, request: S
 
 def _ranges(tx: Transaction, stored: StoredDocument, request: SplitRequest) -> list[tuple[int, int]]:
     """First and last frames of the parts, in order."""
+    if request.is_range:
+        first, last = request.first or 1, request.last or stored.frames
+        check_range(stored, first, last)
+        return [(first, last)]
     if request.label is None:
         starts = sorted({1, *request.at})
         if starts[-1] > stored.frames:

@@ -19,12 +19,14 @@ from mcml_schemas.frames import (
     DeleteFrames,
     FrameEdit,
     FrameEdits,
+    InPlaceFrames,
     InsertFrames,
     KeepFrames,
     LoopFrames,
     MoveFrames,
     ResampleFrames,
     ReverseFrames,
+    SpeedFrames,
     UnrollFrames,
 )
 from mcml_service.actions.checking.check_timed import seconds_of
@@ -43,7 +45,7 @@ from mcml_service.storage.documents.motion_names import names_of_frames
 from mcml_service.storage.documents.spans import StoredSpan
 from mcml_service.storage.transaction import Transaction
 
-_MOVING = DeleteFrames | KeepFrames | MoveFrames | InsertFrames | ResampleFrames | LoopFrames
+_MOVING = DeleteFrames | KeepFrames | MoveFrames | InsertFrames | ResampleFrames | SpeedFrames | LoopFrames
 """Edits after which frames are at other positions."""
 
 
@@ -103,7 +105,7 @@ def ranges_to_compare(stored: StoredDocument, edits: Sequence[FrameEdit]) -> Com
             return ComparedRanges(whole, None)
         else:
             check_range(stored, edit.first, edit.last)
-            ranged.append((edit.first, edit.last))
+            ranged.append((edit.first, stored.frames if isinstance(edit, InPlaceFrames) else edit.last))
     both = min(first for first, _ in ranged), max(last for _, last in ranged)
     return ComparedRanges(both, both)
 

@@ -1,9 +1,12 @@
-"""Recompute samples of frames: mirror, smooth, filter, fill, unroll, lock feet, offset and scale, resample."""
+"""Recompute samples of frames: mirror, smooth, filter, fill, unroll, lock feet, offset and scale, resample, keep in
+place, change speed."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from mcml.errors import DocumentError
 from mcml.language.elements import header_of
@@ -12,9 +15,11 @@ from mcml.motion.clip import ClipHead, FrameBlock
 from mcml.motion.edits.despiking import despike
 from mcml.motion.edits.foot_locking import lock_clip_feet
 from mcml.motion.edits.gap_filling import fill_gaps
+from mcml.motion.edits.in_place import ground_path, stay_in_place
 from mcml.motion.edits.low_pass import low_pass, suggest_cutoff
 from mcml.motion.edits.mirroring import mirrored
-from mcml.motion.edits.resampling import resampled
+from mcml.motion.edits.resampling import resampled, sampled
+from mcml.motion.edits.retiming import speed_places
 from mcml.motion.edits.smoothing import smoothed
 from mcml.motion.edits.unrolling import unroll
 from mcml.motion.frames import adjusted, eased, joined, rows_of
@@ -24,11 +29,13 @@ from mcml_schemas.frames import (
     AdjustFrames,
     DespikeFrames,
     FillFrames,
+    InPlaceFrames,
     LockFrames,
     LowPassFrames,
     MirrorFrames,
     ResampleFrames,
     SmoothFrames,
+    SpeedFrames,
     UnrollFrames,
 )
 from mcml_service.actions.checking.check_timed import seconds_of
@@ -50,6 +57,8 @@ Reshaping = (
     | DespikeFrames
     | UnrollFrames
     | LockFrames
+    | SpeedFrames
+    | InPlaceFrames
 )
 
 
@@ -100,6 +109,10 @@ def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping, report: Ed
             report.notes += _despike(tx, stored, edit, report)
         elif isinstance(edit, LockFrames):
             report.notes += _lock_feet(tx, stored, edit)
+        elif isinstance(edit, SpeedFrames):
+            report.notes += _change_speed(tx, stored, edit)
+        elif isinstance(edit, InPlaceFrames):
+            report.notes += _keep_in_place(tx, stored, edit)
         else:
             _process(tx, stored, edit, report.notes)
 
@@ -228,6 +241,32 @@ def _unroll(tx: Transaction, stored: StoredDocument, edit: UnrollFrames) -> list
         blocks = [number_bones(tx, stored, whole, block)]
         splice_frames(tx, stored, 1, stored.frames, blocks, renumber=False, same_instants=True)
     return [f"{changed:,} rotations have other angles"]
+
+
+def _change_speed(tx: Transaction, stored: StoredDocument, edit: SpeedFrames) -> list[str]:
+    after = min(edit.last + 1, stored.frames)
+    count = edit.last - edit.first + 1
+    places = speed_places(count, edit.factors, follows=after > edit.last)
+    whole = read_whole(tx, stored, edit.first, after)
+    made = sampled(whole.head.skeleton, whole.block, places, whole.reading)
+    splice_frames(tx, stored, edit.first, count, [number_bones(tx, stored, whole, made.block)])
+    return [f"{count:,} frames became {len(places):,}"]
+
+
+def _keep_in_place(tx: Transaction, stored: StoredDocument, edit: InPlaceFrames) -> list[str]:
+    whole = read_whole(tx, stored, edit.first)
+    skeleton, count = whole.head.skeleton, edit.last - edit.first + 1
+    path = ground_path(skeleton, rows_of(whole.block, 0, count), whole.up, whole.reading)
+    if not path.any():
+        return ["the body does not travel in these frames"]
+    made = stay_in_place(skeleton, whole.block, 0, count - 1, whole.up, whole.reading)
+    blocks = [number_bones(tx, stored, whole, made.block)]
+    splice_frames(tx, stored, edit.first, len(made.block), blocks, renumber=False, same_instants=True)
+    unit = whole.head.fields.get("calibration_unit", "").strip()
+    notes = [f"a way of {np.hypot.reduce(path[-1]):.4g} {unit or 'units'} was taken out"]
+    if edit.last < stored.frames:
+        notes.append(f"the frames from {edit.last + 1:,} on go on from there")
+    return notes + [notice.what for notice in made.shortfall.notices(skeleton)]
 
 
 def _adjust(whole: Whole, edit: AdjustFrames, strength: Array) -> FrameBlock:

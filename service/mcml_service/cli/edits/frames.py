@@ -25,6 +25,8 @@ _EDITS = {get_args(kind.model_fields["do"].annotation)[0]: kind for kind in get_
 """Edits of frames, by name."""
 _NAMES = {"insert": {"to": "at", "source": "document"}}
 """Options that the API calls otherwise."""
+_OPTIONS = {"first": "FIRST-LAST", "last": "FIRST-LAST", "factors": "--speed"}
+"""The reverse for fields that an edit needs."""
 
 
 def frames(
@@ -52,6 +54,10 @@ def frames(
     window: Annotated[int | None, typer.Option(help="despike: frames of the median")] = None,
     hertz: Annotated[float | None, typer.Option(help="low-pass: cut-off; default by residual analysis")] = None,
     channels: Annotated[list[str] | None, typer.Option("--channel", help="adjust: Rx, Ty …; may be repeated")] = None,
+    speeds: Annotated[
+        list[float] | None,
+        typer.Option("--speed", help="speed: 2 is twice as fast; several change over the range at even distances"),
+    ] = None,
     factor: Annotated[float | None, typer.Option(help="adjust: multiply by this")] = None,
     offset: Annotated[float | None, typer.Option(help="adjust: then add this")] = None,
     bones: Annotated[
@@ -76,7 +82,8 @@ def frames(
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Delete, keep, move, insert, reverse, loop, mirror, fill, despike, filter or resample frames, lock feet."""
+    """Delete, keep, move, insert, reverse, loop, mirror, fill, despike, filter or resample frames, lock feet, change
+    speed, keep in place."""
     kind = _EDITS.get(do)
     if kind is None:
         raise typer.BadParameter(f"say one of {', '.join(_EDITS)}", param_hint="DO")
@@ -93,6 +100,7 @@ def frames(
         "window": window,
         "hertz": hertz,
         "channels": channels,
+        "factors": speeds,
         "factor": factor,
         "offset": offset,
         "bones": bones,
@@ -109,7 +117,7 @@ def frames(
     # A wrong request costs exit code 2, as all wrong usage does.
     for name, field in kind.model_fields.items():
         if field.is_required() and name not in edit and name != "do":
-            raise typer.BadParameter(f"{do} needs {'FIRST-LAST' if name in ('first', 'last') else '--' + name}")
+            raise typer.BadParameter(f"{do} needs {_OPTIONS.get(name, '--' + name)}")
     unused = sorted(set(edit) - set(kind.model_fields))
     if unused:
         raise typer.BadParameter(f"{do} has no use for {', '.join(unused)}")

@@ -11,13 +11,15 @@ from pydantic import Field
 from mcml.errors import RequestError
 from mcml.motion.bodies.quantities import AskedQuantity, asked_quantity
 from mcml.motion.skeleton import Array
-from mcml_schemas.frames import CurveSamples, EditedCurve, FrameEdits, FramesEdited, ReplacedSamples
+from mcml_schemas.frames import CurveSamples, EditedCurve, FrameEdits, FramesEdited, PreviewMotion, ReplacedSamples
 from mcml_schemas.revisions import FrameRange
 from mcml_service.actions.editing.edit_report import EditReport
 from mcml_service.actions.editing.frame_ranges import edit_frames as apply_edits
 from mcml_service.actions.editing.frame_ranges import ranges_to_compare
+from mcml_service.actions.reading.preview_motion import preview_motion
 from mcml_service.actions.reading.read_curves import Curve, read_curves
-from mcml_service.operations.arguments import DocumentId, IfMatch, find_for_write, tag
+from mcml_service.clips.read_clip import read_clip
+from mcml_service.operations.arguments import DocumentId, IfMatch, Shown, find_for_write, tag
 from mcml_service.operations.call import Call
 from mcml_service.operations.edits.changes import UndoneError
 from mcml_service.storage.documents.documents import StoredDocument
@@ -34,6 +36,7 @@ def edit_frames(
     call: Call,
     id: DocumentId,
     edits: FrameEdits,
+    shown: Shown,
     dry_run: Annotated[bool, Field(description="Preview the notes and curves without changing anything")] = False,
     column: Annotated[
         list[str] | None,
@@ -61,11 +64,15 @@ def edit_frames(
     Remaining frames are not written again. Positions in a later edit refer to the result of the earlier ones.
 
     With `dry_run`, `curves` has each `column`, then each `quantity`, before and after the edits: over the frames of
-    edits that keep the number of frames, else over the whole document.
+    edits that keep the number of frames, else over the whole document. With `dry_run` and `positions`, `motion` has
+    the positions of the edited document.
     """
     columns, quantities = _parse_curves(column, quantity, dry_run=dry_run)
+    if shown.window is not None and not dry_run:
+        raise RequestError("Only a dry run previews positions.", remedy="Add dry_run=true, or leave `positions` out.")
     report = EditReport()
     curves: list[EditedCurve] = []
+    motion: PreviewMotion | None = None
 
     def read(tx: Transaction, document: StoredDocument, frames: tuple[int, int]) -> list[Curve]:
         return read_curves(tx, document, columns, quantities, frames, pixels)
@@ -79,9 +86,12 @@ def edit_frames(
             if dry_run:
                 after = read(tx, changed, ranges.after or (1, changed.frames))
                 curves = [_compare(*pair) for pair in zip(before, after, strict=True)]
+                if shown.window is not None:
+                    clip = read_clip(tx, changed).clip
+                    motion = preview_motion(clip.head, clip.blocks(), shown.window, clip.head.seconds_per_frame())
                 raise UndoneError
     except UndoneError:
-        return _describe(stored.revision, changed.frames, report, curves)
+        return _describe(stored.revision, changed.frames, report, curves).model_copy(update={"motion": motion})
     call.tag = tag(changed)
     return _describe(changed.revision, changed.frames, report, [])
 

@@ -3189,7 +3189,7 @@ export interface components {
             data?: string | null;
         };
         FrameEdits: {
-            edits: (components["schemas"]["DeleteFrames"] | components["schemas"]["KeepFrames"] | components["schemas"]["ReverseFrames"] | components["schemas"]["MoveFrames"] | components["schemas"]["InsertFrames"] | components["schemas"]["MirrorFrames"] | components["schemas"]["SmoothFrames"] | components["schemas"]["AdjustFrames"] | components["schemas"]["ResampleFrames"] | components["schemas"]["FillFrames"] | components["schemas"]["LowPassFrames"] | components["schemas"]["DespikeFrames"] | components["schemas"]["UnrollFrames"] | components["schemas"]["LockFrames"] | components["schemas"]["LoopFrames"])[];
+            edits: (components["schemas"]["DeleteFrames"] | components["schemas"]["KeepFrames"] | components["schemas"]["ReverseFrames"] | components["schemas"]["MoveFrames"] | components["schemas"]["InsertFrames"] | components["schemas"]["MirrorFrames"] | components["schemas"]["SmoothFrames"] | components["schemas"]["AdjustFrames"] | components["schemas"]["ResampleFrames"] | components["schemas"]["FillFrames"] | components["schemas"]["LowPassFrames"] | components["schemas"]["DespikeFrames"] | components["schemas"]["UnrollFrames"] | components["schemas"]["LockFrames"] | components["schemas"]["SpeedFrames"] | components["schemas"]["InPlaceFrames"] | components["schemas"]["LoopFrames"])[];
             /** @default true */
             renumber: boolean;
             /** @default  */
@@ -3226,6 +3226,7 @@ export interface components {
             /** @default [] */
             replaced: components["schemas"]["ReplacedSamples"][];
             first_kept?: number | null;
+            motion?: components["schemas"]["PreviewMotion"] | null;
         };
         GaitBelt: {
             is_belt: boolean;
@@ -3431,6 +3432,15 @@ export interface components {
             movements?: number | null;
             receipt: components["schemas"]["Receipt"];
             calibration: string;
+        };
+        InPlaceFrames: {
+            first: number;
+            last: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "in-place";
         };
         InsertEdit: {
             /**
@@ -4952,6 +4962,16 @@ export interface components {
             first: number;
             last: number;
         };
+        SpeedFrames: {
+            first: number;
+            last: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "speed";
+            factors: number[];
+        };
         SplitPart: {
             document: string;
             name: string;
@@ -4965,6 +4985,9 @@ export interface components {
             /** @default [] */
             at: number[];
             label?: string | null;
+            first?: number | null;
+            last?: number | null;
+            name?: string | null;
             project?: string | null;
         };
         StageSize: {
@@ -7395,6 +7418,10 @@ export interface operations {
     edit_frames: {
         parameters: {
             query?: {
+                positions?: "f4" | null;
+                first?: number;
+                last?: number | null;
+                step?: number;
                 dry_run?: boolean;
                 column?: string[] | null;
                 quantity?: string[] | null;
