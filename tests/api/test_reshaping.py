@@ -243,7 +243,7 @@ def test_faster_frames_are_fewer_and_labels_go_with_them(client: TestClient, uui
     before = values(client, uuid)
     made = edit(client, uuid, do="speed", first=101, last=200, factors=[2.0])
     assert made["frames"] == 310
-    assert made["notes"] == ["100 frames became 50"]
+    assert made["notes"] == ["frames of the range: 100 before, 50 after"]
     after = values(client, uuid)
     assert np.array_equal(after[:100], before[:100])
     assert np.array_equal(after[100:150], before[100:200:2])

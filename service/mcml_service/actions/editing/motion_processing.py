@@ -250,7 +250,7 @@ def _change_speed(tx: Transaction, stored: StoredDocument, edit: SpeedFrames) ->
     whole = read_whole(tx, stored, edit.first, after)
     made = sampled(whole.head.skeleton, whole.block, places, whole.reading)
     splice_frames(tx, stored, edit.first, count, [number_bones(tx, stored, whole, made.block)])
-    return [f"{count:,} frames became {len(places):,}"]
+    return [f"frames of the range: {count:,} before, {len(places):,} after"]
 
 
 def _keep_in_place(tx: Transaction, stored: StoredDocument, edit: InPlaceFrames) -> list[str]:

@@ -16,6 +16,19 @@ export interface Item {
   disabled?: boolean;
 }
 
+const EDGE = 8; // px between a menu and the edge of the window
+const GAP = 4; // px between a menu and its button
+
+/** Near the window's edge a menu moves inwards, at its lower edge above the button. */
+function moveInwards(shown: HTMLElement, button: DOMRect): void {
+  const { top, right, bottom, height } = shown.getBoundingClientRect();
+  const x = Math.min(0, innerWidth - EDGE - right);
+  const above = button.top - GAP - height;
+  const y =
+    bottom + EDGE <= innerHeight ? 0 : above >= EDGE ? above - top : Math.max(EDGE - top, innerHeight - EDGE - bottom);
+  if (x || y) shown.style.transform = `translate(${x}px, ${y}px)`;
+}
+
 export function Menu({
   label,
   items,
@@ -35,10 +48,9 @@ export function Menu({
 
   useEffect(() => {
     if (!open) return;
-    // Near the window's edge it moves inwards.
     const shown = box.current?.querySelector<HTMLElement>(".menu-list");
-    const beyond = (shown?.getBoundingClientRect().right ?? 0) + 8 - innerWidth;
-    if (shown && beyond > 0) shown.style.transform = `translateX(${-beyond}px)`;
+    const around = button.current?.getBoundingClientRect();
+    if (shown && around) moveInwards(shown, around);
     box.current?.querySelector<HTMLElement>("[role^=menuitem]:not([aria-disabled=true])")?.focus();
     const outside = (event: PointerEvent) => {
       if (!box.current?.contains(event.target as Node)) setOpen(false);

@@ -1,17 +1,19 @@
-/** Gaps, noise, spikes, angles that leap, feet that slide, loops: chosen, previewed by what would change, then made. */
+/** An edit of frames: chosen, previewed by what would change, then made, here or as a clip of its own. */
 import { useEffect, useState } from "preact/hooks";
 import { startCurve, type CurveName } from "../../../motion/timeline/comparing";
+import { numbersOf, stepFor, wholeOf } from "../../../motion/loading/preview";
 import type { Clip } from "../../../state/clip/clip";
+import { refuse } from "../../../state/session/notes";
 import { Dialog } from "../../../ui/Dialog";
-import { NumberField } from "../../../ui/forms/NumberField";
+import { WholeMotion } from "../../../ui/playing/WholeMotion";
 import { Trouble } from "../../../ui/Trouble";
 import { useAsync } from "../../../ui/useAsync";
 import { w } from "../../../words";
 import { CurvePreview } from "./CurvePreview";
-import { editFrames, previewEdits, type Edits } from "./editFrames";
+import { editFrames, extractFrames, previewEdits, type Made } from "./editFrames";
+import { EditFields } from "./EditFields";
+import { editOf, isSeen, seenFrames, START, type Choices, type Edits, type Kind, type Seen } from "./edits";
 
-const KINDS = ["fill", "despike", "low-pass", "unroll", "lock-feet", "loop"] as const;
-type Kind = (typeof KINDS)[number];
 const TITLES = {
   fill: "label.cleanFill",
   despike: "label.cleanDespike",
@@ -19,6 +21,9 @@ const TITLES = {
   unroll: "label.cleanUnroll",
   "lock-feet": "label.cleanLockFeet",
   loop: "label.cleanLoop",
+  "in-place": "label.stayInPlace",
+  speed: "label.changeSpeed",
+  mirror: "label.mirrorSides",
 } as const;
 const HELP = {
   fill: "help.cleanFill",
@@ -27,40 +32,15 @@ const HELP = {
   unroll: "help.cleanUnroll",
   "lock-feet": "help.cleanLockFeet",
   loop: "help.cleanLoop",
+  "in-place": "help.stayInPlace",
+  speed: "help.changeSpeed",
+  mirror: "help.mirrorSides",
 } as const;
 const WAIT = 300; // ms after the last change
 
-interface Choices {
-  longest: number;
-  deviations: number;
-  /** null: by the motion itself. */
-  hertz: number | null;
-  inPlace: boolean;
-  selected: boolean;
-}
-
-/** The edit that the choices ask for. */
-function editOf(
-  kind: Kind,
-  { longest, deviations, hertz, inPlace, selected }: Choices,
-  clip: Clip,
-  span: [number, number],
-) {
-  const [first, last] = span;
-  const bones = selected ? [...clip.selection.peek().bones] : [];
-  const edits = {
-    fill: { do: kind, first, last, longest, bones },
-    despike: { do: kind, first, last, deviations, bones },
-    "low-pass": { do: kind, first, last, bones, ...(hertz ? { hertz } : {}) },
-    unroll: { do: kind, bones },
-    "lock-feet": { do: kind, first, last },
-    loop: { do: kind, first, last, in_place: inPlace },
-  };
-  return [edits[kind]] as unknown as Edits;
-}
-
-/** The dry run of edits, with a curve: the chosen one, else of the selected joint, else of the one with the most new samples. */
-function usePreview(clip: Clip, edits: Edits) {
+/** The dry run of edits: the motion, or a curve: the chosen one, else of the selected joint, else of the one with the most
+ * new samples. */
+function usePreview(clip: Clip, edits: Edits, seen: Seen | null) {
   const [chosen, setChosen] = useState<CurveName | null>(null);
   const [most, setMost] = useState<string | null>(null);
   const { bones } = clip.selection.value;
@@ -73,9 +53,9 @@ function usePreview(clip: Clip, edits: Edits) {
     async (signal) => {
       await new Promise((resolve) => setTimeout(resolve, WAIT));
       signal.throwIfAborted();
-      return previewEdits(clip, edits, curve, signal);
+      return previewEdits(clip, edits, { curve: seen ? null : curve, seen }, signal);
     },
-    [JSON.stringify([edits, curve])],
+    [JSON.stringify([edits, seen ? null : curve])],
   );
   const made = preview.value ?? preview.before;
   const found = preview.value?.replaced[0];
@@ -89,74 +69,61 @@ function usePreview(clip: Clip, edits: Edits) {
 export function CleanUp({
   clip,
   range,
+  kinds,
+  title,
   reload,
   onClose,
 }: {
   clip: Clip;
   range: [number, number] | null;
+  /** Edits to choose from. */
+  kinds: readonly [Kind, ...Kind[]];
+  title: string;
   reload: () => void;
   onClose: () => void;
 }) {
-  const [kind, setKind] = useState<Kind>("fill");
-  const some = clip.selection.value.bones.length;
-  const [choices, setChoices] = useState<Choices>({
-    longest: 1,
-    deviations: 6,
-    hertz: null,
-    inPlace: false,
-    selected: some > 0,
-  });
-  const span = range ?? [1, clip.frames];
-  const edits = editOf(kind, choices, clip, span);
-  const { preview, made, curve, choose } = usePreview(clip, edits);
-  const change = (more: Partial<Choices>) => setChoices({ ...choices, ...more });
+  const [kind, setKind] = useState<Kind>(kinds[0]);
+  const { bones } = clip.selection.value;
+  const [choices, setChoices] = useState<Choices>({ ...START, selected: bones.length > 0 });
+  // A loop leaves out all other frames: the clip stays unless that is wanted.
+  const [name, setName] = useState<string | null>(
+    kind === "loop" ? w("label.loopOf", { name: clip.detail.name }) : null,
+  );
+  const span = range ?? ([1, clip.frames] as [number, number]);
+  const count = span[1] - span[0] + 1;
+  const edits = editOf(kind, choices, bones, span);
+  const step = stepFor(count, clip.skeleton.points);
+  const seen = isSeen(kind) ? { ...seenFrames(kind, choices, span), step } : null;
+  const [ready, setReady] = useState(false);
+  const apply = () => {
+    onClose();
+    if (name === null) void editFrames(clip, reload, edits);
+    else extractFrames(clip, reload, span, name.trim(), editOf(kind, choices, bones, [1, count])).catch(refuse);
+  };
   return (
-    <Dialog title={w("button.repairFrames")} onClose={onClose}>
+    <Dialog title={title} onClose={onClose}>
       <form
         class="clean-up"
         onSubmit={(event) => {
           event.preventDefault();
-          onClose();
-          void editFrames(clip, reload, edits);
+          apply();
         }}
       >
-        <label class="row">
-          {w("label.cleanKind")}
-          <select class="field" value={kind} onChange={(event) => setKind(event.currentTarget.value as Kind)}>
-            {KINDS.map((one) => (
-              <option key={one} value={one}>
-                {w(TITLES[one])}
-              </option>
-            ))}
-          </select>
-        </label>
+        {kinds.length > 1 && <KindChoice kinds={kinds} kind={kind} onChoose={setKind} />}
         <p class="dim">{w(HELP[kind])}</p>
-        <Fields kind={kind} choices={choices} onChange={change} />
-        {some > 0 && kind !== "lock-feet" && kind !== "loop" && (
-          <label class="row">
-            <input
-              type="checkbox"
-              checked={choices.selected}
-              onChange={(event) => change({ selected: event.currentTarget.checked })}
-            />
-            {w("label.cleanSelected", { n: some })}
-          </label>
-        )}
+        <EditFields
+          kind={kind}
+          choices={choices}
+          selected={bones.length}
+          onChange={(more) => setChoices({ ...choices, ...more })}
+        />
         <p>{kind === "unroll" ? w("label.cleanAll") : w("label.cleanRange", { first: span[0], last: span[1] })}</p>
-        <Trouble error={preview.error} />
-        <ul class="clean-notes" role="status" aria-busy={preview.busy} aria-label={w("label.preview")}>
-          {made?.notes.map((one) => (
-            <li key={one}>{one}</li>
-          ))}
-          {preview.busy && <li class="busy" />}
-        </ul>
-        {curve && !preview.error && (
-          <CurvePreview clip={clip} made={made} busy={preview.busy} chosen={curve} choose={choose} />
-        )}
+        <Result clip={clip} edits={edits} seen={seen} onState={setReady} />
+        {seen && <Target clip={clip} title={w(TITLES[kind])} name={name} onName={setName} />}
         <div class="row">
           <span class="grow" />
-          <button type="submit" class="button primary" disabled={preview.busy || Boolean(preview.error)}>
-            {w("button.apply")}
+          <button type="submit" class="button primary" disabled={!ready || name?.trim() === ""}>
+            {w(name === null ? "button.apply" : "button.saveAsClip")}
           </button>
         </div>
       </form>
@@ -164,61 +131,103 @@ export function CleanUp({
   );
 }
 
-function Fields({
-  kind,
-  choices,
-  onChange,
+function KindChoice({ kinds, kind, onChoose }: { kinds: readonly Kind[]; kind: Kind; onChoose: (kind: Kind) => void }) {
+  return (
+    <label class="row">
+      {w("label.cleanKind")}
+      <select class="field" value={kind} onChange={(event) => onChoose(event.currentTarget.value as Kind)}>
+        {kinds.map((one) => (
+          <option key={one} value={one}>
+            {w(TITLES[one])}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+/** What the edits would change: in words, and as the motion or a curve. onState: told whether they can be made. */
+function Result({
+  clip,
+  edits,
+  seen,
+  onState,
 }: {
-  kind: Kind;
-  choices: Choices;
-  onChange: (more: Partial<Choices>) => void;
+  clip: Clip;
+  edits: Edits;
+  seen: Seen | null;
+  onState: (ready: boolean) => void;
 }) {
-  if (kind === "fill")
-    return (
+  const { preview, made, curve, choose } = usePreview(clip, edits, seen);
+  const ready = !preview.busy && !preview.error;
+  useEffect(() => onState(ready), [ready, onState]);
+  return (
+    <>
+      <Trouble error={preview.error} />
+      <ul class="clean-notes" role="status" aria-busy={preview.busy} aria-label={w("label.preview")}>
+        {made?.notes.map((one) => (
+          <li key={one}>{one}</li>
+        ))}
+        {preview.busy && <li class="busy" />}
+      </ul>
+      {seen && <EditedMotion motion={made?.motion} step={seen.step} />}
+      {!seen && curve && !preview.error && (
+        <CurvePreview clip={clip} made={made} busy={preview.busy} chosen={curve} choose={choose} />
+      )}
+    </>
+  );
+}
+
+/** The edited motion, playing. */
+function EditedMotion({ motion, step }: { motion: Made["motion"]; step: number }) {
+  if (!motion) return <div class="edited-motion" />;
+  const seconds = (motion.seconds_per_frame ?? 1 / 30) * step;
+  return (
+    <WholeMotion
+      key={motion.data}
+      motion={wholeOf({ ...motion, seconds_per_frame: seconds }, numbersOf(motion))}
+      label={w("label.previewWord")}
+      className="edited-motion"
+    />
+  );
+}
+
+/** Where the result goes. name: of a new clip; null: this clip. */
+function Target({
+  clip,
+  title,
+  name,
+  onName,
+}: {
+  clip: Clip;
+  title: string;
+  name: string | null;
+  onName: (name: string | null) => void;
+}) {
+  return (
+    <fieldset class="edit-target">
+      <legend>{w("label.saveIn")}</legend>
       <label class="row">
-        {w("label.cleanLongest")}
-        <NumberField
-          value={choices.longest}
-          least={0}
-          most={60}
-          onChange={(value) => onChange({ longest: value ?? 1 })}
-        />
+        <input type="radio" name="edit-target" checked={name === null} onChange={() => onName(null)} />
+        {w("label.thisClip")}
       </label>
-    );
-  if (kind === "despike")
-    return (
-      <label class="row">
-        {w("label.cleanDeviations")}
-        <NumberField
-          value={choices.deviations}
-          least={1}
-          most={1000}
-          onChange={(value) => onChange({ deviations: value ?? 6 })}
-        />
-      </label>
-    );
-  if (kind === "low-pass")
-    return (
-      <label class="row">
-        {w("label.cleanHertz")}
-        <NumberField
-          value={choices.hertz}
-          least={0.1}
-          placeholder={w("label.cleanAutomatic")}
-          onChange={(value) => onChange({ hertz: value })}
-        />
-      </label>
-    );
-  if (kind === "loop")
-    return (
       <label class="row">
         <input
-          type="checkbox"
-          checked={choices.inPlace}
-          onChange={(event) => onChange({ inPlace: event.currentTarget.checked })}
+          type="radio"
+          name="edit-target"
+          checked={name !== null}
+          onChange={() => onName(`${clip.detail.name}, ${title.toLocaleLowerCase()}`)}
         />
-        {w("label.cleanInPlace")}
+        {w("label.newClip")}
+        <input
+          class="field grow"
+          aria-label={w("label.name")}
+          disabled={name === null}
+          maxLength={1024}
+          value={name ?? ""}
+          onInput={(event) => onName(event.currentTarget.value)}
+        />
       </label>
-    );
-  return null;
+    </fieldset>
+  );
 }

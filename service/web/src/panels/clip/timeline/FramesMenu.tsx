@@ -3,13 +3,21 @@ import { useState } from "preact/hooks";
 import { holding } from "../../../motion/timeline/holding";
 import type { Clip } from "../../../state/clip/clip";
 import { Dialog } from "../../../ui/Dialog";
+import { AskName } from "../../../ui/forms/AskName";
 import { Icon } from "../../../ui/icons";
 import { Menu } from "../../../ui/Menu";
 import { number, w } from "../../../words";
 import { clipActions } from "../actions";
 import { CleanUp } from "./CleanUp";
-import { editFrames } from "./editFrames";
+import { editFrames, extractFrames } from "./editFrames";
+import { CHANGES, REPAIRS } from "./edits";
 
+const CHANGE_WORDS = {
+  loop: "button.makeLoop",
+  "in-place": "button.keepInPlace",
+  speed: "button.changeSpeed",
+  mirror: "button.mirrorSides",
+} as const;
 const MOST_HELD = 100_000;
 
 /** range: the frames that are meant, from 1; null: none are chosen, and the menu says how. */
@@ -23,7 +31,8 @@ export function FramesMenu({
   reload: () => void;
 }) {
   const [holds, setHolds] = useState<number | null>(null);
-  const [cleans, setCleans] = useState(false);
+  const [edit, setEdit] = useState<"repair" | (typeof CHANGES)[number] | null>(null);
+  const [extracts, setExtracts] = useState(false);
   if (clip.pinned !== null || !clip.frames) return null;
   const of = range && { first: range[0], last: range[1] };
   const items = () => {
@@ -38,6 +47,7 @@ export function FramesMenu({
               disabled: all,
               run: () => void editFrames(clip, reload, [{ do: "delete", ...of }]),
             },
+            { text: w("button.extractFrames", of), run: () => setExtracts(true) },
             {
               text: w("button.cropTo", of),
               disabled: all,
@@ -54,7 +64,8 @@ export function FramesMenu({
           ]
         : [{ text: w("button.chooseRange"), disabled: true }]),
       { text: w("button.holdFrame", { n: here }), run: () => setHolds(here) },
-      { text: w("button.repairFrames"), run: () => setCleans(true) },
+      ...CHANGES.map((kind) => ({ text: w(CHANGE_WORDS[kind]), run: () => setEdit(kind) })),
+      { text: w("button.repairFrames"), run: () => setEdit("repair") },
       { text: w("button.spanSplit"), detail: "S", run: () => clipActions.splitSpan(clip) },
     ];
   };
@@ -64,7 +75,26 @@ export function FramesMenu({
         {w("label.framesWord")}
         <Icon name="down" />
       </Menu>
-      {cleans && <CleanUp clip={clip} range={range} reload={reload} onClose={() => setCleans(false)} />}
+      {edit && (
+        <CleanUp
+          clip={clip}
+          range={range}
+          kinds={edit === "repair" ? REPAIRS : [edit]}
+          title={w(edit === "repair" ? "button.repairFrames" : CHANGE_WORDS[edit])}
+          reload={reload}
+          onClose={() => setEdit(null)}
+        />
+      )}
+      {extracts && range && (
+        <AskName
+          title={w("button.extractFrames", { first: range[0], last: range[1] })}
+          initial={`${clip.detail.name} ${range[0]}–${range[1]}`}
+          onName={(name) => extractFrames(clip, reload, range, name)}
+          onClose={() => setExtracts(false)}
+        >
+          <p class="dim">{w("help.extractFrames")}</p>
+        </AskName>
+      )}
       {holds !== null && (
         <Hold
           frame={holds}
