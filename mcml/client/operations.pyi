@@ -363,6 +363,8 @@ class Operations:
         frame_time: str | float | None = ...,
         fps: float | None = ...,
         scale: float | None = ...,
+        height: float | None = ...,
+        in_place: bool | None = ...,
         guesses: bool | None = ...,
         for_: str | None = ...,
         raw: bool | None = ...,

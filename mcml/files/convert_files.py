@@ -47,6 +47,8 @@ def convert_files(
     frames: str | None = None,
     fps: float | None = None,
     scale: float | None = None,
+    height: float | None = None,
+    in_place: bool = False,
     guesses: bool = True,
     for_: str | None = None,
     stem: str = "motion",
@@ -56,7 +58,8 @@ def convert_files(
     target: the format, None for that of the preset. for_: a preset of `PRESETS`; target, fps and scale win over it.
     frame_time, unit, up: facts that the files do not state; nothing is scaled or turned. take: which motion of a
     file that holds several. rate: frames a second at which its keys are sampled. frames: FIRST-LAST, from 1. fps:
-    frames a second of the result. scale: factor of all lengths. guesses: False refuses where a format needs a unit or
+    frames a second of the result. scale: factor of all lengths. height: metres that the body stands tall in the result.
+    in_place: without travel over the ground. guesses: False refuses where a format needs a unit or
     an up axis that the files do not state.
     """
     known, preset = targets(), None if for_ is None else find_preset(for_)
@@ -82,7 +85,8 @@ def convert_files(
         clip = ClipStream(head, stream.blocks, stream.frames, stream.notices, original)
         first, last = parse_range(frames)
         shape = None if preset is None else choose_shape(preset, clip.head.skeleton, target)
-        clip = reshape(clip, Reshaping(first, last, fps or (shape.fps if shape else None), scale))
+        fps = fps or (shape.fps if shape else None)
+        clip = reshape(clip, Reshaping(first, last, in_place, fps, scale, height), guesses=guesses)
         if preset is not None and shape is not None:
             target, clip = shape.format, fit_shape(clip, shape, preset, guesses=guesses)
         assert target is not None

@@ -1,4 +1,4 @@
-"""A clip made fit for its target: a range of its frames, another frame rate, another size."""
+"""A clip made fit for its target: a range of its frames, in place, another frame rate, another size."""
 
 from __future__ import annotations
 
@@ -10,8 +10,13 @@ import numpy as np
 
 from mcml.errors import ConversionError, RequestError
 from mcml.formats import WRITERS
+from mcml.formats.format import note
+from mcml.motion.bodies.calibration import Calibration
+from mcml.motion.bodies.clip_body import body_of
+from mcml.motion.bodies.stature import find_stature
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock
 from mcml.motion.conventions.convert import scale
+from mcml.motion.edits.in_place import stay_in_place
 from mcml.motion.edits.resampling import resampled
 from mcml.motion.frames import joined, rows_of
 from mcml.motion.lexemes import lexeme
@@ -20,12 +25,20 @@ from mcml.motion.units import metres_of, reading_of
 
 @dataclass(frozen=True)
 class Reshaping:
-    """first, last: frames from 1, both included. fps: frames a second. scale: factor of all lengths of the body."""
+    """first, last: frames from 1, both included. in_place: without travel over the ground. fps: frames a second. scale:
+    factor of all lengths of the body. height: metres that the body stands tall, instead of a factor.
+    """
 
     first: int = 1
     last: int | None = None
+    in_place: bool = False
     fps: float | None = None
     scale: float | None = None
+    height: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.scale is not None and self.height is not None:
+            raise RequestError("Both a scale and a height are given.", remedy="Give one of them.")
 
 
 def parse_range(text: str | None) -> tuple[int, int | None]:
@@ -43,15 +56,62 @@ def parse_range(text: str | None) -> tuple[int, int | None]:
     return first, last
 
 
-def reshape(clip: ClipStream, reshaping: Reshaping) -> ClipStream:
-    """The range, at the rate, in the size. Raises ConversionError where the clip has no such frames or no rate."""
+def reshape(
+    clip: ClipStream,
+    reshaping: Reshaping,
+    calibration: Calibration | None = None,
+    *,
+    guesses: bool = True,
+) -> ClipStream:
+    """The range, in place, at the rate, in the size.
+
+    calibration: of the clip; default by its body. guesses: False refuses a height where the unit is not stated. Raises
+    ConversionError where the clip has no such frames, no rate, or no body with legs whose height is known.
+    """
+    if calibration is None and (reshaping.in_place or reshaping.height is not None):
+        calibration = body_of(clip.head, clip.blocks()).calibration
     if reshaping.first > 1 or reshaping.last is not None:
         clip = _cut(clip, reshaping.first, reshaping.last)
+    if reshaping.in_place and calibration is not None:
+        clip = _keep_in_place(clip, calibration)
     if reshaping.fps is not None:
         clip = _resample(clip, reshaping.fps)
     if reshaping.scale is not None:
         clip = scale(clip, reshaping.scale)
+    if reshaping.height is not None and calibration is not None:
+        clip = _scale_to_height(clip, reshaping.height, calibration, guesses=guesses)
     return clip
+
+
+def _keep_in_place(clip: ClipStream, calibration: Calibration) -> ClipStream:
+    head = clip.head
+    block = joined(clip.blocks())
+    if not len(block):
+        return clip
+    edited = stay_in_place(head.skeleton, block, 0, len(block) - 1, calibration.up.lstrip("-"), reading_of(head))
+    clip.notices.extend(edited.shortfall.notices(head.skeleton))
+    return replace(clip, blocks=lambda: iter([edited.block]), frames=len(block))
+
+
+def _scale_to_height(clip: ClipStream, height: float, calibration: Calibration, *, guesses: bool) -> ClipStream:
+    if not (np.isfinite(height) and height > 0):
+        raise RequestError(f"{height} is no height.", remedy="Give metres, such as 1.75.")
+    stature = find_stature(clip.head.skeleton, reading_of(clip.head), calibration)
+    if stature is None or calibration.metres is None:
+        what = "height of its body" if stature is None else "unit of length"
+        raise ConversionError(
+            f"The {what} is not known, so it cannot be scaled to {height:g} m.", remedy="Give a factor, `scale`."
+        )
+    stated = calibration.origins["metres"]
+    if stated.kind == "guessed" and not guesses:
+        raise ConversionError("The unit of length is a guess, and guesses are not wanted.", remedy="State the unit.")
+    now = stature.height * calibration.metres
+    guess = "guess" if "guessed" in (stature.kind, stated.kind) else "note"
+    note(
+        clip.notices, guess, f"the body stands {now:.3g} m tall ({stature.reason}): scaled by {height / now:.4g} for "
+        f"{height:g} m",
+    )  # fmt: skip
+    return scale(clip, height / now)
 
 
 def need_stated_facts(head: ClipHead, name: str) -> None:

@@ -19,6 +19,12 @@ _VIEW = {
         "reason": "the toes are above it nearly always",
     },
     "leg": {"value": 80.07, "metres": 0.8007, "origin": "measured", "reason": "from hip to knee to ankle"},
+    "height": {
+        "value": 162.7,
+        "metres": 1.627,
+        "origin": "measured",
+        "reason": "bones of a leg, the trunk and the head in one line",
+    },
     "reference": {"value": "rest", "origin": "measured", "reason": "the rest pose can be an upright body"},
     "leaps": {"value": False, "origin": "measured", "reason": ""},
     "step": 0.01,
@@ -44,6 +50,7 @@ class Calibration(BaseModel):
     up: CalibrationValue = Field(description="The axis that points up")
     floor: CalibrationValue = Field(description="Its height along that axis")
     leg: CalibrationValue = Field(description="From hip to knee to ankle")
+    height: CalibrationValue = Field(description="Of the standing body, by its bones; cannot be set")
     reference: CalibrationValue = Field(description='The frame of the upright body, or "rest"')
     leaps: CalibrationValue = Field(description="Whether frame 1 is a pose before the motion, which queries exclude")
     step: float = Field(description="To which positions of joints are rounded: 0.1 mm, or a 10,000th of the leg")

@@ -32,6 +32,10 @@ class ExportRequest(RequestBody):
     frame_time: FrameTime | None = Field(None, description="Seconds a frame, for documents that do not say")
     fps: float | None = Field(None, gt=0, le=10_000, description="Frames a second of the results")
     scale: float | None = Field(None, gt=0, le=1e9, description="Factor of all lengths")
+    height: float | None = Field(
+        None, gt=0, le=100, description="Scale each so that its body stands this many metres tall"
+    )
+    in_place: bool = Field(False, description="Keep bodies over one place: without their way over the ground")
     guesses: bool = Field(
         True, description="Guess the unit and the up axis that glTF and USD need, where a document states none"
     )

@@ -131,6 +131,27 @@ def test_a_preset_decides_format_unit_and_axes(client: TestClient) -> None:
     assert client.get(address, params={"for": "lathe"}).status_code == 415
 
 
+def test_an_export_has_a_height_and_stays_in_place(client: TestClient) -> None:
+    uuid = stored(client, {"walk.bvh": person(1, 30)}, unit="cm", up="Y")
+    address = f"{API}/documents/{uuid}"
+    known = client.get(f"{address}/calibration").json()["height"]
+    assert known["origin"] in ("measured", "guessed")
+    query = {"format": "bvh", "height": 1.75, "in_place": True, "first": 3, "last": 20}
+    answer = client.get(f"{address}/export", params=query)
+    assert "1.75 m" in answer.headers["x-mcml-notices"]
+    again = stored(client, {"tall.bvh": answer.content}, unit="cm", up="Y")
+    height = client.get(f"{API}/documents/{again}/calibration").json()["height"]
+    assert height["metres"] == pytest.approx(1.75, rel=1e-4)
+    asked = {"format": "npy", "space": "positions"}
+    places = np.load(io.BytesIO(client.get(f"{API}/documents/{again}/frames", params=asked).content))
+    assert len(places) == 18
+    assert np.ptp(places[:, 0, [0, 2]], axis=0).max() < 1e-3
+    both = client.get(f"{address}/export", params={"format": "bvh", "height": 1.75, "scale": 2})
+    assert both.status_code == 422
+    many = {"selection": {"documents": [uuid]}, "for": "blender", "height": 1.75, "in_place": True}
+    assert client.post(f"{API}/exports", json=many).status_code == 200
+
+
 def test_presets_are_listed_and_export_many(client: TestClient) -> None:
     bodies = stored(client, {"walk.bvh": person(1, 30)}, unit="cm", up="Y")
     points = stored(client, {"points.trc": TRC})

@@ -55,6 +55,8 @@ def export(
     frame_time: Annotated[str | None, typer.Option(help="Seconds a frame, where the document does not say")] = None,
     fps: Annotated[float | None, typer.Option(min=0.001, help="Frames a second of the result")] = None,
     scale: Annotated[float | None, typer.Option(help="Factor of all lengths")] = None,
+    height: Annotated[float | None, typer.Option(help="Scale so that the body stands this many metres tall")] = None,
+    in_place: Annotated[bool, typer.Option("--in-place", help="Without travel over the ground")] = False,
     guesses: Annotated[bool, typer.Option(help="Guess a unit and an up axis that the format needs")] = True,
     raw: RawOption = False,
     original: Annotated[bool, typer.Option(help="The kept bytes of documents that were not edited")] = True,
@@ -68,7 +70,16 @@ def export(
     documents = resolve_documents(client, ids, project, motion_name, xpath)
     written: set[Path] = set()
     stated: dict[str, Any] = {"first": first, "last": last, "names": names, "unit": unit, "up": up}
-    stated |= {"frame_time": frame_time, "fps": fps, "scale": scale, "guesses": guesses, "raw": raw, "for_": for_}
+    stated |= {
+        "frame_time": frame_time,
+        "fps": fps,
+        "scale": scale,
+        "height": height,
+        "in_place": in_place,
+        "guesses": guesses,
+        "raw": raw,
+        "for_": for_,
+    }
     form = format or ("bvh" if for_ is None else None)
 
     def export_one(item: Any) -> None:

@@ -99,6 +99,13 @@ def export_document(
     ] = None,
     fps: Fps = None,
     scale: Scale = None,
+    height: Annotated[
+        float | None,
+        Field(gt=0, le=100, description="Scale so that the body stands this many metres tall", examples=[1.75]),
+    ] = None,
+    in_place: Annotated[
+        bool, Field(description="Keep the body over one place: without its way over the ground")
+    ] = False,
     guesses: Guesses = True,
     for_: Annotated[
         str | None,
@@ -114,7 +121,7 @@ def export_document(
     """In its own format an unedited one comes back byte for byte. `for` or `format` is required."""
     options = ExportOptions(
         format, first, last, names, unit, up, original=original, frame_time=frame_time, raw=raw, fps=fps, scale=scale,
-        guesses=guesses, preset=_find_preset(for_, format),
+        height=height, in_place=in_place, guesses=guesses, preset=_find_preset(for_, format),
     )  # fmt: skip
     return _content(call, id, revision, options)
 
@@ -130,7 +137,7 @@ def export_documents(call: Call, request: ExportRequest) -> Content:
     options = ExportOptions(
         request.format or ("bvh" if request.for_ is None else None),
         names=request.names, unit=request.unit, up=request.up, frame_time=request.frame_time, raw=request.raw,
-        fps=request.fps, scale=request.scale, guesses=request.guesses,
+        fps=request.fps, scale=request.scale, height=request.height, in_place=request.in_place, guesses=request.guesses,
         preset=None if request.for_ is None else find_preset(request.for_),
     )  # fmt: skip
     content = exporting.export_documents(call.database, call.queries, request.selection, options)

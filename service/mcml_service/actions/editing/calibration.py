@@ -15,6 +15,7 @@ from mcml.language.elements import to_head
 from mcml.motion.bodies.calibration import OVERRIDES, Calibration
 from mcml.motion.bodies.positions import filled
 from mcml.motion.bodies.reference import pose_in
+from mcml.motion.bodies.stature import Stature, find_stature
 from mcml.motion.clip import ReferencePose
 from mcml.motion.units import reading_of
 from mcml_schemas import bodies as wire
@@ -33,10 +34,12 @@ def describe_calibration(tx: Transaction, stored: StoredDocument) -> wire.Calibr
     """Describe the calibration of the clip, with origins."""
     kept = Body.restore(stored_body) if (stored_body := tx.bodies.of([stored]).get(stored.key)) is not None else None
     (listed,) = tx.columns.documents([stored.key])
-    return _view(kept or read_bodies(tx, [listed])[stored.key], kept=kept is not None)
+    body = kept or read_bodies(tx, [listed])[stored.key]
+    head = to_head(tx.heads.document(stored), stored.frame_time)
+    return _view(body, find_stature(head.skeleton, reading_of(head), body.calibration), kept=kept is not None)
 
 
-def _view(body: Body, *, kept: bool) -> wire.Calibration:
+def _view(body: Body, stature: Stature | None, *, kept: bool) -> wire.Calibration:
     known = body.calibration
     unit = known.origins["metres"].reason if known.origins["metres"].kind == "stated" else None
     values: dict[str, Any] = {
@@ -54,7 +57,11 @@ def _view(body: Body, *, kept: bool) -> wire.Calibration:
         )
         for name, (value, metres, source) in values.items()
     }
-    return wire.Calibration(**shown, step=known.step, kept=kept)
+    height = wire.CalibrationValue(value=None, origin="unknown")
+    if stature is not None:
+        metres = None if known.metres is None else stature.height * known.metres
+        height = wire.CalibrationValue(value=stature.height, metres=metres, origin=stature.kind, reason=stature.reason)
+    return wire.Calibration(**shown, height=height, step=known.step, kept=kept)
 
 
 def _describe_pose_frame(known: Calibration) -> str | int | None:

@@ -22,6 +22,7 @@ from mcml.motion.edits.resampling import resampled, sampled
 from mcml.motion.edits.retiming import speed_places
 from mcml.motion.edits.smoothing import smoothed
 from mcml.motion.edits.unrolling import unroll
+from mcml.motion.floor_plates import kept_plates
 from mcml.motion.frames import adjusted, eased, joined, rows_of
 from mcml.motion.skeleton import CHANNEL_INDEX, Array
 from mcml.motion.units import Reading, reading_of
@@ -266,6 +267,8 @@ def _keep_in_place(tx: Transaction, stored: StoredDocument, edit: InPlaceFrames)
     notes = [f"a way of {np.hypot.reduce(path[-1]):.4g} {unit or 'units'} was taken out"]
     if edit.last < stored.frames:
         notes.append(f"the frames from {edit.last + 1:,} on go on from there")
+    if len(kept_plates(whole.head)):
+        notes.append("force plates stay where they are: their forces no longer act under the feet")
     return notes + [notice.what for notice in made.shortfall.notices(skeleton)]
 
 

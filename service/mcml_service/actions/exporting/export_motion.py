@@ -47,7 +47,8 @@ class ExportOptions:
 
     preset: the program that the file is for; it decides what the other options leave open, also the format None.
     names: table of joint names ("mcml", "bvh1", …) instead of the source's. unit, up: turn and scale to these; the
-    document must state its own. fps, scale: at another frame rate, with all lengths multiplied. guesses: False refuses
+    document must state its own. fps, scale, height, in_place: at another frame rate, with all
+    lengths multiplied or the body of a height in metres, without travel. guesses: False refuses
     where a format needs a unit or an up axis that the document does not state. frame_time: seconds of a frame, for a
     document that does not state them. original: False writes the file from the elements even where the kept bytes would
     do. raw: CSV has also texts that spreadsheets take for formulas as they are.
@@ -65,6 +66,8 @@ class ExportOptions:
     raw: bool = False
     fps: float | None = None
     scale: float | None = None
+    height: float | None = None
+    in_place: bool = False
     guesses: bool = True
     preset: Preset | None = None
 
@@ -75,8 +78,8 @@ class ExportOptions:
 
     @property
     def reshaping(self) -> Reshaping:
-        """The frame rate and the size that are asked for; the range is read from the store."""
-        return Reshaping(fps=self.fps, scale=self.scale)
+        """The changes that are asked for; the range is read from the store."""
+        return Reshaping(in_place=self.in_place, fps=self.fps, scale=self.scale, height=self.height)
 
 
 @dataclass
@@ -116,7 +119,9 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
     if name in WITH_ORIGINAL and has_capture_numbers(source.clip.head):
         source = replace(source, clip=_add_original(tx, stored, source.clip))
     if options.reshaping != Reshaping():
-        clip = reshape(source.clip, options.reshaping)
+        needed = options.in_place or options.height is not None
+        known = read_bodies(tx, tx.columns.documents([stored.key]))[stored.key].calibration if needed else None
+        clip = reshape(source.clip, options.reshaping, known, guesses=options.guesses)
         source = replace(source, clip=clip, document=refresh_counts(from_head(clip.head), clip.frames or 0))
     if name == "mcml":
         content = write_document(

@@ -2263,6 +2263,7 @@ export interface components {
             up: components["schemas"]["CalibrationValue"];
             floor: components["schemas"]["CalibrationValue"];
             leg: components["schemas"]["CalibrationValue"];
+            height: components["schemas"]["CalibrationValue"];
             reference: components["schemas"]["CalibrationValue"];
             leaps: components["schemas"]["CalibrationValue"];
             step: number;
@@ -2861,6 +2862,9 @@ export interface components {
             frame_time?: string | number | null;
             fps?: number | null;
             scale?: number | null;
+            height?: number | null;
+            /** @default false */
+            in_place: boolean;
             /** @default true */
             guesses: boolean;
             /** @default false */
@@ -6124,6 +6128,8 @@ export interface operations {
                 frame_time?: string | number | null;
                 fps?: number | null;
                 scale?: number | null;
+                height?: number | null;
+                in_place?: boolean;
                 guesses?: boolean;
                 for?: string | null;
                 raw?: boolean;
