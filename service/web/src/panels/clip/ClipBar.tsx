@@ -2,27 +2,22 @@
 import { useState } from "preact/hooks";
 import { ApiError, ask } from "../../api/client";
 import type { Clip } from "../../state/clip/clip";
-import { mayEdit } from "../../state/session/me";
-import { confirmFact } from "../../state/importing/uploads";
-import { go, setParams } from "../../state/session/route";
+import { setParams } from "../../state/session/route";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
 import { ShareDialog } from "../../ui/exporting/ShareDialog";
 import { Trouble } from "../../ui/Trouble";
 import { w } from "../../words";
 import { clipActions } from "./actions";
-import { exportItems } from "../../ui/exporting/exports";
 import { CompareButton } from "./viewer/Compare";
+import { ExportMenu } from "./ExportMenu";
 import { OthersEdit, People } from "./People";
 import { ConflictBanner } from "./ConflictBanner";
 import { saveClip } from "./keys";
 import { copyText, note, refuse } from "../../state/session/notes";
 
 export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
-  const {
-    detail,
-    skeleton: { view },
-  } = clip;
+  const { detail } = clip;
   const [sharing, setSharing] = useState(false);
   const changed = clip.changed.value;
   const conflict = clip.trouble.value instanceof ApiError && [409, 412].includes(clip.trouble.value.status);
@@ -118,37 +113,7 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
           {w("button.share")}
           <Icon name="down" />
         </Menu>
-        <Menu
-          label={w("button.exportWord")}
-          side="right"
-          items={() => [
-            ...exportItems(
-              {
-                id: clip.id,
-                markers: view.markers,
-                original: detail.original,
-                format: detail.format,
-                revision: detail.revision,
-                unit: detail.unit ?? null,
-                likelyUnit: view.likely_unit,
-                up: detail.up ?? null,
-                likelyUp: view.likely_up,
-                hasRate: Boolean(detail.seconds_per_frame),
-              },
-              clip.pinned === null && mayEdit()
-                ? {
-                    accept: (fact) => void confirmFact([clip.id], fact).then((done) => done && reload()),
-                    give: () => setParams({ tab: "info" }),
-                  }
-                : {},
-            ),
-            { text: w("button.composeThese"), icon: "compose", run: () => go(`/compose?s=${clip.id}`) },
-            { text: w("label.retarget"), icon: "retarget", run: () => go(`/retarget?from=${clip.id}`) },
-          ]}
-        >
-          {w("button.exportWord")}
-          <Icon name="down" />
-        </Menu>
+        <ExportMenu clip={clip} reload={reload} />
       </div>
       {clip.pinned === null && <OthersEdit />}
       {sharing && <ShareDialog ids={[clip.id]} onClose={() => setSharing(false)} />}

@@ -1,0 +1,52 @@
+"""Export with options in a real browser: the file has the height, the range and the place that were chosen."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mcml
+from mcml.formats import FORMATS
+from mcml_service.demo import body
+from tests.web.conftest import Served, Visit, one_door
+from tests.web.test_journeys import ready
+
+expect: Any = pytest.importorskip("playwright.sync_api").expect
+
+pytestmark = one_door
+
+
+def test_a_loop_is_exported_tall_and_in_place(visit: Visit, studio: Served, tmp_path: Path) -> None:
+    clip = body.clip("walk", 170.0, *body.walk(170.0, 4.0, 1.0, 6.0))
+    uuid = studio.upload("steps.bvh", b"".join(FORMATS["bvh"].write(clip, "bvh")), unit="cm", up="Y")
+    page = visit.open(f"/clips/{uuid}?in=41&out=100")
+    ready(page)
+    page.get_by_role("button", name="Export").click()
+    page.get_by_role("menuitem", name="Export with options").click()
+    dialog = page.get_by_role("dialog", name="Export with options")
+    known = studio.get(f"/documents/{uuid}/calibration")["height"]["metres"]
+    expect(dialog.get_by_role("img", name=f"Standing height in the file: {known:.2f} m")).to_be_visible()
+    dialog.get_by_label("Program or format").select_option(label="For MotionBuilder")
+    height = dialog.get_by_label("Standing height (m)")
+    height.fill("1.75")
+    height.blur()
+    expect(dialog.get_by_role("img", name="Standing height in the file: 175 cm")).to_be_visible()
+    dialog.get_by_label("In place, without travel over the ground").check()
+    expect(dialog.get_by_label("Only frames 41–100")).to_be_checked()
+    expect(dialog.get_by_text("--for motionbuilder --height 1.75 --in-place --first 41 --last 100")).to_be_visible()
+    with page.expect_download() as saved:
+        dialog.get_by_role("button", name="Export").click()
+    expect(dialog.get_by_text("Saved steps.bvh")).to_be_visible()
+    expect(dialog.get_by_role("listitem").filter(has_text="for 1.75 m")).to_be_visible()
+    path = tmp_path / saved.value.suggested_filename
+    saved.value.save_as(path)
+    motion = mcml.read(path)
+    assert len(motion.position("Root", "x")) == 60
+    assert np.ptp(motion.position("Root", "x")) < 0.01
+    # A refusal stays in the dialog.
+    height.fill("")
+    height.blur()
+    expect(dialog.get_by_text("--height")).to_have_count(0)
