@@ -328,10 +328,14 @@ def test_spikes_are_previewed_removed_and_taken_back(visit: Visit, studio: Serve
     revision = studio.get(f"/documents/{uuid}")["revision"]
     dialog.get_by_role("button", name="Apply").click()
     expect(page.get_by_text("Now 60 frames; spikes replaced")).to_be_visible()
+    hide = page.get_by_role("button", name="Hide marks of replaced samples")
+    expect(hide).to_be_visible()
+    expect(hide).to_have_attribute("title", re.compile("frame range"))
     spiky = studio.get(f"/documents/{uuid}/frames", revision=revision, first=31, last=31)["items"][0]["values"]
     mended = studio.get(f"/documents/{uuid}/frames", first=31, last=31)["items"][0]["values"]
     root = next(iter(spiky))
     assert spiky[root]["Tx"] - mended[root]["Tx"] == pytest.approx(500, abs=5)
     page.get_by_role("button", name="Undo").last.click()
     expect(page.get_by_text("revision 3", exact=True)).to_be_visible()
+    expect(hide).to_have_count(0)
     assert studio.get(f"/documents/{uuid}/frames", first=31, last=31)["items"][0]["values"] == spiky

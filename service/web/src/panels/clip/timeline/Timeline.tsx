@@ -17,6 +17,7 @@ import { w } from "../../../words";
 import { naming, newSpan } from "../actions";
 import { clock } from "../../../motion/timeline/clock";
 import { NameSpan } from "./NameSpan";
+import { drawReplaced, ReplacedName } from "./replacedMarks";
 import { newSuggestions, Suggestions, suggested } from "./Suggestions";
 
 const RULER = 24;
@@ -202,6 +203,7 @@ export function Timeline({ clip }: { clip: Clip }) {
         onPointerDown={scrub}
         aria-hidden="true"
       />
+      <ReplacedName clip={clip} />
       <span class="lane-name" style={{ top: `${RULER + 6}px` }}>
         {w("label.namesLane")}
       </span>
@@ -324,6 +326,7 @@ function drawRuler(
   pen.moveTo(0, RULER + 0.5);
   pen.lineTo(width, RULER + 0.5);
   pen.stroke();
+  drawReplaced(pen, clip, range, width, RULER);
   drawSpeed(pen, clip, range, width, RULER + laneCount * LANE + 8, height - 6);
   const x = Math.round(toX(player.frame.value + 0.5, range, width)) + 0.5;
   pen.strokeStyle = pen.fillStyle = colour("accent");

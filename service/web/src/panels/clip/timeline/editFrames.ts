@@ -6,6 +6,7 @@ import type { Clip } from "../../../state/clip/clip";
 import { note, refuse } from "../../../state/session/notes";
 import { w } from "../../../words";
 import { go } from "../../../state/session/route";
+import { markReplaced } from "./replacedMarks";
 import { saveClip, undoSaved } from "../keys";
 import type { Edits, Seen } from "./edits";
 
@@ -24,6 +25,7 @@ export async function editFrames(clip: Clip, reload: () => void, edits: Edits): 
       match: clip.detail.revision,
       body: { edits, renumber: true, message: "" },
     });
+    markReplaced(clip.id, made);
     const { player } = clip;
     player.pause();
     player.loop.value = null;
