@@ -11,7 +11,7 @@ import pytest
 import mcml
 from mcml.formats import FORMATS
 from mcml_service.demo import body
-from tests.web.conftest import Served, Visit, one_door
+from tests.web.conftest import Served, Visit, one_door, walk
 from tests.web.test_journeys import ready
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect
@@ -46,7 +46,19 @@ def test_a_loop_is_exported_tall_and_in_place(visit: Visit, studio: Served, tmp_
     motion = mcml.read(path)
     assert len(motion.position("Root", "x")) == 60
     assert np.ptp(motion.position("Root", "x")) < 0.01
-    # A refusal stays in the dialog.
     height.fill("")
     height.blur()
     expect(dialog.get_by_text("--height")).to_have_count(0)
+
+
+def test_the_loop_is_recorded_as_a_video(visit: Visit, studio: Served, tmp_path: Path) -> None:
+    uuid = studio.upload("walk.bvh", walk(40))
+    page = visit.open(f"/clips/{uuid}?in=11&out=20")
+    ready(page)
+    page.get_by_role("button", name="Save image").click()
+    with page.expect_download() as saved:
+        page.get_by_role("menuitem", name="Record video").click()
+    path = tmp_path / saved.value.suggested_filename
+    saved.value.save_as(path)
+    head = path.read_bytes()[:12]
+    assert head[4:8] == b"ftyp" if path.suffix == ".mp4" else head.startswith(b"\x1a\x45\xdf\xa3")

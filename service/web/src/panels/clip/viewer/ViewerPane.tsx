@@ -13,7 +13,7 @@ import { Menu } from "../../../ui/Menu";
 import { Trouble } from "../../../ui/Trouble";
 import { rate, w } from "../../../words";
 import { cameraView, frameAsked, shown } from "../actions";
-import { saveFilm, savePicture } from "./pictures";
+import { filmOf, saveFilm, savePicture } from "./pictures";
 import { BlendShapes } from "./BlendShapes";
 import { bodiesBeside } from "./bodiesBeside";
 import { Compared } from "./Compare";
@@ -174,7 +174,11 @@ export function ViewerPane({ clip }: { clip: Clip }) {
               detail: "PNG",
               run: () => stage.current && void savePicture(stage.current, clip),
             },
-            { text: w("button.film"), detail: "WebM", run: () => stage.current && void saveFilm(stage.current, clip) },
+            {
+              text: w("button.film"),
+              detail: filmOf().name,
+              run: () => stage.current && void saveFilm(stage.current, clip),
+            },
           ]}
         >
           <Icon name="more" />

@@ -1,4 +1,4 @@
-/** The viewer's picture as PNG, and a film of the loop as WebM. */
+/** The viewer's picture as PNG, and a film of the loop as MP4, or as WebM where the browser records no MP4. */
 import { signal } from "@preact/signals";
 import type { Clip } from "../../../state/clip/clip";
 import type { Stage } from "../../../scene/stage";
@@ -7,6 +7,13 @@ import { refuse } from "../../../state/session/notes";
 
 export const filming = signal(false);
 const BITS = 8_000_000;
+const FILMS = [
+  { type: "video/mp4;codecs=avc1.640028", name: "MP4", ending: "mp4" },
+  { type: "video/webm", name: "WebM", ending: "webm" },
+] as const;
+
+/** The form in which this browser records. */
+export const filmOf = () => FILMS.find(({ type }) => MediaRecorder.isTypeSupported(type)) ?? FILMS[1];
 
 export async function savePicture(stage: Stage, clip: Clip): Promise<void> {
   saveBlob(await stage.picture(), `${clip.detail.name} frame ${clip.player.frame.peek() + 1}.png`);
@@ -16,10 +23,14 @@ export async function savePicture(stage: Stage, clip: Clip): Promise<void> {
 export async function saveFilm(stage: Stage, clip: Clip): Promise<void> {
   const { player } = clip;
   try {
-    const recorder = new MediaRecorder(stage.canvas.captureStream(60), { videoBitsPerSecond: BITS });
+    const film = filmOf();
+    const recorder = new MediaRecorder(stage.canvas.captureStream(60), {
+      mimeType: film.type,
+      videoBitsPerSecond: BITS,
+    });
     const parts: Blob[] = [];
     recorder.ondataavailable = (event) => parts.push(event.data);
-    recorder.onstop = () => saveBlob(new Blob(parts, { type: "video/webm" }), `${clip.detail.name}.webm`);
+    recorder.onstop = () => saveBlob(new Blob(parts, { type: film.type }), `${clip.detail.name}.${film.ending}`);
     const [first, last] = player.range;
     player.pause();
     player.seek(first);
