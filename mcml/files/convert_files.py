@@ -14,7 +14,7 @@ from mcml.files.import_options import ImportOptions
 from mcml.files.limits import FileLimits
 from mcml.files.open_clip import open_clip
 from mcml.files.presets import choose_shape, find_preset, fit_shape
-from mcml.files.reshape_clip import Reshaping, need_stated_facts, parse_range, reshape
+from mcml.files.reshape_clip import Reshaping, fit_height, need_stated_facts, parse_range, reshape
 from mcml.files.targets import convert_clip, part_without_frames, targets
 from mcml.formats import WRITERS
 from mcml.formats.format import SourceFile
@@ -86,9 +86,10 @@ def convert_files(
         first, last = parse_range(frames)
         shape = None if preset is None else choose_shape(preset, clip.head.skeleton, target)
         fps = fps or (shape.fps if shape else None)
-        clip = reshape(clip, Reshaping(first, last, in_place, fps, scale, height), guesses=guesses)
+        clip = reshape(clip, Reshaping(first, last, in_place, fps, scale, height))
         if preset is not None and shape is not None:
             target, clip = shape.format, fit_shape(clip, shape, preset, guesses=guesses)
+        clip = fit_height(clip, height, guesses=guesses)
         assert target is not None
         name, part = known[target]
         part = part_without_frames(name) if clip.frames == 0 and part is None else part

@@ -11,7 +11,6 @@ import numpy as np
 from mcml.errors import ConversionError, RequestError
 from mcml.formats import WRITERS
 from mcml.formats.format import note
-from mcml.motion.bodies.calibration import Calibration
 from mcml.motion.bodies.clip_body import body_of
 from mcml.motion.bodies.stature import find_stature
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock
@@ -56,62 +55,65 @@ def parse_range(text: str | None) -> tuple[int, int | None]:
     return first, last
 
 
-def reshape(
-    clip: ClipStream,
-    reshaping: Reshaping,
-    calibration: Calibration | None = None,
-    *,
-    guesses: bool = True,
-) -> ClipStream:
-    """The range, in place, at the rate, in the size.
+def reshape(clip: ClipStream, reshaping: Reshaping, up: str | None = None) -> ClipStream:
+    """The range, in place, at the rate, scaled; not yet of a height, which `fit_height` gives once units are those of
+    the file.
 
-    calibration: of the clip; default by its body. guesses: False refuses a height where the unit is not stated. Raises
-    ConversionError where the clip has no such frames, no rate, or no body with legs whose height is known.
+    up: the axis that points up; default that of its body. Raises ConversionError where the clip has no such frames, or
+    no rate.
     """
-    if calibration is None and (reshaping.in_place or reshaping.height is not None):
-        calibration = body_of(clip.head, clip.blocks()).calibration
+    if reshaping.in_place and up is None:
+        up = body_of(clip.head, clip.blocks()).calibration.up
     if reshaping.first > 1 or reshaping.last is not None:
         clip = _cut(clip, reshaping.first, reshaping.last)
-    if reshaping.in_place and calibration is not None:
-        clip = _keep_in_place(clip, calibration)
+    if reshaping.in_place and up is not None:
+        clip = _keep_in_place(clip, up)
     if reshaping.fps is not None:
         clip = _resample(clip, reshaping.fps)
     if reshaping.scale is not None:
         clip = scale(clip, reshaping.scale)
-    if reshaping.height is not None and calibration is not None:
-        clip = _scale_to_height(clip, reshaping.height, calibration, guesses=guesses)
     return clip
 
 
-def _keep_in_place(clip: ClipStream, calibration: Calibration) -> ClipStream:
-    head = clip.head
-    block = joined(clip.blocks())
-    if not len(block):
+def fit_height(clip: ClipStream, height: float | None, *, guesses: bool = True) -> ClipStream:
+    """Scale a clip so that its body stands so many metres tall; None leaves it.
+
+    guesses: False refuses where the unit is not stated. Raises ConversionError where it is not known, and for bodies
+    without legs.
+    """
+    if height is None:
         return clip
-    edited = stay_in_place(head.skeleton, block, 0, len(block) - 1, calibration.up.lstrip("-"), reading_of(head))
-    clip.notices.extend(edited.shortfall.notices(head.skeleton))
-    return replace(clip, blocks=lambda: iter([edited.block]), frames=len(block))
-
-
-def _scale_to_height(clip: ClipStream, height: float, calibration: Calibration, *, guesses: bool) -> ClipStream:
     if not (np.isfinite(height) and height > 0):
         raise RequestError(f"{height} is no height.", remedy="Give metres, such as 1.75.")
+    calibration = body_of(clip.head, clip.blocks()).calibration
     stature = find_stature(clip.head.skeleton, reading_of(clip.head), calibration)
     if stature is None or calibration.metres is None:
         what = "height of its body" if stature is None else "unit of length"
         raise ConversionError(
             f"The {what} is not known, so it cannot be scaled to {height:g} m.", remedy="Give a factor, `scale`."
         )
-    stated = calibration.origins["metres"]
-    if stated.kind == "guessed" and not guesses:
+    guessed = calibration.origins["metres"].kind == "guessed"
+    if guessed and not guesses:
         raise ConversionError("The unit of length is a guess, and guesses are not wanted.", remedy="State the unit.")
     now = stature.height * calibration.metres
-    guess = "guess" if "guessed" in (stature.kind, stated.kind) else "note"
+    factor = height / now
+    kind = "guess" if guessed or stature.kind == "guessed" else "note"
     note(
-        clip.notices, guess, f"the body stands {now:.3g} m tall ({stature.reason}): scaled by {height / now:.4g} for "
-        f"{height:g} m",
-    )  # fmt: skip
-    return scale(clip, height / now)
+        clip.notices,
+        kind,
+        f"the body stands {now:.3g} m tall ({stature.reason}): scaled by {factor:.4g} for {height:g} m",
+    )
+    return scale(clip, factor)
+
+
+def _keep_in_place(clip: ClipStream, up: str) -> ClipStream:
+    head = clip.head
+    block = joined(clip.blocks())
+    if not len(block):
+        return clip
+    edited = stay_in_place(head.skeleton, block, 0, len(block) - 1, up.lstrip("-"), reading_of(head))
+    clip.notices.extend(edited.shortfall.notices(head.skeleton))
+    return replace(clip, blocks=lambda: iter([edited.block]), frames=len(block))
 
 
 def need_stated_facts(head: ClipHead, name: str) -> None:

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import mcml
 from mcml.errors import ConversionError, RequestError
-from mcml.files.reshape_clip import Reshaping, reshape
+from mcml.files.reshape_clip import Reshaping, fit_height
 from mcml.motion.bodies.clip_body import body_of
 from mcml.motion.bodies.stature import ANKLE, HEAD_JOINT, LEG, Stature, find_stature
 from mcml.motion.clip import ClipStream
@@ -70,7 +70,7 @@ def test_real_people_have_the_height_of_people(shared: Path, name: str) -> None:
 
 def test_a_clip_is_scaled_to_a_height_and_says_so() -> None:
     clip = clip_of(person(3))
-    made = reshape(clip, Reshaping(height=1.75))
+    made = fit_height(clip, 1.75)
     calibration = body_of(made.head, made.blocks()).calibration
     found = stature_of(made)
     assert found is not None
@@ -78,7 +78,7 @@ def test_a_clip_is_scaled_to_a_height_and_says_so() -> None:
     assert found.height * calibration.metres == pytest.approx(1.75, rel=1e-6)
     assert any("1.75 m" in notice.what for notice in made.notices)
     with pytest.raises(ConversionError, match="guess"):
-        reshape(clip_of(person(3)), Reshaping(height=1.75), guesses=False)
+        fit_height(clip_of(person(3)), 1.75, guesses=False)
     with pytest.raises(RequestError, match="Both"):
         Reshaping(height=1.75, scale=2.0)
 
@@ -92,3 +92,13 @@ def test_exports_stay_in_place(tmp_path: Path) -> None:
         assert len(after.position("Root", axis)) == 16
         assert np.ptp(after.position("Root", axis)) < 1e-5
         assert np.ptp(before.position("Root", axis)[4:20]) > 1e-2
+
+
+def test_a_guessed_unit_of_a_preset_is_that_of_the_height(shared: Path, tmp_path: Path) -> None:
+    """The numbers of this file are no common unit: the preset guesses it, and the height holds in the new one."""
+    made = tmp_path / "tall.bvh"
+    mcml.convert(shared / "bvh/dance/131_01.bvh", made, for_="motionbuilder", height=1.9)
+    motion = mcml.read(made, unit="cm")
+    found = stature_of(motion._clip)
+    assert found is not None
+    assert found.height == pytest.approx(190, rel=1e-3)

@@ -16,7 +16,7 @@ import orjson
 from mcml.errors import ConversionError, Notice
 from mcml.files.check_names import check_frame_time
 from mcml.files.presets import Preset, choose_shape, fit_shape
-from mcml.files.reshape_clip import Reshaping, need_stated_facts, reshape
+from mcml.files.reshape_clip import Reshaping, fit_height, need_stated_facts, reshape
 from mcml.files.targets import convert_clip, find_target, part_without_frames
 from mcml.formats import FORMATS, READERS, WRITERS
 from mcml.formats.format import SourceFile, note
@@ -119,9 +119,12 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
     if name in WITH_ORIGINAL and has_capture_numbers(source.clip.head):
         source = replace(source, clip=_add_original(tx, stored, source.clip))
     if options.reshaping != Reshaping():
-        needed = options.in_place or options.height is not None
-        known = read_bodies(tx, tx.columns.documents([stored.key]))[stored.key].calibration if needed else None
-        clip = reshape(source.clip, options.reshaping, known, guesses=options.guesses)
+        up = None
+        if options.in_place:
+            up = read_bodies(tx, tx.columns.documents([stored.key]))[stored.key].calibration.up
+        clip = reshape(source.clip, options.reshaping, up)
+        if name in ("mcml", "csv"):
+            clip = fit_height(clip, options.height, guesses=options.guesses)
         source = replace(source, clip=clip, document=refresh_counts(from_head(clip.head), clip.frames or 0))
     if name == "mcml":
         content = write_document(
@@ -230,6 +233,7 @@ def _convert(source: StoredClip, name: str, options: ExportOptions) -> ClipStrea
         # The user's own unit and axis win.
         left = replace(shape, unit=None if options.unit else shape.unit, up=None if options.up else shape.up)
         clip = fit_shape(clip, left, options.preset, guesses=options.guesses)
+    clip = fit_height(clip, options.height, guesses=options.guesses)
     if not options.guesses:
         need_stated_facts(clip.head, name)
     return convert_clip(clip, name, options.names)
