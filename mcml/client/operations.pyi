@@ -8,6 +8,7 @@ from mcml.formats.format import SourceFile
 from mcml_schemas.arrays import ArraysRequest
 from mcml_schemas.bodies import Calibration, CalibrationChange
 from mcml_schemas.catalogues import (
+    DemoLoaded,
     FormatList,
     JointNameList,
     MotionNameList,
@@ -207,6 +208,15 @@ class Operations:
         progress: FileProgress | None = None,
     ) -> UploadResult:
         """Import files as documents."""
+    def load_demo(
+        self,
+        *,
+        part: list[Literal["people", "reaches", "dances", "walks", "faces"]] | None = ...,
+        project: str | None = ...,
+        seed: int | None = ...,
+        progress: FileProgress | None = None,
+    ) -> DemoLoaded:
+        """Store the demo library: generated walks, reaches, dances and faces."""
     def inspect_files(
         self,
         *,

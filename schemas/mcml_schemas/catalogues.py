@@ -1,6 +1,8 @@
-"""Catalogues of the repository: formats, joint names, motion names, skeletons, projects, health."""
+"""Catalogues of the repository: formats, joint names, motion names, skeletons, projects, the demo library, health."""
 
 from __future__ import annotations
+
+from typing import Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -221,6 +223,33 @@ class ProjectImported(BaseModel):
 
     project: str
     documents: int
+
+
+DemoPart: TypeAlias = Literal["people", "reaches", "dances", "walks", "faces"]
+"""A part of the demo library: clips for one purpose."""
+
+_DEMO_PART = {"part": "walks", "project": "demo-walk", "stored": 7, "existing": 0}
+
+
+class DemoPartLoaded(BaseModel):
+    """One part of the demo library, after it was loaded."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_DEMO_PART))
+
+    part: DemoPart
+    project: str = Field(description="Project that has the clips")
+    stored: int = Field(description="New clips")
+    existing: int = Field(description="Clips that the project had already; they are skipped")
+
+
+class DemoLoaded(BaseModel):
+    """The loaded parts of the demo library, with totals of their clips."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"stored": 7, "existing": 0, "parts": [_DEMO_PART]}))
+
+    stored: int = Field(description="New clips")
+    existing: int = Field(description="Clips that were stored already; they are skipped")
+    parts: list[DemoPartLoaded]
 
 
 class Health(BaseModel):

@@ -188,6 +188,7 @@ def request_of(operation: Operation, things: Things, word: str) -> Asked | None:
     csv = {"headers": {"content-type": "text/csv"}}
     asked: dict[str, Asked] = {
         "upload_documents": Asked("named", {}, {}, files | {"data": where}),
+        "load_demo": Asked("named", {}, where | {"part": "walks"}, {}),
         "set_properties": Asked("thing", {}, {}, {"content": f"document,age\n{one},30\n", **csv}),
         "import_labels": Asked("thing", {}, {}, {"content": f"document,label,first,last\n{one},hop,1,1\n", **csv}),
         "delete_documents": Asked("thing", {}, {}, {"json": {"documents": [things.stored[1]]}}),

@@ -11,7 +11,7 @@ import pytest
 
 from mcml.motion.bodies.limb_angles import angle_names
 from mcml_schemas.querying.queries import NodeItem, QueryRequest
-from mcml_service.actions.importing.load_demo import load_people
+from mcml_service.actions.importing.load_demo import load_demo
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.xpath.language.motion_functions import MOTION_FUNCTIONS
@@ -134,7 +134,7 @@ TWINS: list[Twin] = [
 def library(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Queries, list[Document]]]:
     database = Database(f"sqlite:///{tmp_path_factory.mktemp('demo') / 'store.db'}")
     database.migrate()
-    load_people(database, Settings())
+    load_demo(database, Settings(), ["people"])
     queries = Queries(database, Settings())
     yield queries, read_documents(database)
     queries.close()

@@ -14,7 +14,7 @@ from lxml import etree
 
 from mcml_schemas.querying.queries import NodeItem, QueryRequest, ScalarItem, ValueItem
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document
-from mcml_service.actions.importing.load_demo import load_people
+from mcml_service.actions.importing.load_demo import load_demo
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.storage.lists.filtering import DocumentFilter
@@ -54,7 +54,7 @@ def _names(trees: list[Any]) -> list[str]:
 def library(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Queries, list[tuple[str, Any]]]]:
     database = Database(f"sqlite:///{tmp_path_factory.mktemp('demo') / 'store.db'}")
     database.migrate()
-    load_people(database, Settings())
+    load_demo(database, Settings(), ["people"])
     trees = []
     parser = etree.XMLParser(remove_blank_text=True)
     with database.read() as tx:

@@ -21,10 +21,11 @@ from mcml.resources import dtd_path
 from mcml_service.cli.terminal.opening import (
     DatabaseOption,
     ForceOption,
+    ServerOption,
     choose_settings,
     console,
     find_database,
-    open_database,
+    open_client,
     upgrade_database,
 )
 from mcml_service.resources import migrations_path
@@ -69,7 +70,9 @@ def serve(
         with store.read() as tx:
             empty = not tx.documents.page(DocumentFilter(), after=None, limit=1)
         if empty:
-            _load_demo(database)
+            from mcml_service.actions.importing.load_demo import load_demo
+
+            load_demo(store, settings)
     reason = why_closed(settings, store)
     with store.read() as tx:
         has_people = tx.accounts.exist()
@@ -139,33 +142,28 @@ def _check_port(host: str, port: int) -> None:
 
 def demo(
     database: DatabaseOption = None,
-    seed: Annotated[int, typer.Option(help="Another seed makes other clips")] = 1,
+    server: ServerOption = None,
+    seed: Annotated[int, typer.Option(min=0, max=1_000_000, help="Another seed makes other clips")] = 1,
+    project: Annotated[str | None, typer.Option(help="Project for all clips; default demo, demo-reach, …")] = None,
     files: Annotated[
         Path | None, typer.Option(help="Instead: write walk.bvh, reach.asf and reach.amc into this folder, to try with")
     ] = None,
     force: ForceOption = False,
 ) -> None:
     """Add a small library of generated clips: walks, reaches, dances, faces, with their motion names and properties."""
-    if files is not None:
-        from mcml_service.actions.importing.load_demo import demo_files
+    from mcml_service.actions.importing.load_demo import PROJECTS, demo_files
 
+    if files is not None:
         for name, content in demo_files(seed).items():
             write_file(files / name, [content], force=force)
             console.print(f"wrote    {files / name}")
         return
-    count = _load_demo(database, seed)
-    console.print(f"Added {count} generated clips to demo, demo-reach, demo-dance, demo-walk and demo-face.")
-
-
-def _load_demo(database: str | None, seed: int = 1) -> int:
-    from mcml_service.actions.importing.load_demo import load_demo
-
-    settings = choose_settings(database)
-    store = open_database(settings)
-    try:
-        return load_demo(store, settings, seed)
-    finally:
-        store.close()
+    client = open_client(database, server)
+    for part in PROJECTS:
+        # One part at a time, so that each is a short request to a server.
+        loaded = client.call("load_demo", part=[part], seed=seed, project=project).parts[0]
+        existing = f", {loaded.existing} existed" if loaded.existing else ""
+        console.print(f"{loaded.project}: {loaded.stored} clips stored{existing}")
 
 
 EXTRAS = {

@@ -27,6 +27,8 @@ _ROWS = [
               "Get everything about a document except its frames.", "documents", "show ID"),
     Operation("upload_documents", "POST /documents", WRITES, EDIT,
               "Import files as documents.", "uploads", status=201, queued=True),
+    Operation("load_demo", "POST /demo", WRITES, EDIT,
+              "Store the demo library: generated walks, reaches, dances and faces.", "uploads", queued=True),
     Operation("inspect_files", "POST /inspect", READS, READ,
               "Preview an import: the clips, units, rates and joint names that these files contain.", "uploads",
               queued=True),

@@ -9,6 +9,7 @@ from pydantic import Field
 from mcml.answers import UploadError
 from mcml.files.import_options import ImportOptions, checked_repairs, parse_label, parse_property
 from mcml.formats.format import SourceFile
+from mcml_schemas.catalogues import DemoLoaded, DemoPart
 from mcml_schemas.documents import FileProblem, InspectResult, UploadResult
 from mcml_schemas.examples import DOCUMENT, MOTION_NAME, PROJECT
 from mcml_schemas.frame_time import FrameTime
@@ -184,3 +185,45 @@ def replace_file(
             return replace_motion(tx, tx.documents.get(id), new, dry_run=True)
     with call.database.write(call.author) as tx:
         return replace_motion(tx, find_for_write(tx, id, if_match), new)
+
+
+def load_demo(
+    call: Call,
+    part: Annotated[
+        list[DemoPart] | None, Field(description="Parts to load, default all; may be repeated", examples=[["walks"]])
+    ] = None,
+    project: Annotated[
+        str | None,
+        Field(
+            min_length=1,
+            max_length=256,
+            description="Project for all clips; default: `demo`, `demo-reach` and others, by part",
+            examples=[PROJECT],
+        ),
+    ] = None,
+    seed: Annotated[
+        int,
+        Field(
+            ge=0, le=1_000_000, description="Seed of the generated clips; another seed makes other clips", examples=[1]
+        ),
+    ] = 1,
+) -> DemoLoaded:
+    """Clips that are stored already are skipped, so a second call with the same seed stores nothing.
+
+    All parts take several seconds; to show progress, load one part after another.
+    """
+    # Imported late, as all mathematics.
+    from mcml_service.actions.importing import load_demo as loading
+
+    parts = loading.load_demo(
+        call.database,
+        call.settings,
+        part or tuple(loading.PROJECTS),
+        project=project,
+        seed=seed,
+        author=call.author,
+        pool=call.repository.import_pool,
+    )
+    return DemoLoaded(
+        stored=sum(each.stored for each in parts), existing=sum(each.existing for each in parts), parts=parts
+    )

@@ -52,6 +52,22 @@ export interface paths {
         patch: operations["change_document"];
         trace?: never;
     };
+    "/api/v1/demo": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["load_demo"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/inspect": {
         parameters: {
             query?: never;
@@ -2714,6 +2730,18 @@ export interface components {
             attempts: number;
             status?: number | null;
             problem?: string | null;
+        };
+        DemoLoaded: {
+            stored: number;
+            existing: number;
+            parts: components["schemas"]["DemoPartLoaded"][];
+        };
+        DemoPartLoaded: {
+            /** @enum {string} */
+            part: "people" | "reaches" | "dances" | "walks" | "faces";
+            project: string;
+            stored: number;
+            existing: number;
         };
         DespikeFrames: {
             first: number;
@@ -5452,6 +5480,53 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["DocumentDetail"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    load_demo: {
+        parameters: {
+            query?: {
+                part?: ("people" | "reaches" | "dances" | "walks" | "faces")[] | null;
+                project?: string | null;
+                seed?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DemoLoaded"];
                 };
             };
             503: {
