@@ -1296,6 +1296,13 @@ class Operations:
         progress: FileProgress | None = None,
     ) -> ActivityPage:
         """List the activity in the repository, newest first."""
+    def create_project(
+        self,
+        *,
+        project: str,
+        progress: FileProgress | None = None,
+    ) -> ProjectView:
+        """Create an empty project."""
     def get_project(
         self,
         *,

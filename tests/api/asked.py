@@ -178,7 +178,7 @@ def request_of(operation: Operation, things: Things, word: str) -> Asked | None:
         )
     if name == "change_project":
         return Asked("named", {}, where, {"json": {"archived": False}})
-    if name in ("export_project", "get_project"):
+    if name in ("export_project", "get_project", "create_project"):
         return Asked("named", {}, where, {})
     if name == "add_share":
         return Asked("thing", {}, {}, {"json": {"name": "for them", "documents": [one]}})

@@ -63,6 +63,12 @@ def test_a_project_s_file_is_dropped_and_a_broken_one_is_told(visit: Visit, stud
     page.get_by_role("button", name="New project").click()
     page.get_by_role("dialog").get_by_label("Name").fill("later")
     page.keyboard.press("Enter")
+    expect(page.get_by_text("Project later created")).to_be_visible()
+    # It has a page of its own before its first clip, and is a target of imports.
+    expect(page.get_by_label("Project", exact=True)).to_have_value("later")
+    expect(page.get_by_role("button", name="Archive")).to_be_visible()
+    assert studio.get("/projects")["items"] == ["later"]
+    page.goto(f"{studio.url}/library?project=later")
     expect(page.get_by_role("heading", name="No clips in later yet")).to_be_visible()
 
 

@@ -321,6 +321,9 @@ _ROWS = [
     Operation("list_activity", "GET /activity", READS, READ,
               "List the activity in the repository, newest first.", "team.activity", "activity"),
 
+    Operation("create_project", "PUT /project", WRITES, EDIT,
+              "Create an empty project.", "projects", "project create PROJECT", status=201,
+              ok_description="An existing project, unchanged"),
     Operation("get_project", "GET /project", READS, READ,
               "Get the size, the quota and the state of a project.", "projects", "project show PROJECT"),
     Operation("change_project", "PATCH /project", WRITES, OWN,

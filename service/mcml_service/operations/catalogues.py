@@ -125,6 +125,6 @@ def get_rest_pose(call: Call, id: DocumentId, revision: AtRevision = None) -> Re
 
 
 def list_projects(call: Call) -> ProjectList:
-    """Uploading into a new name makes it."""
+    """Projects without documents are listed too."""
     with call.database.read() as tx:
         return ProjectList(items=tx.projects.names())

@@ -9,6 +9,7 @@ from pydantic import Field
 
 from mcml.answers import Content
 from mcml.errors import AccessError
+from mcml.files.check_names import given_name
 from mcml.formats.format import SourceFile
 from mcml_schemas.catalogues import ProjectChange, ProjectImported, ProjectView
 from mcml_schemas.examples import PROJECT
@@ -32,6 +33,21 @@ def export_project(call: Call, project: ProjectName) -> Content:
     tx = call.held.enter_context(call.database.for_call(call.view).read())
     tx.quotas.require(tx.projects.get(project), "own")
     return Content(exporting(tx, project), "application/zip", f"{project}.project.zip")
+
+
+def create_project(call: Call, project: ProjectName) -> ProjectView:
+    """It can have members and quotas before its first document. A project of this name is left as it is.
+
+    Uploading into a new name creates a project too.
+    """
+    name = given_name(project, "project")
+    with call.database.write(call.author) as tx:
+        tx.order()
+        call.made = tx.projects.find(name) is None
+        key = tx.projects.get_or_add(name)
+        if call.made:
+            tx.activity.note("project", "add", project_key=key, subject=name)
+        return _view(tx, key)
 
 
 def get_project(call: Call, project: ProjectName) -> ProjectView:

@@ -43,9 +43,7 @@ class Projects:
         """The project's key; NotFoundError."""
         key = self.find(name)
         if key is None:
-            raise NotFoundError(
-                f"There is no project {name!r}.", remedy="Upload into it to make it, or check the name."
-            )
+            raise NotFoundError(f"There is no project {name!r}.", remedy="Create it, or check the name.")
         return key
 
     def get_or_add(self, name: str) -> int:

@@ -26,6 +26,7 @@ export function Facets() {
     [JSON.stringify(library.filter.value)],
     [library.version.value > 0, library.total.value],
   );
+  const projects = useAsync((signal) => get("/projects", { signal }), [], [library.total.value]);
   const collections = useCollections().value?.items ?? [];
   // While a filter is counted the facets before stay, dimmed: what is typed or dragged in them goes on.
   const found = facets.value ?? facets.before;
@@ -45,7 +46,11 @@ export function Facets() {
         </button>
       )}
       <SavedFilters collections={collections} />
-      <Group word="label.project" name="project" choices={counts(found.projects)} />
+      <Group
+        word="label.project"
+        name="project"
+        choices={withEmpty(counts(found.projects), projects.value?.items ?? [], filtered)}
+      />
       <Collections collections={collections} />
       <Group
         word="label.motionName"
@@ -81,6 +86,16 @@ export function Facets() {
       ))}
     </div>
   );
+}
+
+/** Add the projects that are not counted, such as empty ones, while nothing is filtered: files can be imported into them. */
+function withEmpty(choices: Choice[], projects: readonly string[], filtered: boolean): Choice[] {
+  if (filtered) return choices;
+  const known = new Set(choices.map((one) => one.value));
+  return [
+    ...choices,
+    ...projects.filter((one) => !known.has(one)).map((one) => ({ value: one, text: one, count: null })),
+  ];
 }
 
 function Group({ word, name, choices }: { word: Word; name: string; choices: Choice[] }) {

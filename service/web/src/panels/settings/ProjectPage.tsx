@@ -2,7 +2,7 @@
 import { useState } from "preact/hooks";
 import { address, ask, get, type Schemas } from "../../api/client";
 import { note, refuse } from "../../state/session/notes";
-import { go, param, setParams } from "../../state/session/route";
+import { param, setParams } from "../../state/session/route";
 import { AskName } from "../../ui/forms/AskName";
 import { Dialog } from "../../ui/Dialog";
 import { Icon } from "../../ui/icons";
@@ -61,7 +61,12 @@ export function ProjectPage() {
       {naming && (
         <AskName
           title={s("button.newProject")}
-          onName={async (name) => go(`/library?project=${encodeURIComponent(name)}`)}
+          onName={async (name) => {
+            const made = await ask("put", "/project", { query: { project: name } });
+            projects.again();
+            setParams({ project: made.name }, true);
+            note(s("label.projectCreated", { name: made.name }));
+          }}
           onClose={() => setNaming(false)}
         >
           <p class="dim">{s("help.newProjectHelp")}</p>

@@ -3,7 +3,7 @@ import { wordsOf } from "../../words/table";
 export const s = wordsOf(
   {
     "button.ownerFirst": "Create your account first", "help.ownerFirstHelp": "This account owns the repository. Afterwards the repository requires an account or a token, and you can invite people and create tokens.", "help.ownerFirstWhere": "Create your account first, then invite others.", "button.createAccount": "Create account", "label.newPassword": "Password (10 characters or more)",
-    "button.newProject": "New project", "help.newProjectHelp": "The project is created with its first clip. The library opens, and files that you import there go into the project.",
+    "button.newProject": "New project", "label.projectCreated": "Project {name} created", "help.newProjectHelp": "The project is empty at first. Its page has members and quotas; its clips are the files that you import into it.",
     "button.openClips": "Open clips", "button.exportFile": "Export to file", "help.exportHelp": "The file contains every clip with its whole history. Import it here or elsewhere to restore the project.", "help.ownersExport": "Only owners of the project can export it.",
     "label.documents": "Clips", "label.files": "Files", "label.heldOf": "{held} of {most}", "label.noBound": "no limit", "label.overBound": "over quota",
     "button.changeBounds": "Edit quotas", "label.boundsOf": "Quotas of {name}", "help.boundsHelp": "New data over the limit is refused. Existing data is kept. An empty field means no limit.", "label.mostDocuments": "Clips (max.)", "label.mostBytes": "File size (max.)", "label.boundsChanged": "Quotas updated",
@@ -18,7 +18,7 @@ export const s = wordsOf(
     "label.kind_document": "clips", "label.kind_comment": "comments", "label.kind_project": "projects", "label.kind_job": "jobs", "label.kind_member": "members", "label.kind_share": "links", "label.kind_webhook": "webhooks", "label.kind_account": "accounts", "label.kind_token": "tokens",
     "label.did_document_import": "imported", "label.did_document_change": "changed", "label.did_document_edit": "edited", "label.did_document_frames": "edited frames of", "label.did_document_label": "labelled frames of", "label.did_document_unlabel": "removed labels from", "label.did_document_names": "renamed parts of", "label.did_document_delete": "deleted", "label.did_document_restore": "restored", "label.did_document_undo": "reverted a revision of", "label.did_document_copy": "copied", "label.did_document_purge": "purged",
     "label.did_comment_add": "commented on", "label.did_comment_change": "edited a comment on", "label.did_comment_resolve": "resolved a comment on", "label.did_comment_reopen": "reopened a comment on", "label.did_comment_delete": "deleted a comment on",
-    "label.did_project_change": "changed the project", "label.did_project_import": "imported the project",
+    "label.did_project_add": "created the project", "label.did_project_change": "changed the project", "label.did_project_import": "imported the project",
     "label.did_job_add": "started the job", "label.did_job_done": "finished the job", "label.did_job_failed": "had a job fail:", "label.did_job_cancelled": "cancelled the job",
     "label.did_member_set": "set the project role of", "label.did_member_remove": "removed the member", "label.did_share_add": "created the share link", "label.did_share_revoke": "revoked the share link", "label.did_webhook_add": "added webhook", "label.did_webhook_remove": "removed webhook",
     "label.did_account_add": "created the account", "label.did_account_role": "changed the role of", "label.did_account_close": "closed the account", "label.did_account_reopen": "reopened the account", "label.did_account_invite": "invited", "label.did_account_uninvite": "withdrew the invitation of", "label.did_token_add": "created the token", "label.did_token_revoke": "revoked the token",
@@ -28,7 +28,7 @@ export const s = wordsOf(
   },
   {
     "button.ownerFirst": "먼저 내 계정을 만드세요", "help.ownerFirstHelp": "이 저장소의 소유자 계정입니다. 그때부터 저장소는 계정이나 토큰으로만 열리고, 다른 사람을 초대하거나 토큰을 만들 수 있습니다.", "help.ownerFirstWhere": "먼저 내 계정을 만든 다음 다른 사람을 초대하세요.", "button.createAccount": "계정 만들기", "label.newPassword": "비밀번호(열 글자 이상)",
-    "button.newProject": "새 프로젝트", "help.newProjectHelp": "첫 클립이 들어오면 만들어집니다. 라이브러리가 열리고, 거기서 추가하는 파일이 이 프로젝트에 들어갑니다.",
+    "button.newProject": "새 프로젝트", "label.projectCreated": "프로젝트를 만들었습니다: {name}", "help.newProjectHelp": "처음에는 비어 있습니다. 프로젝트 페이지에서 구성원과 한도를 정하고, 파일을 가져와 클립을 넣습니다.",
     "button.openClips": "클립 보기", "button.exportFile": "파일로 내보내기", "help.exportHelp": "파일에는 모든 클립과 전체 이력이 들어 있습니다. 여기나 다른 곳에서 다시 프로젝트로 만들 수 있습니다.", "help.ownersExport": "프로젝트 소유자만 내보낼 수 있습니다.",
     "label.documents": "클립", "label.files": "파일", "label.heldOf": "{most} 중 {held}", "label.noBound": "제한 없음", "label.overBound": "한도 초과",
     "button.changeBounds": "한도 편집", "label.boundsOf": "{name}의 한도", "help.boundsHelp": "한도를 넘는 새 데이터는 거절합니다. 이미 있는 데이터는 그대로 남습니다. 비워 두면 제한이 없습니다.", "label.mostDocuments": "클립(최대)", "label.mostBytes": "파일 크기(최대)", "label.boundsChanged": "한도를 바꾸었습니다",
@@ -43,7 +43,7 @@ export const s = wordsOf(
     "label.kind_document": "클립", "label.kind_comment": "의견", "label.kind_project": "프로젝트", "label.kind_job": "작업", "label.kind_member": "구성원", "label.kind_share": "링크", "label.kind_webhook": "웹훅", "label.kind_account": "계정", "label.kind_token": "토큰",
     "label.did_document_import": "가져옴", "label.did_document_change": "변경", "label.did_document_edit": "편집", "label.did_document_frames": "프레임 편집", "label.did_document_label": "라벨 붙임", "label.did_document_unlabel": "라벨 제거", "label.did_document_names": "부분 이름 바꿈", "label.did_document_delete": "삭제", "label.did_document_restore": "복원", "label.did_document_undo": "되돌림", "label.did_document_copy": "복사", "label.did_document_purge": "영구 삭제",
     "label.did_comment_add": "의견 씀", "label.did_comment_change": "의견 고침", "label.did_comment_resolve": "의견 해결", "label.did_comment_reopen": "의견 다시 엶", "label.did_comment_delete": "의견 삭제",
-    "label.did_project_change": "프로젝트 변경", "label.did_project_import": "프로젝트 가져옴",
+    "label.did_project_add": "프로젝트 만듦", "label.did_project_change": "프로젝트 변경", "label.did_project_import": "프로젝트 가져옴",
     "label.did_job_add": "작업 시작", "label.did_job_done": "작업 완료", "label.did_job_failed": "작업 실패", "label.did_job_cancelled": "작업 취소",
     "label.did_member_set": "프로젝트 역할 부여", "label.did_member_remove": "구성원 제외", "label.did_share_add": "링크 만듦", "label.did_share_revoke": "링크 취소", "label.did_webhook_add": "웹훅 추가", "label.did_webhook_remove": "웹훅 삭제",
     "label.did_account_add": "계정 만듦", "label.did_account_role": "역할 변경", "label.did_account_close": "계정 닫음", "label.did_account_reopen": "계정 다시 엶", "label.did_account_invite": "초대", "label.did_account_uninvite": "초대 취소", "label.did_token_add": "토큰 만듦", "label.did_token_revoke": "토큰 취소",
