@@ -105,7 +105,7 @@ def made_by(served: Served, model: str, attributes: dict[str, float]) -> Any:
 
 def test_a_model_is_fitted_slid_and_saved(reaches: Served, visit_of: Any) -> None:
     page = visit_of(reaches).open("/reach")
-    expect(page.get_by_role("button", name="Fit the demo model")).to_be_visible()
+    expect(page.get_by_role("button", name="Try it with demo clips")).to_be_visible()
     page.get_by_label("Project").select_option(REACHES)
     page.get_by_role("checkbox", name="reach_01_001").uncheck()
     page.get_by_role("button", name="Fit a model to 23 clips").click()

@@ -4,10 +4,12 @@ import { ask, type Schemas } from "../../api/client";
 import { subject } from "../../state/session/shell";
 import { stepFor } from "../../motion/loading/preview";
 import { asRequest, sizeOf } from "../../state/editing/composition";
+import { demoClips, isEmpty } from "../../state/library/demo";
 import { offer } from "../../state/session/keys";
 import { note, refuse } from "../../state/session/notes";
 import { go, setParams } from "../../state/session/route";
 import { Icon } from "../../ui/icons";
+import { EmptyState } from "../../ui/start/EmptyState";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { duration, w } from "../../words";
@@ -195,7 +197,7 @@ export function ComposerPage() {
             onDragOver={(event) => event.preventDefault()}
             onDrop={(event) => board.add(carried(event))}
           >
-            <Invitation />
+            <Invitation board={board} />
           </div>
         )}
       </section>
@@ -204,11 +206,19 @@ export function ComposerPage() {
 }
 
 /** What an empty storyboard says. */
-const Invitation = () => (
-  <div class="empty">
-    <h2>{w("label.composeEmpty")}</h2>
-    <p>{w("help.dragHere")}</p>
-    <p class="dim">{w("help.layersHelp")}</p>
-    <p class="dim">{w("help.fitOnAdd")}</p>
-  </div>
+const Invitation = ({ board }: { board: Board }) => (
+  <EmptyState
+    picture="compose"
+    title={w("label.composeEmpty")}
+    makes={w("help.composeMakes")}
+    needs={w("help.dragHere")}
+    parts={["people"]}
+    onDemo={async () => {
+      const [walk, dance] = await demoClips("walk_1", "dance_1");
+      if (walk && dance) board.add([{ ...walk, first: 1, last: 150 }, dance]);
+    }}
+  >
+    {!isEmpty.value && <p class="dim">{w("help.layersHelp")}</p>}
+    {!isEmpty.value && <p class="dim">{w("help.fitOnAdd")}</p>}
+  </EmptyState>
 );

@@ -3,6 +3,7 @@ import { useState } from "preact/hooks";
 import { get } from "../../api/client";
 import { go } from "../../state/session/route";
 import { ClipSelection, selectionNow, useMembers } from "../../ui/clips/ClipSelection";
+import { EmptyState, useIsEmpty } from "../../ui/start/EmptyState";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { when } from "../../words";
@@ -14,7 +15,7 @@ const MOST_NAMED = 60; // clips that an address names one by one
 export function StartBench({ onOpen }: { onOpen: () => void }) {
   const [left, setLeft] = useState<ReadonlySet<string>>(new Set());
   const members = useMembers(selectionNow());
-  const projects = useAsync((signal) => get("/projects", { signal }), []);
+  const empty = useIsEmpty();
   const before = useAsync(async (signal) => {
     const found = await Promise.all(
       ["dance", "motion-graph"].map((analysis) => get("/results", { query: { analysis, limit: 20 }, signal })),
@@ -37,17 +38,10 @@ export function StartBench({ onOpen }: { onOpen: () => void }) {
     <div class="bench-start">
       <section>
         <h1>{d("label.title")}</h1>
-        <p>{d("help.intro")}</p>
-        {projects.value?.items.includes(DEMO) && (
-          <p>
-            <button type="button" class="button primary" onClick={() => void demo()}>
-              {d("button.demo")}
-            </button>
-          </p>
-        )}
-        <h2>{d("label.recent")}</h2>
+        <EmptyState picture="dance" makes={d("help.intro")} parts={["dances"]} onDemo={demo} />
+        {!empty && <h2>{d("label.recent")}</h2>}
         <Trouble error={before.error} retry={before.again} />
-        {before.value && !before.value.length && <p class="dim">{d("help.none")}</p>}
+        {!empty && before.value && !before.value.length && <p class="dim">{d("help.none")}</p>}
         <ul class="bench-recent">
           {(before.value ?? []).map((one) => (
             <li key={one.id}>
@@ -59,30 +53,32 @@ export function StartBench({ onOpen }: { onOpen: () => void }) {
           ))}
         </ul>
       </section>
-      <form
-        onSubmit={(event) => {
-          event.preventDefault();
-          open(chosen);
-        }}
-      >
-        <h2>{d("label.clipsWord")}</h2>
-        <p class="dim">{d("help.needs")}</p>
-        <ClipSelection
-          members={members}
-          left={left}
-          onLeft={(one, out) => {
-            const next = new Set(left);
-            if (out) next.add(one);
-            else next.delete(one);
-            setLeft(next);
+      {!empty && (
+        <form
+          onSubmit={(event) => {
+            event.preventDefault();
+            open(chosen);
           }}
-        />
-        <p>
-          <button type="submit" class="button primary" disabled={members.busy || !chosen.length}>
-            {d("button.openBench")}
-          </button>
-        </p>
-      </form>
+        >
+          <h2>{d("label.clipsWord")}</h2>
+          <p class="dim">{d("help.needs")}</p>
+          <ClipSelection
+            members={members}
+            left={left}
+            onLeft={(one, out) => {
+              const next = new Set(left);
+              if (out) next.add(one);
+              else next.delete(one);
+              setLeft(next);
+            }}
+          />
+          <p>
+            <button type="submit" class="button primary" disabled={members.busy || !chosen.length}>
+              {d("button.openBench")}
+            </button>
+          </p>
+        </form>
+      )}
     </div>
   );
 }

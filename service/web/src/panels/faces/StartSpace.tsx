@@ -5,16 +5,26 @@ import { cancelJob, jobs, runAnalysis } from "../../state/session/jobs";
 import { go } from "../../state/session/route";
 import { ClipSelection, selectionNow, useMembers } from "../../ui/clips/ClipSelection";
 import { SchemaForm, type Values } from "../../ui/forms/SchemaForm";
+import { EmptyState, useIsEmpty } from "../../ui/start/EmptyState";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when } from "../../words";
 import { f } from "./words";
 
 const DEMO = "demo-face";
+const LOOKED_AT = 200; // clips
+
+/** Whether clips with markers are stored; null in libraries of more clips than are looked at. */
+async function haveMarkers(signal: AbortSignal): Promise<boolean | null> {
+  const page = await get("/documents", { query: { limit: LOOKED_AT, with: "passport" }, signal });
+  if (page.items.some((one) => one.passport?.markers)) return true;
+  return page.next_cursor ? null : false;
+}
 
 export function StartSpace() {
   const info = useAsync((signal) => get("/analyses/{name}", { path: { name: "expression" }, signal }), []);
-  const projects = useAsync((signal) => get("/projects", { signal }), []);
+  const empty = useIsEmpty();
+  const marked = useAsync(haveMarkers, [empty]);
   const before = useAsync((signal) => get("/results", { query: { analysis: "expression", limit: 40 }, signal }), []);
   const [values, setValues] = useState<Values>({});
   const [left, setLeft] = useState<ReadonlySet<string>>(new Set());
@@ -43,20 +53,15 @@ export function StartSpace() {
     <div class="faces-start">
       <section>
         <h1>{f("label.title")}</h1>
-        <p>{f("help.intro")}</p>
-        <p class="dim">{f("help.needs")}</p>
-        {projects.value?.items.includes(DEMO) && (
-          <p>
-            <button
-              type="button"
-              class="button primary"
-              disabled={running !== null}
-              onClick={() => void build({ project: DEMO })}
-            >
-              {f("button.demo")}
-            </button>
-          </p>
-        )}
+        <EmptyState
+          picture="faces"
+          makes={f("help.intro")}
+          needs={f("help.needs")}
+          missing={marked.value === false ? f("help.missing") : undefined}
+          parts={["faces"]}
+          busy={running !== null}
+          onDemo={() => build({ project: DEMO })}
+        />
         <Trouble error={error} />
         {job && (
           <div class="row">
@@ -69,9 +74,9 @@ export function StartSpace() {
             </button>
           </div>
         )}
-        <h2>{f("label.recent")}</h2>
+        {!empty && <h2>{f("label.recent")}</h2>}
         <Trouble error={before.error} retry={before.again} />
-        {before.value && !maps.length && <p class="dim">{f("help.none")}</p>}
+        {!empty && before.value && !maps.length && <p class="dim">{f("help.none")}</p>}
         <ul class="faces-recent">
           {maps.map((one) => (
             <li key={one.id}>
@@ -83,34 +88,36 @@ export function StartSpace() {
           ))}
         </ul>
       </section>
-      <form
-        onSubmit={(event) => {
-          event.preventDefault();
-          void build(chosen());
-        }}
-      >
-        <h2>{f("label.takes")}</h2>
-        <ClipSelection
-          members={members}
-          left={left}
-          onLeft={(one, out) => {
-            const next = new Set(left);
-            if (out) next.add(one);
-            else next.delete(one);
-            setLeft(next);
+      {!empty && (
+        <form
+          onSubmit={(event) => {
+            event.preventDefault();
+            void build(chosen());
           }}
-        />
-        <details>
-          <summary>{f("label.options")}</summary>
-          {info.value && <SchemaForm schema={info.value.parameters} values={values} onChange={setValues} />}
-        </details>
-        <Trouble error={info.error} />
-        <p>
-          <button type="submit" class="button primary" disabled={!members.value?.length || running !== null}>
-            {f("button.build")}
-          </button>
-        </p>
-      </form>
+        >
+          <h2>{f("label.takes")}</h2>
+          <ClipSelection
+            members={members}
+            left={left}
+            onLeft={(one, out) => {
+              const next = new Set(left);
+              if (out) next.add(one);
+              else next.delete(one);
+              setLeft(next);
+            }}
+          />
+          <details>
+            <summary>{f("label.options")}</summary>
+            {info.value && <SchemaForm schema={info.value.parameters} values={values} onChange={setValues} />}
+          </details>
+          <Trouble error={info.error} />
+          <p>
+            <button type="submit" class="button primary" disabled={!members.value?.length || running !== null}>
+              {f("button.build")}
+            </button>
+          </p>
+        </form>
+      )}
     </div>
   );
 }

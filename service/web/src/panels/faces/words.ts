@@ -2,8 +2,8 @@ import { wordsOf } from "../../words/table";
 
 export const f = wordsOf(
   {
-    "label.title": "Expression space", "help.intro": "A map of facial expressions. Pick expressions on the map; the path becomes an animation.",
-    "help.needs": "Requires clips of facial markers (C3D, TRC) with at least 4 markers in common.", "button.demo": "Build the demo map", "button.build": "Build map", "label.building": "Building: {stage}",
+    "label.title": "Expression space", "help.intro": "Facial animations, made on a map of expressions: the path between the expressions that you pick is the animation.",
+    "help.missing": "No clip in this library has markers yet.", "help.needs": "Requires clips of facial markers (C3D, TRC) with at least 4 markers in common.", "button.build": "Build map", "label.building": "Building: {stage}",
     "label.recent": "Maps, newest first", "help.none": "No maps yet.", "label.options": "Options", "label.level": "Level", "label.candidates": "1 expression|{n} expressions", "label.levelOf": "{n} expressions to choose from",
     "label.links": "Links", "label.linksHidden": "{n} links: too many to draw", "label.takes": "Clips", "label.allTakes": "All clips", "label.mapLabel": "Map of {n} frames", "button.fit": "Zoom to map",
     "label.face": "Expression", "label.markersSkin": "Markers", "label.surfaceSkin": "Surface", "label.meshSkin": "Custom mesh", "button.openMesh": "Open mesh (OBJ, GLB)", "error.badMesh": "No mesh found in this file. Open an OBJ or GLB file.",
@@ -16,8 +16,8 @@ export const f = wordsOf(
     "button.add": "Add to path", "label.markersUsed": "Markers", "label.leftOut": "{n} left out", "label.pathOf": "between expressions",
   },
   {
-    "label.title": "표정 공간", "help.intro": "얼굴 표정의 지도입니다. 지도에서 표정을 고르면 그 경로가 애니메이션이 됩니다.",
-    "help.needs": "공통 마커가 4개 이상인 얼굴 마커 클립(C3D, TRC)이 필요합니다.", "button.demo": "데모 지도 만들기", "button.build": "지도 만들기", "label.building": "만드는 중: {stage}",
+    "label.title": "표정 공간", "help.intro": "표정 지도에서 표정을 고르면 그 사이의 경로가 얼굴 애니메이션이 됩니다.",
+    "help.missing": "이 라이브러리에는 마커가 있는 클립이 아직 없습니다.", "help.needs": "공통 마커가 4개 이상인 얼굴 마커 클립(C3D, TRC)이 필요합니다.", "button.build": "지도 만들기", "label.building": "만드는 중: {stage}",
     "label.recent": "지도, 최신순", "help.none": "아직 지도가 없습니다.", "label.options": "옵션", "label.level": "수준", "label.candidates": "표정 {n}개", "label.levelOf": "고를 수 있는 표정 {n}개",
     "label.links": "연결", "label.linksHidden": "연결 {n}개는 너무 많아 그리지 않습니다", "label.takes": "클립", "label.allTakes": "모든 클립", "label.mapLabel": "{n}프레임의 지도", "button.fit": "지도에 맞추기",
     "label.face": "표정", "label.markersSkin": "마커", "label.surfaceSkin": "표면", "label.meshSkin": "내 메시", "button.openMesh": "메시 열기 (OBJ, GLB)", "error.badMesh": "이 파일에는 메시가 없습니다. OBJ나 GLB 파일을 여세요.",

@@ -5,11 +5,13 @@ import { subject } from "../../state/session/shell";
 import { lazy } from "../../ui/lazy";
 import { offer } from "../../state/session/keys";
 import { mayEdit } from "../../state/session/me";
+import { ALL_PARTS } from "../../state/library/demo";
 import * as library from "../../state/library/library";
 import { facetsWide, leftFolded, previewOpen, previewWide } from "../../state/session/panes";
 import { go, param, setParams } from "../../state/session/route";
 import { Icon } from "../../ui/icons";
 import { Splitter } from "../../ui/Splitter";
+import { DemoProgress, EmptyState } from "../../ui/start/EmptyState";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { isDemoAlone, welcomed } from "../../state/session/welcome";
@@ -104,6 +106,7 @@ export function LibraryPage() {
             {w("button.queue")}
           </button>
         </div>
+        <DemoProgress hidden={total === 0} />
         {first && <Welcome clips={total} />}
         <PickedBar />
         <Trouble error={library.trouble.value} retry={library.refresh} />
@@ -129,15 +132,14 @@ export function LibraryPage() {
               </p>
             </div>
           ) : (
-            <div class="empty">
-              <h2>{w("label.emptyLibrary")}</h2>
-              <p>{w("help.emptyLibraryHelp")}</p>
-              <p>
-                <button type="button" class="button primary" onClick={() => chooseFiles()}>
-                  {w("button.chooseFiles")}
-                </button>
-              </p>
-            </div>
+            <EmptyState
+              picture="library"
+              title={w("label.emptyLibrary")}
+              makes={w("help.emptyLibraryHelp")}
+              parts={ALL_PARTS}
+            >
+              <p class="dim">{w("help.dropAnywhere")}</p>
+            </EmptyState>
           )
         ) : view === "grid" ? (
           <CardGrid />

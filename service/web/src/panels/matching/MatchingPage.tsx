@@ -1,9 +1,9 @@
 /** Clips that follow a hand: keys, a game pad or a path lead a body, and what it does is stored as a clip. */
 import { useEffect, useMemo, useState } from "preact/hooks";
-import { get } from "../../api/client";
 import { setParams } from "../../state/session/route";
 import { subject } from "../../state/session/shell";
 import { ClipSelection, selectionNow, useMembers } from "../../ui/clips/ClipSelection";
+import { EmptyState, useIsEmpty } from "../../ui/start/EmptyState";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { number, w } from "../../words";
@@ -19,7 +19,7 @@ const DEMO = "demo-walk";
 export function MatchingPage() {
   const selection = selectionNow();
   const members = useMembers(selection);
-  const projects = useAsync((signal) => get("/projects", { signal }), []);
+  const empty = useIsEmpty();
   const [progress, setProgress] = useState<[number, number] | null>(null);
   const loaded = useAsync<Loaded | null>(
     async (signal) => (selection ? load(selection, signal, (...done) => setProgress(done)) : null),
@@ -31,6 +31,22 @@ export function MatchingPage() {
     subject.value = null;
     return () => session?.pause();
   }, [session]);
+  const start = (
+    <EmptyState
+      picture="matching"
+      makes={m("help.intro")}
+      needs={m("help.needs")}
+      parts={["walks"]}
+      onDemo={() => setParams({ project: DEMO })}
+    />
+  );
+  if (empty)
+    return (
+      <section class="empty-page">
+        <h1 class="unseen">{w("label.matching")}</h1>
+        {start}
+      </section>
+    );
   return (
     <div class="matching">
       <aside class="matching-clips" aria-label={m("label.clips")}>
@@ -43,24 +59,12 @@ export function MatchingPage() {
         <Trouble error={loaded.error} retry={loaded.again} />
         {session ? (
           <Steering key={JSON.stringify(selection)} session={session} project={selection?.project ?? "default"} />
-        ) : (
+        ) : loaded.busy && selection ? (
           <div class="empty">
-            {loaded.busy && selection ? (
-              <p role="status">{progress && m("label.loading", { n: progress[0], all: progress[1] })}</p>
-            ) : (
-              !loaded.error && (
-                <>
-                  <p>{m("help.intro")}</p>
-                  <p class="dim">{m("help.needs")}</p>
-                  {projects.value?.items.includes(DEMO) && (
-                    <button type="button" class="button" onClick={() => setParams({ project: DEMO })}>
-                      {m("button.demo")}
-                    </button>
-                  )}
-                </>
-              )
-            )}
+            <p role="status">{progress && m("label.loading", { n: progress[0], all: progress[1] })}</p>
           </div>
+        ) : (
+          !loaded.error && start
         )}
       </section>
     </div>

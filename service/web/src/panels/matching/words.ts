@@ -4,7 +4,7 @@ export const m = wordsOf(
   {
     "help.intro": "A body follows a path or a game pad through frames of many clips: at each moment the frame that continues best is played.",
     "help.needs": "Choose clips of one skeleton with walks, turns and stops, of a known unit. A dozen are enough to start.",
-    "button.demo": "Use demo clips", "label.clips": "Clips", "label.loading": "Loading {n} of {all}", "label.library": "{minutes} min of {n} clip|{minutes} min of {n} clips",
+    "label.clips": "Clips", "label.loading": "Loading {n} of {all}", "label.library": "{minutes} min of {n} clip|{minutes} min of {n} clips",
     "label.leftOut": "1 clip left out|{n} clips left out", "help.onlyFirst": "Only the first {minutes} minutes are loaded.",
     "label.stage": "Body", "button.play": "Play", "button.stop": "Pause", "button.anew": "Start over",
     "label.speed": "Speed (m/s)",
@@ -17,7 +17,7 @@ export const m = wordsOf(
   {
     "help.intro": "몸이 경로나 게임 패드를 따라 여러 클립의 프레임을 이어 갑니다. 매 순간 가장 잘 이어지는 프레임을 재생합니다.",
     "help.needs": "걷기, 돌기, 멈추기가 있고 단위를 아는 같은 스켈레톤의 클립을 고르세요. 열두 개면 시작할 수 있습니다.",
-    "button.demo": "데모 클립 사용", "label.clips": "클립", "label.loading": "{all}개 중 {n}개 불러옴", "label.library": "클립 {n}개, {minutes}분",
+    "label.clips": "클립", "label.loading": "{all}개 중 {n}개 불러옴", "label.library": "클립 {n}개, {minutes}분",
     "label.leftOut": "클립 {n}개 제외됨", "help.onlyFirst": "처음 {minutes}분만 불러왔습니다.",
     "label.stage": "몸", "button.play": "재생", "button.stop": "일시 정지", "button.anew": "처음부터",
     "label.speed": "속도 (m/s)",

@@ -7,6 +7,7 @@ import { subject } from "../../state/session/shell";
 import { selectionNow, useMembers } from "../../ui/clips/ClipSelection";
 import { Icon } from "../../ui/icons";
 import { RunPlayer } from "../../ui/playing/RunPlayer";
+import { EmptyState, useIsEmpty } from "../../ui/start/EmptyState";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { CurvePlot } from "./CurvePlot";
@@ -63,6 +64,13 @@ export function MeasurePage() {
     [JSON.stringify(request)],
   );
   const shown = found.value ?? (request ? found.before : null);
+  if (useIsEmpty())
+    return (
+      <section class="empty-page">
+        <h1 class="unseen">{w("label.measure")}</h1>
+        <Invitation chosen={false} />
+      </section>
+    );
   return (
     <div class="measure">
       <Setup asked={asked} members={members} />
@@ -79,23 +87,22 @@ export function MeasurePage() {
   );
 }
 
+const Invitation = ({ chosen }: { chosen: boolean }) => (
+  <EmptyState
+    picture="measure"
+    makes={m("help.intro")}
+    needs={m(chosen ? "help.add" : "help.first")}
+    parts={["walks"]}
+    onDemo={() => setParams({ project: DEMO, ranges: "strides", m: writeQuantities(GAIT) })}
+  />
+);
+
 /** What a visitor sees before anything is measured. */
 function Start({ chosen }: { chosen: boolean }) {
-  const projects = useAsync((signal) => get("/projects", { signal }), []);
   const analyses = useAsync((signal) => get("/analyses", { signal }), []);
   return (
     <div class="measure-start">
-      <p>{m("help.intro")}</p>
-      <p class="dim">{m(chosen ? "help.add" : "help.first")}</p>
-      {!chosen && projects.value?.items.includes(DEMO) && (
-        <button
-          type="button"
-          class="button primary"
-          onClick={() => setParams({ project: DEMO, ranges: "strides", m: writeQuantities(GAIT) })}
-        >
-          {m("button.demo")}
-        </button>
-      )}
+      <Invitation chosen={chosen} />
       <h2>{w("label.analyses")}</h2>
       <ul>
         {(analyses.value?.items ?? []).map((one) => (

@@ -4,7 +4,7 @@ export const m = wordsOf(
   {
     "help.intro": "Measure any quantity in many clips: mean curves, and a table with outliers first.",
     "help.first": "Choose clips, then add a measurement.", "help.add": "Add a measurement to see curves and a table.",
-    "button.demo": "Measure the demo clips", "label.setup": "Setup", "label.clips": "Clips", "label.measurements": "Measurements",
+    "label.setup": "Setup", "label.clips": "Clips", "label.measurements": "Measurements",
     "label.ranges": "Frame ranges", "label.whole": "Whole clips", "label.strides": "Strides of gait", "label.ofQuery": "Results of a query", "label.labels": "Labels",
     "label.query": "XPath query", "label.by": "Group by", "label.side": "Side", "label.sideAnd": "Side and {key}", "label.clip": "clip", "label.project": "project", "label.label": "label", "label.person": "person",
     "button.add": "Add", "button.addBoth": "Add both sides", "button.addGait": "Add gait angles", "button.addHands": "Add hand speeds", "button.addFeet": "Add foot heights", "button.remove": "Remove {name}",
@@ -19,7 +19,7 @@ export const m = wordsOf(
   {
     "help.intro": "여러 클립에서 원하는 값을 측정합니다. 평균 곡선과, 이상치를 맨 위에 둔 표를 보여 줍니다.",
     "help.first": "클립을 고른 다음 측정 항목을 추가하세요.", "help.add": "측정 항목을 추가하면 곡선과 표가 나타납니다.",
-    "button.demo": "데모 클립 측정", "label.setup": "측정 설정", "label.clips": "클립", "label.measurements": "측정 항목",
+    "label.setup": "측정 설정", "label.clips": "클립", "label.measurements": "측정 항목",
     "label.ranges": "프레임 구간", "label.whole": "클립 전체", "label.strides": "보행 활보", "label.ofQuery": "쿼리 결과", "label.labels": "라벨",
     "label.query": "XPath 쿼리", "label.by": "그룹 기준", "label.side": "좌우", "label.sideAnd": "좌우와 {key}", "label.clip": "클립", "label.project": "프로젝트", "label.label": "라벨", "label.person": "사람",
     "button.add": "추가", "button.addBoth": "양쪽 추가", "button.addGait": "보행 각도 추가", "button.addHands": "손 속도 추가", "button.addFeet": "발 높이 추가", "button.remove": "{name} 제거",

@@ -4,6 +4,7 @@ import { get } from "../../api/client";
 import { jobs } from "../../state/session/jobs";
 import { ClipSelection, selectionNow, useMembers } from "../../ui/clips/ClipSelection";
 import { SchemaForm, type Values } from "../../ui/forms/SchemaForm";
+import { EmptyState, useIsEmpty } from "../../ui/start/EmptyState";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when } from "../../words";
@@ -18,7 +19,11 @@ export function Start() {
   const [name, setName] = useState("");
   const [left, setLeft] = useState<ReadonlySet<string>>(new Set());
   const fit = useFit();
-  const projects = useAsync((signal) => get("/projects", { signal }), []);
+  const empty = useIsEmpty();
+  const described = useAsync(
+    async (signal) => (await get("/facets", { signal })).properties.some((one) => Boolean(one.numbers)),
+    [empty],
+  );
   const catalogue = useAsync((signal) => get("/analyses", { signal }), []);
   const selection = selectionNow();
   const members = useMembers(selection);
@@ -45,60 +50,57 @@ export function Start() {
     >
       <section class="start-words">
         <h1>{w("label.reach")}</h1>
-        <p>{b("help.intro")}</p>
-        <p class="dim">{b("help.needs")}</p>
-        {projects.value?.items.includes(DEMO) && (
-          <p>
-            <button
-              type="button"
-              class="button"
-              disabled={fit.busy}
-              onClick={() => void fit.start({ inputs: { project: DEMO }, name: b("label.demoName") })}
-            >
-              {b("button.demo")}
-            </button>
-          </p>
-        )}
+        <EmptyState
+          picture="reach"
+          makes={b("help.intro")}
+          needs={b("help.needs")}
+          missing={described.value === false ? b("help.missing") : undefined}
+          parts={["reaches"]}
+          busy={fit.busy}
+          onDemo={() => fit.start({ inputs: { project: DEMO }, name: b("label.demoName") })}
+        />
         {fit.job && <FitProgress job={fit.job} />}
         <FitTrouble error={fit.error} onExclude={exclude} />
       </section>
-      <section class="analysis-clips" aria-label={b("label.clipsTitle")}>
-        <h2>{b("label.clipsTitle")}</h2>
-        <ClipSelection
-          members={members}
-          left={left}
-          onLeft={(one, out) => {
-            const next = new Set(left);
-            if (out) next.add(one);
-            else next.delete(one);
-            setLeft(next);
-          }}
-        />
-        {info && (
-          <details class="start-options">
-            <summary>{b("label.options")}</summary>
-            <SchemaForm schema={info.parameters} values={values} onChange={setValues} leave={["times"]} />
-          </details>
-        )}
-        <div class="schema-field">
-          <label for="model-name">{b("label.nameOfModel")}</label>
-          <input
-            id="model-name"
-            class="field"
-            value={name}
-            placeholder={b("label.namePlaceholder")}
-            onInput={(event) => setName(event.currentTarget.value)}
+      {!empty && (
+        <section class="analysis-clips" aria-label={b("label.clipsTitle")}>
+          <h2>{b("label.clipsTitle")}</h2>
+          <ClipSelection
+            members={members}
+            left={left}
+            onLeft={(one, out) => {
+              const next = new Set(left);
+              if (out) next.add(one);
+              else next.delete(one);
+              setLeft(next);
+            }}
           />
-        </div>
-        <div class="row">
-          <button type="submit" class="button primary" disabled={fit.busy || count < FEWEST}>
-            {count >= FEWEST ? b("button.fitClips", { n: count }) : b("button.fit")}
-          </button>
-          {selection && !members.busy && count < FEWEST && <span class="dim">{b("help.tooFew", { n: FEWEST })}</span>}
-        </div>
-      </section>
-      <Recent />
-      <Trouble error={catalogue.error ?? projects.error} />
+          {info && (
+            <details class="start-options">
+              <summary>{b("label.options")}</summary>
+              <SchemaForm schema={info.parameters} values={values} onChange={setValues} leave={["times"]} />
+            </details>
+          )}
+          <div class="schema-field">
+            <label for="model-name">{b("label.nameOfModel")}</label>
+            <input
+              id="model-name"
+              class="field"
+              value={name}
+              placeholder={b("label.namePlaceholder")}
+              onInput={(event) => setName(event.currentTarget.value)}
+            />
+          </div>
+          <div class="row">
+            <button type="submit" class="button primary" disabled={fit.busy || count < FEWEST}>
+              {count >= FEWEST ? b("button.fitClips", { n: count }) : b("button.fit")}
+            </button>
+            {selection && !members.busy && count < FEWEST && <span class="dim">{b("help.tooFew", { n: FEWEST })}</span>}
+          </div>
+        </section>
+      )}
+      {!empty && <Recent />}
+      <Trouble error={catalogue.error} />
     </form>
   );
 }

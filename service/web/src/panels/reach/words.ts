@@ -2,9 +2,9 @@ import { wordsOf } from "../../words/table";
 
 export const b = wordsOf(
   {
-    "help.intro": "A model of clips with numeric properties, such as age, height and hip point, generates reaching motions for other values. Move the sliders to generate a motion.",
-    "help.needs": "Requires clips of one skeleton in which one hand reaches once, with numeric properties such as age, height and hbp (hip point: seat height). A dozen clips are enough to start.",
-    "button.demo": "Fit the demo model", "label.demoName": "Belt reach", "label.clipsTitle": "Fit a model", "label.options": "Options", "label.nameOfModel": "Name", "label.namePlaceholder": "project of the clips", "button.fit": "Fit model", "button.fitClips": "Fit a model to {n} clip|Fit a model to {n} clips",
+    "help.intro": "New reaching motions for any age, height and seat, from a model of stored reaches.",
+    "help.missing": "No clip in this library has numeric properties yet.", "help.needs": "Requires clips of one skeleton in which one hand reaches once, with numeric properties such as age, height and hbp (hip point: seat height). A dozen clips are enough to start.",
+    "label.demoName": "Belt reach", "label.clipsTitle": "Fit a model", "label.options": "Options", "label.nameOfModel": "Name", "label.namePlaceholder": "project of the clips", "button.fit": "Fit model", "button.fitClips": "Fit a model to {n} clip|Fit a model to {n} clips",
     "help.tooFew": "Choose at least {n} clip.|Choose at least {n} clips.", "label.recent": "Models, newest first", "help.noModels": "No models yet.", "error.noModel": "This result is not a reach model.", "label.otherModels": "Models",
     "label.fitting": "Fitting", "label.stage_waiting": "waiting", "label.stage_reading": "reading clips", "label.stage_sampling": "normalising time", "label.stage_components": "finding components", "label.stage_cross-validation": "choosing width and ridge", "label.stage_errors": "cross-validating", "label.stage_done": "done",
     "button.excludeThese": "Exclude this clip and fit|Exclude these {n} and fit",
@@ -34,9 +34,9 @@ export const b = wordsOf(
     "help.warn_wrist-cannot-turn": "The wrist cannot turn to the orientation.", "help.warn_wrist-beyond-examples": "The wrist turns farther than in the examples.", "help.warn_cut-clips": "Some clips begin or end at the reach: durations before and after it come from the other clips.", "help.warn_peak-between-minima": "Several fast movements in a clip: the fastest counts as the reach. Check its phases.", "help.warn_gap-filled": "Short gaps were filled.", "help.warn_jump": "A joint jumps in a frame.", "help.warn_bones-differ": "Bone lengths differ much between clips.", "help.warn_constant-attribute": "A property has the same value in all clips: its slider changes nothing.", "help.warn_two-values": "A property has only two values: values between them have no examples.", "help.warn_two-people": "Only two people: effects of a property and of the person cannot be separated.", "help.warn_collinear-attributes": "Properties are collinear.", "help.warn_far-from-reference": "A pose is far from all others.", "help.warn_ill-conditioned": "The equations are nearly singular.",
   },
   {
-    "help.intro": "나이, 키, 엉덩이점 같은 수로 된 특성이 있는 클립의 모델이 다른 값의 뻗기 동작을 생성합니다. 슬라이더를 움직이면 동작을 생성합니다.",
-    "help.needs": "한 손을 한 번 뻗는 같은 스켈레톤의 클립과 수로 된 특성(나이, 키, hbp(엉덩이점: 좌석 높이) 등)이 필요합니다. 클립 열두 개 정도면 시작할 수 있습니다.",
-    "button.demo": "데모 모델 맞추기", "label.demoName": "벨트 뻗기", "label.clipsTitle": "모델 맞추기", "label.options": "옵션", "label.nameOfModel": "이름", "label.namePlaceholder": "클립의 프로젝트 이름", "button.fit": "모델 맞추기", "button.fitClips": "클립 {n}개에 모델 맞추기",
+    "help.intro": "저장된 뻗기 동작의 모델로 어떤 나이, 키, 좌석에도 맞는 새 뻗기 동작을 만듭니다.",
+    "help.missing": "이 라이브러리에는 수로 된 특성이 있는 클립이 아직 없습니다.", "help.needs": "한 손을 한 번 뻗는 같은 스켈레톤의 클립과 수로 된 특성(나이, 키, hbp(엉덩이점: 좌석 높이) 등)이 필요합니다. 클립 열두 개 정도면 시작할 수 있습니다.",
+    "label.demoName": "벨트 뻗기", "label.clipsTitle": "모델 맞추기", "label.options": "옵션", "label.nameOfModel": "이름", "label.namePlaceholder": "클립의 프로젝트 이름", "button.fit": "모델 맞추기", "button.fitClips": "클립 {n}개에 모델 맞추기",
     "help.tooFew": "클립을 {n}개 이상 고르세요.", "label.recent": "모델, 최신순", "help.noModels": "아직 모델이 없습니다.", "error.noModel": "이 결과는 뻗기 모델이 아닙니다.", "label.otherModels": "모델 목록",
     "label.fitting": "맞추는 중", "label.stage_waiting": "대기 중", "label.stage_reading": "클립 읽는 중", "label.stage_sampling": "시간 정규화 중", "label.stage_components": "성분 찾는 중", "label.stage_cross-validation": "너비와 능선값 고르는 중", "label.stage_errors": "교차 검증 중", "label.stage_done": "완료",
     "button.excludeThese": "{n}개를 빼고 맞추기",

@@ -5,6 +5,7 @@ import { ask, get, type Schemas } from "../../api/client";
 import { subject } from "../../state/session/shell";
 import { previewOf, stepFor } from "../../motion/loading/preview";
 import { motionOf } from "../../motion/loading/source";
+import { demoClips } from "../../state/library/demo";
 import { note, refuse } from "../../state/session/notes";
 import { Player } from "../../state/clip/player";
 import { go, param, setParams } from "../../state/session/route";
@@ -14,6 +15,7 @@ import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
 import { MotionView, type Actor } from "../../ui/playing/MotionView";
 import { Scrubber } from "../../ui/playing/Scrubber";
+import { EmptyState } from "../../ui/start/EmptyState";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w } from "../../words";
@@ -54,10 +56,17 @@ export function RetargetPage() {
       ) : from && to ? (
         !source.error && !target.error && <div class="busy" />
       ) : (
-        <div class="empty">
-          <h2>{w("button.retargetEmpty")}</h2>
-          <p>{w("help.retargetHelp")}</p>
-        </div>
+        <EmptyState
+          picture="retarget"
+          title={w("button.retargetEmpty")}
+          makes={w("help.retargetMakes")}
+          needs={w("help.retargetHelp")}
+          parts={["people"]}
+          onDemo={async () => {
+            const [dance, body] = await demoClips("dance_1", "wave_2");
+            if (dance && body) setParams({ from: dance.id, to: body.id }, true);
+          }}
+        />
       )}
     </div>
   );

@@ -5,6 +5,7 @@ import { offer } from "../../state/session/keys";
 import { askMe } from "../../state/session/me";
 import { param } from "../../state/session/route";
 import { subject } from "../../state/session/shell";
+import { EmptyState, useIsEmpty } from "../../ui/start/EmptyState";
 import { Trouble } from "../../ui/Trouble";
 import { w } from "../../words";
 import type { Run } from "./answered";
@@ -21,6 +22,7 @@ export function XPathPage() {
   const host = useRef<HTMLDivElement>(null);
   const editor = useRef<EditorView | null>(null);
   const [text, setText] = useState(param("q"));
+  const empty = useIsEmpty();
   const asking = useAnswer();
   const { answer, error, busy } = asking;
   const run = (query = editor.current?.state.doc.toString() ?? text) => asking.run(query);
@@ -69,7 +71,19 @@ export function XPathPage() {
       {busy && <div class="busy" />}
       <Trouble error={error} />
       {answer && <AnswerStatus answer={answer} runs={runs} />}
-      {!answer && !error && !busy && <Examples onChoose={write} />}
+      {!answer &&
+        !error &&
+        !busy &&
+        (empty ? (
+          <EmptyState
+            picture="xpath"
+            makes={w("help.xpathStart")}
+            parts={["people"]}
+            onDemo={() => write("//frame[motion_name = 'wave']")}
+          />
+        ) : (
+          empty === false && <Examples onChoose={write} />
+        ))}
       {answer && (
         <AnswerTable
           answer={answer}

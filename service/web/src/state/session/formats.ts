@@ -7,7 +7,7 @@ export type Preset = Schemas["PresetInfo"];
 
 /** The language of the repository, which every clip can be written in. */
 export const LANGUAGE = "mcml";
-const ARCHIVES = [".zip", ".7z", ".tar", ".tgz", ".gz"];
+export const archives: readonly string[] = [".zip", ".7z", ".tar", ".tgz", ".gz"];
 
 const known = signal<readonly Format[]>([]);
 const programs = signal<readonly Preset[]>([]);
@@ -26,6 +26,12 @@ export function formats(): readonly Format[] {
     );
   }
   return known.value;
+}
+
+/** Those that are read, the language first. */
+export function readFormats(): Format[] {
+  const read = formats().filter((one) => one.reads);
+  return [...read.filter((one) => one.name === LANGUAGE), ...read.filter((one) => one.name !== LANGUAGE)];
 }
 
 /** Those that are written, the language first. holds: only those for clips of bodies, or of markers. */
@@ -66,7 +72,7 @@ const ends = (name: string, extensions: string[]): boolean =>
 /** Extensions of the files that can be uploaded, archives too; none until the server has answered. */
 export function readExtensions(): string[] {
   const found = extensionsOf(formats());
-  return found.length ? [...found, ...ARCHIVES] : [];
+  return found.length ? [...found, ...archives] : [];
 }
 
 /** Whether a file of this name is of a kind that is read. */
