@@ -56,6 +56,7 @@ from mcml_schemas.measure import MeasureRequest, Measures
 from mcml_schemas.measurements import MeasurementList
 from mcml_schemas.media import MediaChange, MediaInfo
 from mcml_schemas.names import AliasTable, AppliedNames, SavedAliases
+from mcml_schemas.querying.examples import QueryExamples
 from mcml_schemas.querying.facets import FacetList
 from mcml_schemas.querying.queries import Completions, QueryAnswer, QueryRequest
 from mcml_schemas.querying.running import RunningQueries
@@ -846,6 +847,13 @@ class Operations:
         progress: FileProgress | None = None,
     ) -> Completions:
         """Complete an expression: elements, attributes, axes, functions, and names in use."""
+    def get_query_examples(
+        self,
+        *,
+        project: str | None = ...,
+        progress: FileProgress | None = None,
+    ) -> QueryExamples:
+        """Get examples of queries that find frames in this library."""
     def search_motion(
         self,
         *,

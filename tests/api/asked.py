@@ -209,6 +209,7 @@ def request_of(operation: Operation, things: Things, word: str) -> Asked | None:
         "get_matching_library": Asked("thing", {}, {}, {"json": {"selection": selected}}),
         "search_file": Asked("all", {}, {}, files),
         "complete_query": Asked("all", {}, {"q": "//frame[motion_name='"}, {}),
+        "get_query_examples": Asked("all", {}, {}, {}),
         "get_query": Asked("all", {}, {"q": "//bone/name | //header/filename | //motion_name"}, {}),
         "get_facets": Asked("all", {}, {}, {}),
         "compare_gait": Asked("thing", {}, {"document": one}, {}),

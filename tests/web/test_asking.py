@@ -53,7 +53,7 @@ def test_examples_find_something_and_become_lines_for_scripts(open_studio: Serve
     open_studio.upload("kick.bvh", walk(), label="it's a kick:10-25")
     visit = visit_of(open_studio, permissions=["clipboard-read", "clipboard-write"])
     page = visit.open("/xpath")
-    page.get_by_role("button", name=re.compile("^Frames with a label.*it's")).click()
+    page.get_by_role("button", name=re.compile("^Frames with the label it's")).click()
     expect(page.get_by_role("status").filter(has_text="16 frames in 1 range")).to_be_visible()
     page.get_by_role("button", name="Copy").click()
     page.get_by_role("menuitem", name="Python").click()

@@ -196,6 +196,8 @@ _ROWS = [
               cancel_on_disconnect=True, queued=True),
     Operation("complete_query", "GET /xpath/complete", READS, READ,
               "Complete an expression: elements, attributes, axes, functions, and names in use.", "queries"),
+    Operation("get_query_examples", "GET /xpath/examples", READS, READ,
+              "Get examples of queries that find frames in this library.", "query_help", "examples", queued=True),
     Operation("search_motion", "POST /search", READS, READ,
               "Find the poses or motions most similar to a pose or motion of a document, or to joint positions.",
               "searching", cancel_on_disconnect=True, queued=True),

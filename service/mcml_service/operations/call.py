@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -14,13 +14,18 @@ from mcml_service.storage.database import Database
 from mcml_service.storage.transaction import Transaction
 
 if TYPE_CHECKING:
+    from mcml_schemas.querying.examples import QueryExamples
     from mcml_service.actions.analysing.use_result import Results
     from mcml_service.actions.importing.encode_clip import Progress
     from mcml_service.actions.importing.import_pool import ImportPool
     from mcml_service.listing.register import Register
     from mcml_service.storage.team.shares import Share
+    from mcml_service.xpath.library.cache import Cache
     from mcml_service.xpath.limits import Limits
     from mcml_service.xpath.queries import Queries
+
+MOST_EXAMPLES = 64
+"""Views, projects and states of the library whose example queries are kept."""
 
 
 class Repository:
@@ -60,6 +65,13 @@ class Repository:
         from mcml_service.listing.register import Register
 
         return Register()
+
+    @cached_property
+    def examples(self) -> Cache[Hashable, QueryExamples]:
+        """Example queries by view, project and commit."""
+        from mcml_service.xpath.library.cache import Cache
+
+        return Cache(MOST_EXAMPLES, lambda _: 1)
 
     @cached_property
     def results(self) -> Results:

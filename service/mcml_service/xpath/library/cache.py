@@ -45,6 +45,11 @@ class Cache(Generic[Key, Entry]):
             self._keep(new)
         return [found[key] for key in keys]
 
+    def find(self, key: Key) -> Entry | None:
+        """Return the entry of a key, None if it is not kept."""
+        with self._lock:
+            return self._entries.get(key)
+
     def holds(self, keys: Sequence[Key]) -> bool:
         """Whether the entries of all keys are kept now."""
         with self._lock:

@@ -692,6 +692,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/xpath/examples": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_query_examples"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/search": {
         parameters: {
             query?: never;
@@ -4290,6 +4306,19 @@ export interface components {
             complete: boolean;
             warnings?: string[];
             explain?: components["schemas"]["Explain"] | null;
+        };
+        QueryExample: {
+            /** @enum {string} */
+            kind: "activity" | "speed-contact" | "above-head" | "angle" | "then" | "distance" | "fastest" | "height" | "speed" | "label" | "no-label" | "begin" | "every";
+            q: string;
+            about: string;
+            values: {
+                [key: string]: string | number;
+            };
+        };
+        QueryExamples: {
+            items: components["schemas"]["QueryExample"][];
+            document: string | null;
         };
         QueryRequest: {
             q: string;
@@ -8521,6 +8550,51 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Completions"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_query_examples: {
+        parameters: {
+            query?: {
+                project?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["QueryExamples"];
                 };
             };
             503: {

@@ -157,9 +157,6 @@ export const en = {
   "button.builderAgain": "Use the builder", "label.asPython": "Python", "help.firstShown": "Showing the first {n}; scroll for more.",
   "help.cutOff": "Stopped at a limit: these are the results so far. Narrow the scope, or add a label to the query.",
   "button.toComposerFirst": "Send first {n} to composer", "help.noAnswerHelp": "Widen the scope, or start with a single condition.",
-  "label.exampleName": "Frames with a label", "label.exampleBent": "Frames with a bent left elbow",
-  "label.exampleBegin": "First 30 frames of each clip", "label.exampleNot": "Frames without a label", "label.exampleNames": "All labels in use",
-  "label.exampleCount": "Number of frames", "label.exampleBones": "First bone of each skeleton", "label.exampleClips": "Clips by file name",
 
   // Saved filters, first start
   "label.lengthInSeconds": "Length (s)", "button.clear": "Clear", "label.savedFilters": "Saved filters", "button.saveFilter": "Save filter",

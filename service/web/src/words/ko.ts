@@ -146,8 +146,6 @@ export const ko: typeof en = {
   "help.arraysOfClips": "클립 {n}개를 같은 열로 차례로 잇습니다.", "help.arraysOfQuery": "답의 모든 프레임 구간을 같은 열로 차례로 잇습니다.",
   "help.builderFolded": "아래 식은 직접 쓴 것입니다.", "button.builderAgain": "조건 만들기로 바꾸기", "label.asPython": "Python", "help.firstShown": "처음 {n}개입니다. 더 보려면 내리세요.",
   "help.cutOff": "한도에서 멈췄습니다. 지금까지의 결과입니다. 범위를 좁히거나 질의에 라벨을 더하세요.", "button.toComposerFirst": "처음 {n}개를 이어붙이기로 보내기", "help.noAnswerHelp": "범위를 넓히거나, 조건 하나로 시작해 더해 보세요.",
-  "label.exampleName": "라벨이 있는 프레임", "label.exampleBent": "왼쪽 팔꿈치를 굽힌 프레임", "label.exampleBegin": "클립마다 처음 서른 프레임", "label.exampleNot": "라벨이 없는 프레임",
-  "label.exampleNames": "쓰고 있는 모든 라벨", "label.exampleCount": "프레임 수", "label.exampleBones": "스켈레톤마다 첫 뼈", "label.exampleClips": "파일 이름으로 찾은 클립",
 
   // Saved filters, first start
   "label.lengthInSeconds": "길이(초)", "button.clear": "지우기", "label.savedFilters": "저장한 필터", "button.saveFilter": "필터 저장",

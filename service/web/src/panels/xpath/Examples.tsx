@@ -1,33 +1,65 @@
-/** Questions to begin with: each finds something in this library where anything can. */
-import { useEffect } from "preact/hooks";
-import { inUse, loadVocabulary } from "../../state/library/vocabulary";
-import { w, type Word } from "../../words";
-import { literal } from "./builder";
+/** Queries to begin with, from this library: each finds frames in it. */
+import { get, type Schemas } from "../../api/client";
+import { param } from "../../state/session/route";
+import { Trouble } from "../../ui/Trouble";
+import { useAsync } from "../../ui/useAsync";
+import { number, w } from "../../words";
+import { activityText, capital, jointText } from "./bodyNames";
+import { x, type QueryWord } from "./words";
+
+type Example = Schemas["QueryExample"];
+
+const WORDS: Record<Example["kind"], QueryWord> = {
+  activity: "label.exampleActivity",
+  "speed-contact": "label.exampleSpeedContact",
+  "above-head": "label.exampleAboveHead",
+  angle: "label.exampleAngle",
+  then: "label.exampleThen",
+  distance: "label.exampleDistance",
+  fastest: "label.exampleFastest",
+  height: "label.exampleHeight",
+  speed: "label.exampleSpeed",
+  label: "label.exampleLabel",
+  "no-label": "label.exampleNoLabel",
+  begin: "label.exampleBegin",
+  every: "label.exampleEvery",
+};
+
+/** The frames that an example finds, in the language of the page. */
+export function exampleText({ kind, values }: Example): string {
+  const words = Object.entries(values).map(([name, value]) => {
+    if (typeof value === "number") return [name, number(value, 2)];
+    if (name === "joint" || name === "other") return [name, jointText(value)];
+    if (name === "angle") return [name, value.replaceAll("-", " ")];
+    return [name, kind === "activity" ? activityText(value) : value];
+  });
+  return capital(x(WORDS[kind], Object.fromEntries(words) as Record<string, string>));
+}
 
 export function Examples({ onChoose }: { onChoose: (query: string) => void }) {
-  useEffect(() => void loadVocabulary(), []);
-  // The name that most clips have.
-  const name = [...inUse.value].sort((a, b) => b.documents - a.documents)[0]?.name ?? "left-arm-abduction";
-  const examples: [Word, string][] = [
-    ["label.exampleName", `//frame[motion_name = ${literal(name)}]`],
-    ["label.exampleBent", "//frame[frame_bone[@name = 'left_low_arm']/@Rx > 45]"],
-    ["label.exampleBegin", "//frame[position() <= 30]"],
-    ["label.exampleNot", `//frame[not(motion_name = ${literal(name)})]`],
-    ["label.exampleNames", "distinct-values(//motion_name)"],
-    ["label.exampleCount", "count(//frame)"],
-    ["label.exampleBones", "//bone[name = 'Head']"],
-    ["label.exampleClips", "//header[starts-with(@filename, 'walk')]"],
-  ];
+  const project = param("project");
+  const found = useAsync(
+    (signal) => get("/xpath/examples", { query: { project: project || undefined }, signal }),
+    [project],
+  );
+  const items = found.value?.items ?? [];
   return (
     <div class="empty examples-page">
       <h2>{w("help.xpathStart")}</h2>
-      <p class="dim">{w("label.xpathExamples")}</p>
+      <Trouble error={found.error} retry={found.again} />
+      {items.length > 0 && <p class="dim">{w("label.xpathExamples")}</p>}
+      {found.busy && !items.length && (
+        <p class="dim" role="status">
+          {x("help.lookingForExamples")}
+        </p>
+      )}
+      {found.value && !items.length && <p class="dim">{x("help.noExamples")}</p>}
       <ul class="examples">
-        {examples.map(([word, query]) => (
-          <li key={word}>
-            <button type="button" class="example" onClick={() => onChoose(query)}>
-              <span>{w(word)}</span>
-              <code>{query}</code>
+        {items.map((one) => (
+          <li key={one.q}>
+            <button type="button" class="example" onClick={() => onChoose(one.q)}>
+              <span>{exampleText(one)}</span>
+              <code>{one.q}</code>
             </button>
           </li>
         ))}

@@ -1,0 +1,1 @@
+"""Suggestions for queries, from the motion of the library."""

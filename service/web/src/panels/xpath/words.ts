@@ -1,0 +1,43 @@
+import { wordsOf } from "../../words/table";
+
+export const x = wordsOf(
+  {
+    "help.lookingForExamples": "Looking for examples in this library…", "help.noExamples": "Import clips to see examples that find something in them.",
+    "label.exampleActivity": "Activity: {name}", "label.exampleSpeedContact": "{joint} faster than {value} m/s while {other} on the ground",
+    "label.exampleAboveHead": "{joint} above the head", "label.exampleAngle": "{angle} over {value}°",
+    "label.exampleThen": "{joint} faster than {value} m/s, then {other} faster than {limit} m/s within 1 s",
+    "label.exampleDistance": "{joint} and {other} nearer to each other than {value} m", "label.exampleFastest": "The three ranges labelled {name} with the fastest {joint}",
+    "label.exampleHeight": "{joint} higher than {value} m", "label.exampleSpeed": "{joint} faster than {value} m/s",
+    "label.exampleLabel": "Frames with the label {name}", "label.exampleNoLabel": "Frames without the label {name}",
+    "label.exampleBegin": "First 30 frames of each clip", "label.exampleEvery": "Every tenth frame of each clip",
+    "label.leftOf": "left {part}", "label.rightOf": "right {part}",
+    "label.part_hand": "hand", "label.part_low_arm": "elbow", "label.part_up_arm": "upper arm", "label.part_shoulder": "shoulder", "label.part_up_leg": "hip",
+    "label.part_low_leg": "knee", "label.part_foot": "ankle", "label.part_toes": "toes", "label.part_Head": "head", "label.part_Root": "root", "label.part_neck1": "neck", "label.part_waist": "waist",
+    "label.activity_walk": "walk", "label.activity_run": "run", "label.activity_step": "step", "label.activity_jump": "jump", "label.activity_stand": "stand", "label.activity_sit": "sit",
+    "label.activity_crouch": "crouch", "label.activity_lie": "lie", "label.activity_turn": "turn", "label.activity_kick": "kick", "label.activity_wave": "wave", "label.activity_reach": "reach",
+    "label.activity_raise_hand": "raise hand",
+    "label.activity_turn_left": "turn left", "label.activity_turn_right": "turn right", "label.activity_left_kick": "left kick", "label.activity_right_kick": "right kick",
+    "label.activity_left_wave": "left wave", "label.activity_right_wave": "right wave", "label.activity_left_reach": "left reach", "label.activity_right_reach": "right reach",
+    "label.activity_raise_left_hand": "raise left hand", "label.activity_raise_right_hand": "raise right hand",
+  },
+  {
+    "help.lookingForExamples": "이 라이브러리에서 예제를 찾는 중…", "help.noExamples": "클립을 가져오면 그 안에서 결과가 있는 예제를 보여 드립니다.",
+    "label.exampleActivity": "동작: {name}", "label.exampleSpeedContact": "{other} 바닥 접촉 중 {joint} 속도 {value} m/s 초과",
+    "label.exampleAboveHead": "머리보다 높은 {joint}", "label.exampleAngle": "{angle} 각도 {value}° 초과",
+    "label.exampleThen": "{joint} 속도 {value} m/s 초과, 이어서 1초 안에 {other} 속도 {limit} m/s 초과",
+    "label.exampleDistance": "{joint}·{other} 거리 {value} m 미만", "label.exampleFastest": "라벨 {name} 구간 가운데 {joint} 속도가 가장 빠른 셋",
+    "label.exampleHeight": "{joint} 높이 {value} m 초과", "label.exampleSpeed": "{joint} 속도 {value} m/s 초과",
+    "label.exampleLabel": "라벨이 {name}인 프레임", "label.exampleNoLabel": "라벨 {name}이 없는 프레임",
+    "label.exampleBegin": "클립마다 처음 30프레임", "label.exampleEvery": "클립마다 열 번째 프레임마다",
+    "label.leftOf": "왼쪽 {part}", "label.rightOf": "오른쪽 {part}",
+    "label.part_hand": "손", "label.part_low_arm": "팔꿈치", "label.part_up_arm": "위팔", "label.part_shoulder": "어깨", "label.part_up_leg": "엉덩관절",
+    "label.part_low_leg": "무릎", "label.part_foot": "발목", "label.part_toes": "발끝", "label.part_Head": "머리", "label.part_Root": "골반(루트)", "label.part_neck1": "목", "label.part_waist": "허리",
+    "label.activity_walk": "걷기", "label.activity_run": "달리기", "label.activity_step": "발 내딛기", "label.activity_jump": "뛰어오르기", "label.activity_stand": "서기", "label.activity_sit": "앉기",
+    "label.activity_crouch": "웅크리기", "label.activity_lie": "눕기", "label.activity_turn": "돌기", "label.activity_kick": "차기", "label.activity_wave": "손 흔들기", "label.activity_reach": "손 뻗기",
+    "label.activity_raise_hand": "손 들기",
+    "label.activity_turn_left": "왼쪽으로 돌기", "label.activity_turn_right": "오른쪽으로 돌기", "label.activity_left_kick": "왼발 차기", "label.activity_right_kick": "오른발 차기",
+    "label.activity_left_wave": "왼손 흔들기", "label.activity_right_wave": "오른손 흔들기", "label.activity_left_reach": "왼손 뻗기", "label.activity_right_reach": "오른손 뻗기",
+    "label.activity_raise_left_hand": "왼손 들기", "label.activity_raise_right_hand": "오른손 들기",
+  },
+);
+export type QueryWord = Parameters<typeof x>[0];

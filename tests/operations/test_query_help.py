@@ -1,0 +1,87 @@
+"""Examples of queries: of the library, in the words of its joints, labels and activities, and never without frames."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from fastapi.testclient import TestClient
+
+from mcml_service.storage.database import Database
+from tests.builders import bvh, one_kind, store
+from tests.motion.bodies.made import person
+
+pytestmark = one_kind
+API = "/api/v1"
+
+
+def examples(client: TestClient, **query: Any) -> Any:
+    answer = client.get(f"{API}/xpath/examples", params=query)
+    assert answer.status_code == 200, answer.text
+    return answer.json()
+
+
+def label(client: TestClient, document: str, name: str) -> None:
+    labels = [{"name": name, "first": 5, "last": 30}]
+    made = client.post(f"{API}/documents/{document}/labels", json=labels, headers={"if-match": "*"})
+    assert made.status_code == 201, made.text
+
+
+@pytest.fixture(autouse=True)
+def patience(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is found does not depend on how busy the machine is."""
+    monkeypatch.setattr("mcml_service.operations.query_help._SECONDS", 60.0)
+
+
+@pytest.fixture
+def people(client: TestClient, database: Database) -> list[str]:
+    found = store(database, {f"person_{seed}.bvh": person(seed, 90) for seed in range(3)})
+    label(client, found[0], """it's a "hop\"""")
+    return found
+
+
+def test_eight_examples_find_frames_and_six_are_about_bodies(client: TestClient, people: list[str]) -> None:
+    found = examples(client)
+    assert found["document"] in people
+    assert len(found["items"]) == 8
+    assert sum("mo:" in each["q"] for each in found["items"]) == 6
+    assert len({each["kind"] for each in found["items"]}) == 8
+    for each in found["items"]:
+        answer = client.get(f"{API}/xpath", params={"q": each["q"], "as": "runs", "limit": 1})
+        assert answer.status_code == 200, answer.text
+        assert answer.json()["items"], each["q"]
+        numbers = [f"{value:g}" for value in each["values"].values() if isinstance(value, float)]
+        assert all(number in each["q"] for number in numbers), each
+
+
+def test_no_example_is_unchecked_when_the_time_is_up(
+    client: TestClient, people: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("mcml_service.operations.query_help._SECONDS", 0.0)
+    assert examples(client) == {"items": [], "document": None}
+    monkeypatch.undo()
+    assert examples(client)["items"]
+
+
+def test_examples_follow_the_library(client: TestClient, people: list[str]) -> None:
+    before = examples(client)
+    assert examples(client) == before
+    for document in people:
+        client.delete(f"{API}/documents/{document}", headers={"if-match": "*"})
+    assert examples(client) == {"items": [], "document": None}
+
+
+def test_a_library_without_bodies_has_examples_of_elements_only(client: TestClient, database: Database) -> None:
+    store(database, {"stick.bvh": bvh(40, names=("box", "lid"))})
+    found = examples(client)
+    assert [each["kind"] for each in found["items"]] == ["begin", "every"]
+
+
+def test_a_project_has_examples_of_its_own(client: TestClient, people: list[str]) -> None:
+    answer = client.post(f"{API}/documents", files={"file": ("other.bvh", person(8, 60))}, data={"project": "others"})
+    (other,) = [each["id"] for each in answer.json()["documents"]]
+    label(client, other, "only here")
+    found = examples(client, project="others")
+    assert found["document"] == other
+    assert [each["values"] for each in found["items"] if each["kind"] == "label"] == [{"name": "only here"}]
+    assert client.get(f"{API}/xpath/examples", params={"project": "nowhere"}).status_code == 404
