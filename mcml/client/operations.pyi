@@ -56,7 +56,7 @@ from mcml_schemas.measure import MeasureRequest, Measures
 from mcml_schemas.measurements import MeasurementList
 from mcml_schemas.media import MediaChange, MediaInfo
 from mcml_schemas.names import AliasTable, AppliedNames, SavedAliases
-from mcml_schemas.querying.examples import QueryExamples
+from mcml_schemas.querying.examples import QuantityRange, QueryExamples
 from mcml_schemas.querying.facets import FacetList
 from mcml_schemas.querying.queries import Completions, QueryAnswer, QueryRequest
 from mcml_schemas.querying.running import RunningQueries
@@ -854,6 +854,14 @@ class Operations:
         progress: FileProgress | None = None,
     ) -> QueryExamples:
         """Get examples of queries that find frames in this library."""
+    def get_quantity_range(
+        self,
+        *,
+        quantity: str,
+        project: str | None = ...,
+        progress: FileProgress | None = None,
+    ) -> QuantityRange:
+        """Get the range of a quantity in a sample of this library."""
     def search_motion(
         self,
         *,

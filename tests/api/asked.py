@@ -210,6 +210,7 @@ def request_of(operation: Operation, things: Things, word: str) -> Asked | None:
         "search_file": Asked("all", {}, {}, files),
         "complete_query": Asked("all", {}, {"q": "//frame[motion_name='"}, {}),
         "get_query_examples": Asked("all", {}, {}, {}),
+        "get_quantity_range": Asked("all", {}, {"quantity": "position:Root,x"}, {}),
         "get_query": Asked("all", {}, {"q": "//bone/name | //header/filename | //motion_name"}, {}),
         "get_facets": Asked("all", {}, {}, {}),
         "compare_gait": Asked("thing", {}, {"document": one}, {}),

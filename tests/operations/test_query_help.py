@@ -1,9 +1,11 @@
-"""Examples of queries: of the library, in the words of its joints, labels and activities, and never without frames."""
+"""Examples of queries that find frames in the library, ranges of quantities for thresholds, figures of runs."""
 
 from __future__ import annotations
 
+import io
 from typing import Any
 
+import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
@@ -25,6 +27,13 @@ def label(client: TestClient, document: str, name: str) -> None:
     labels = [{"name": name, "first": 5, "last": 30}]
     made = client.post(f"{API}/documents/{document}/labels", json=labels, headers={"if-match": "*"})
     assert made.status_code == 201, made.text
+
+
+def values_of(client: TestClient, document: str, quantity: str) -> Any:
+    asked = {"quantity": quantity, "format": "npz"}
+    answer = client.get(f"{API}/documents/{document}/frames", params=asked)
+    assert answer.status_code == 200, answer.text
+    return np.load(io.BytesIO(answer.content))["values"][:, 0]
 
 
 @pytest.fixture(autouse=True)
@@ -85,3 +94,54 @@ def test_a_project_has_examples_of_its_own(client: TestClient, people: list[str]
     assert found["document"] == other
     assert [each["values"] for each in found["items"] if each["kind"] == "label"] == [{"name": "only here"}]
     assert client.get(f"{API}/xpath/examples", params={"project": "nowhere"}).status_code == 404
+
+
+@pytest.mark.parametrize(
+    "quantity", ["speed:left_hand", "height:Head", "angle:left-knee-flexion", "angle:left-wrist-flexion"]
+)
+def test_the_range_of_a_quantity_is_that_of_its_frames(client: TestClient, people: list[str], quantity: str) -> None:
+    found = client.get(f"{API}/quantities/range", params={"quantity": quantity}).json()
+    values = np.concatenate([values_of(client, document, quantity) for document in people])
+    values = values[~np.isnan(values)]
+    assert found["clips"] == len(people)
+    for name, share in {"least": 0, "low": 0.05, "middle": 0.5, "high": 0.95, "most": 1}.items():
+        assert found[name] == pytest.approx(np.quantile(values, share), rel=1e-9)
+
+
+def test_a_quantity_that_no_clip_has_is_without_a_range(client: TestClient, people: list[str]) -> None:
+    found = client.get(f"{API}/quantities/range", params={"quantity": "speed:tail"}).json()
+    assert (found["clips"], found["least"], found["most"]) == (0, None, None)
+    assert client.get(f"{API}/quantities/range", params={"quantity": "zeal:tail"}).status_code == 422
+
+
+@pytest.mark.parametrize(
+    ("condition", "quantity", "written"),
+    [
+        ("mo:speed('left_hand') > 1", "speed:left_hand", "mo:speed('left_hand')"),
+        (
+            "not(mo:contact('left_toes')) and mo:angle('left-knee-flexion') > 5",
+            "angle:left-knee-flexion",
+            "mo:angle('left-knee-flexion')",
+        ),
+        ("not(mo:height('Head') < 1) and mo:speed('Head') > 0", "height:Head", "mo:height('Head')"),
+        ("mo:angle('left-wrist-flexion') < 20", "angle:left-wrist-flexion", "mo:angle('left-wrist-flexion')"),
+    ],
+)
+def test_runs_have_the_figures_of_the_first_quantity(
+    client: TestClient, people: list[str], condition: str, quantity: str, written: str
+) -> None:
+    asked = {"q": f"//frame[{condition}]", "as": "runs", "with": "range", "limit": 40}
+    answer = client.get(f"{API}/xpath", params=asked).json()
+    assert answer["range_of"] == written
+    assert answer["items"]
+    for run in answer["items"]:
+        values = values_of(client, run["document"], quantity)[run["first"] - 1 : run["last"]]
+        assert run["range"] == [values.min(), values.max()]
+        assert run["mean"] == pytest.approx(values.mean(), rel=1e-9)
+
+
+def test_runs_of_a_query_without_a_number_have_no_figures(client: TestClient, people: list[str]) -> None:
+    asked = {"q": "//frame[not(mo:contact('left_toes'))]", "as": "runs", "with": "range"}
+    answer = client.get(f"{API}/xpath", params=asked).json()
+    assert "range_of" not in answer
+    assert "mean" not in answer["items"][0]

@@ -54,6 +54,7 @@ def test_totals_and_ranges(client: TestClient, q: str) -> None:
         frames = client.get(f"{API}/documents/{item['document']}/frames", params=asked).json()["items"]
         values = np.array([frame["values"]["Spine"]["Rx"] for frame in frames])
         assert item["range"] == [values.min(), values.max()]
+        assert item["mean"] == pytest.approx(values.mean(), rel=1e-12)
     first = ask(client, q, limit=2)
     assert (first["totals"], len(first["items"])) == (whole["totals"], 2)
     second = ask(client, q, limit=2, cursor=first["next_cursor"])

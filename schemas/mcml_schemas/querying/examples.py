@@ -1,4 +1,4 @@
-"""Example queries from the motion of a library."""
+"""Example queries, and ranges of quantities, from the motion of a library."""
 
 from __future__ import annotations
 
@@ -55,3 +55,31 @@ class QueryExamples(BaseModel):
 
     items: list[QueryExample]
     document: str | None = Field(description="A clip with a body, of the same sample; null without clips")
+
+
+class QuantityRange(BaseModel):
+    """Quantiles of a quantity over the frames of a sample of clips; null where no clip has a value."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {
+                "quantity": "speed:left_hand",
+                "unit": "m/s",
+                "clips": 32,
+                "least": 0.0,
+                "low": 0.02,
+                "middle": 0.5,
+                "high": 3.1,
+                "most": 6.2,
+            }
+        )
+    )
+
+    quantity: str
+    unit: str
+    clips: int = Field(description="Clips of the sample with values")
+    least: float | None = None
+    low: float | None = Field(None, description="5 % of the frames are below it")
+    middle: float | None = Field(None, description="Median")
+    high: float | None = Field(None, description="5 % of the frames are above it")
+    most: float | None = None

@@ -58,6 +58,7 @@ class RunItem(BaseModel):
     last_id: str
     frames: int
     range: list[float] | None = Field(None, description="Minimum and maximum of `range_of` in the range, if requested")
+    mean: float | None = Field(None, description="Mean of `range_of` in the range, with `range`")
 
 
 class RunTotals(BaseModel):
@@ -101,7 +102,7 @@ class QueryAnswer(BaseModel):
             {"type": "nodes", "items": [NODE], "next_cursor": CURSOR, "complete": True, "warnings": []},
             {
                 "type": "runs",
-                "items": [{**_RUN, "range": [45.1, 71.9]}],
+                "items": [{**_RUN, "range": [45.1, 71.9], "mean": 60.2}],
                 "totals": {"frames": 1204, "runs": 37, "documents": 9},
                 "range_of": "left_up_arm.Rx",
                 "complete": True,
@@ -118,7 +119,9 @@ class QueryAnswer(BaseModel):
     total: int | None = Field(None, description="All items on all pages, where it is known without more work")
     totals: RunTotals | None = Field(None, description="For frame ranges, if requested")
     range_of: str | None = Field(
-        None, description="BONE.CHANNEL whose minimum and maximum each frame range has, if requested"
+        None,
+        description="The value of `range` and `mean`, if requested: the compared sample as BONE.CHANNEL, or the "
+        "first quantity of bodies, in m, s and degrees",
     )
     complete: bool = Field(True, description="False where a limit ended the query early")
     warnings: list[str] = Field(default_factory=list)
@@ -157,7 +160,9 @@ class QueryRequest(RequestBody):
     strict: bool = Field(False, description="XPath 3.1 without its mode that is compatible with 1.0")
     explain: bool = False
     raw: bool = Field(False, description="csv: also texts that spreadsheets take for formulas as they are")
-    with_: str | None = Field(None, alias="with", pattern=WITH, description="Of runs: totals, range, or both")
+    with_: str | None = Field(
+        None, alias="with", pattern=WITH, description="Of runs: totals, range (minimum, maximum and mean), or both"
+    )
     variables: dict[str, str | int | float | bool] = Field(
         default_factory=dict, max_length=100, description="Values of $name in the expression"
     )

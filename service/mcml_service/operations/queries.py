@@ -87,7 +87,8 @@ def get_query(
         Field(
             alias="with",
             pattern=WITH,
-            description="For frame ranges: totals (frames, ranges, documents of all pages), range of a sample, or both",
+            description="For frame ranges: totals (frames, ranges, documents of all pages), range (minimum, maximum, "
+            "mean of the compared sample or quantity), or both",
             examples=["totals,range"],
         ),
     ] = None,

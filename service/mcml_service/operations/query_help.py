@@ -1,15 +1,19 @@
-"""Help with queries: examples from the library."""
+"""Help with queries: examples from the library, and ranges of quantities in it."""
 
 from __future__ import annotations
 
+from typing import Annotated
+
+from pydantic import Field
+
 from mcml.errors import McmlError
-from mcml_schemas.querying.examples import QueryExample, QueryExamples
+from mcml_schemas.querying.examples import QuantityRange, QueryExample, QueryExamples
 from mcml_schemas.querying.queries import QueryRequest
 from mcml_service.operations.arguments import InProject
 from mcml_service.operations.call import Call
 
 _SECONDS = 4.0
-"""Time limit of all examples together."""
+"""Time limit of all examples together, and of a range."""
 
 
 def get_query_examples(call: Call, project: InProject = None) -> QueryExamples:
@@ -46,3 +50,25 @@ def get_query_examples(call: Call, project: InProject = None) -> QueryExamples:
     if sample.is_whole and not limits.over:
         call.repository.examples.put(key, found)
     return found
+
+
+def get_quantity_range(
+    call: Call,
+    quantity: Annotated[
+        str, Field(max_length=1000, description="NAME:ARGUMENT,ARGUMENT", examples=["speed:left_hand"])
+    ],
+    project: InProject = None,
+) -> QuantityRange:
+    """Quantiles over the frames of a sample of 32 clips, for choosing a threshold. Clips without the joints or the unit
+    are left out; `clips` counts the others. The search ends after 4 s, with the clips that were read.
+    """
+    # Imported here: other operations need no mathematics.
+    from mcml.motion.bodies.quantities import asked_quantity
+    from mcml_service.actions.suggesting.find_range import find_range
+    from mcml_service.actions.suggesting.sample_motion import sample_motion
+    from mcml_service.xpath.limits import Limits
+
+    asked = asked_quantity(quantity)
+    limits = Limits(_SECONDS, call.settings.query_elements, call.client, call.author)
+    with call.database.read() as tx:
+        return find_range(tx, sample_motion(tx, call.queries.caches, project, limits), asked, limits)

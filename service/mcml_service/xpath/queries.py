@@ -97,7 +97,8 @@ class Queries:
             scope = Scope(tx, self.caches.listing, request.document, request.project)
             asking = _Asking(self, tx, query, scope, limits, per=request.per, wants_explain=request.explain)
             asking.leave_out_guesses(request.guesses)
-            page = Page(self.caches, request, min(request.limit or DEFAULT_LIMIT, self.settings.page_limit), cursor)
+            most = min(request.limit or DEFAULT_LIMIT, self.settings.page_limit)
+            page = Page(self.caches, request, most, cursor, limits.check)
             try:
                 answer = asking.answer(page)
             except LimitError as error:

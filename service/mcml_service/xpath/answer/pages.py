@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
@@ -14,7 +14,7 @@ from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.answer import sources
 from mcml_service.xpath.answer.cursors import Cursor, question
 from mcml_service.xpath.answer.items import Kind, node_item, plain, run_items
-from mcml_service.xpath.answer.totals import MAX_RUNS, add_ranges, counted
+from mcml_service.xpath.answer.totals import MAX_RUNS, add_figures, counted
 from mcml_service.xpath.engine.parts import Part, Parts
 from mcml_service.xpath.engine.source import Source
 from mcml_service.xpath.library.caches import Caches
@@ -24,12 +24,13 @@ from mcml_service.xpath.nodes.numbering import documents_of, frames_of
 
 @dataclass(frozen=True)
 class Page:
-    """One page of nodes, runs or values."""
+    """One page of nodes, runs or values. check: called often; raises when time is up."""
 
     caches: Caches
     request: QueryRequest
     limit: int
     cursor: Cursor | None
+    check: Callable[[], None]
 
     @property
     def offset(self) -> int:
@@ -80,7 +81,8 @@ class Page:
         runs = list(islice(found, self.offset, self.offset + self.limit + 1))
         items = run_items(tx, self.caches, runs[: self.limit])
         ranged = "range" in (self.request.with_ or "")
-        of = add_ranges(tx, self.request, runs[: self.limit], items) if ranged else None
+        shown = runs[: self.limit]
+        of = add_figures(tx, self.caches, self.request, shown, items, self.check) if ranged else None
         following = self._next(tx, len(runs) > self.limit)
         return QueryAnswer(type="runs", items=list(items), next_cursor=following, totals=totals, range_of=of)
 

@@ -708,6 +708,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/quantities/range": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_quantity_range"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/search": {
         parameters: {
             query?: never;
@@ -4293,6 +4309,16 @@ export interface components {
             numbers?: components["schemas"]["Histogram"] | null;
             texts: components["schemas"]["Count"][];
         };
+        QuantityRange: {
+            quantity: string;
+            unit: string;
+            clips: number;
+            least?: number | null;
+            low?: number | null;
+            middle?: number | null;
+            high?: number | null;
+            most?: number | null;
+        };
         QueryAnswer: {
             /** @enum {string} */
             type: "nodes" | "runs" | "number" | "string" | "boolean" | "strings" | "values";
@@ -4772,6 +4798,7 @@ export interface components {
             last_id: string;
             frames: number;
             range?: number[] | null;
+            mean?: number | null;
         };
         RunTotals: {
             frames: number;
@@ -8595,6 +8622,52 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["QueryExamples"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_quantity_range: {
+        parameters: {
+            query: {
+                quantity: string;
+                project?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["QuantityRange"];
                 };
             };
             503: {
