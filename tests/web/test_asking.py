@@ -8,6 +8,8 @@ from urllib.parse import quote
 
 import pytest
 
+from mcml.formats import FORMATS
+from mcml_service.demo.walks import walks
 from tests.web.conftest import Served, walk
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect
@@ -43,10 +45,87 @@ def test_a_question_is_built_by_keys_alone_and_folds_when_it_is_written_by_hand(
     editor.press("Control+End")
     page.keyboard.type(" ")
     page.keyboard.type("| //name")
-    expect(page.get_by_text("The expression below was written by hand.")).to_be_visible()
+    expect(page.get_by_text("The builder cannot show this expression.")).to_be_visible()
     page.get_by_role("button", name="Use the builder").click()
     expect(builder.get_by_label("Joint", exact=True)).to_have_value("left_foot")
     expect(editor).not_to_have_text(re.compile("//name"))
+
+
+def upload_walks(studio: Served, count: int) -> None:
+    for number, clip in enumerate(walks()[:count]):
+        studio.upload(f"walk_{number}.bvh", b"".join(FORMATS["bvh"].write(clip, "bvh")))
+
+
+def test_a_question_about_bodies_is_asked_without_xpath(open_studio: Served, visit_of: Any) -> None:
+    upload_walks(open_studio, 3)
+    page = visit_of(open_studio).open("/xpath")
+    editor = page.get_by_role("textbox", name="XPath")
+    builder = page.get_by_role("form", name="Builder")
+    status = page.get_by_role("status").filter(has_text=re.compile("frames in .* range"))
+    builder.get_by_role("button", name="Measurement").click()
+    first = builder.get_by_role("group", name="Condition 1")
+    expect(first.get_by_label("Joint", exact=True).locator("option:checked")).to_contain_text("left hand")
+    builder.get_by_role("button", name="Ground contact").click()
+    second = builder.get_by_role("group", name="Condition 2")
+    expect(second.get_by_label("Link to condition 2").locator("option:checked")).to_have_text("while")
+    expect(editor).to_have_text("//frame[mo:speed('left_hand') > 1 and mo:contact('right_toes')]")
+    expect(status).to_be_visible()
+    cards = page.get_by_role("list", name="First matches, moving").get_by_role("button")
+    expect(cards.first).to_be_visible()
+    rows = page.get_by_role("listbox", name="Results").get_by_role("option")
+    before = status.inner_text()
+    # The slider changes the expression, the count and the hits.
+    slider = first.get_by_role("slider")
+    slider.focus()
+    slider.press("End")
+    expect(editor).not_to_have_text(re.compile("> 1 and"))
+    expect(status).not_to_have_text(before)
+    slider.press("Home")
+    expect(status).to_be_visible()
+    # By the smallest mean speed first, then by the greatest.
+    mean = page.get_by_role("button", name="Sort by mean mo:speed('left_hand')")
+    mean.click()
+    expect(mean).to_have_attribute("aria-pressed", "true")
+    figures = rows.locator(".figure:last-child")
+    falling = [float(one) for one in figures.all_inner_texts()]
+    assert falling == sorted(falling, reverse=True)
+    assert falling[0] > falling[-1]
+    # Then, within a second; and in step with the text both ways.
+    second.get_by_label("Link to condition 2").select_option("then")
+    expect(editor).to_have_text(re.compile(r"and mo:window\(0, 1\)\[mo:contact\('right_toes'\)\]\]$"))
+    editor.press("Control+a")
+    page.keyboard.insert_text("//frame[not(mo:activity('walk'))]")
+    expect(builder.get_by_role("group", name="Condition 2")).to_have_count(0)
+    expect(first.get_by_label("Activity").locator("option:checked")).to_have_text("walk")
+    expect(first.get_by_label("Comparison").locator("option:checked")).to_have_text("is not")
+
+
+def test_a_joint_is_picked_on_a_body(open_studio: Served, visit_of: Any) -> None:
+    upload_walks(open_studio, 1)
+    page = visit_of(open_studio).open("/xpath")
+    builder = page.get_by_role("form", name="Builder")
+    builder.get_by_role("button", name="Measurement").click()
+    joint = builder.get_by_role("group", name="Condition 1").get_by_label("Joint", exact=True)
+    expect(joint).to_have_value("left_hand")
+    body = builder.get_by_role("img", name="Body")
+    expect(body.locator(".stage-canvas")).to_be_visible()
+    box = body.bounding_box()
+    picked = set()
+    # From head to floor along the middle of the body there are joints.
+    for share in range(2, 19):
+        body.click(position={"x": box["width"] / 2, "y": box["height"] * share / 20})
+        picked.add(joint.input_value())
+    assert len(picked) > 2, picked
+
+
+def test_guesses_are_left_out_by_a_switch(open_studio: Served, visit_of: Any) -> None:
+    upload_walks(open_studio, 1)
+    question = quote("//frame[mo:height('Head') > 0.1]")
+    page = visit_of(open_studio).open(f"/xpath?q={question}")
+    expect(page.get_by_role("status").filter(has_text="in 1 range")).to_be_visible()
+    page.get_by_role("button", name="Exclude guessed units").click()
+    expect(page.get_by_role("heading", name="No matches")).to_be_visible()
+    page.wait_for_url("**guesses=no*")
 
 
 def test_examples_find_something_and_become_lines_for_scripts(open_studio: Served, visit_of: Any) -> None:

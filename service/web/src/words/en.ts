@@ -148,9 +148,9 @@ export const en = {
   "help.manyFailed": "1 failed.|{n} failed.", "label.manyWorst": "max. error {value}°", "button.chooseAgain": "Choose other clips",
 
   // Questions by choosing
-  "label.builder": "Builder", "label.framesWhere": "Frames where", "label.everyRow": "match all", "label.anyRow": "match any", "label.and": "and", "label.or": "or", "label.is": "is",
+  "label.builder": "Builder", "label.framesWhere": "Frames where", "label.everyRow": "match all", "label.anyRow": "match any", "label.or": "or", "label.is": "is",
   "label.isNot": "is not", "label.contains": "contains", "label.jointValue": "Joint channel", "label.frameNumbersOf": "Frame number", "label.comparison": "Comparison",
-  "label.conditionOf": "Condition {n}", "button.removeCondition": "Remove condition {n}", "help.builderFolded": "The expression below was written by hand.",
+  "label.conditionOf": "Condition {n}", "button.removeCondition": "Remove condition {n}",
   "button.exportArrays": "Export arrays", "label.arraysFile": "Arrays …", "label.numbersOf": "Numbers", "label.arraysPositions": "Joint positions", "help.arraysPositions": "x, y, z in the world, in the unit of the clip.", "label.arraysRotations": "Joint rotations", "help.arraysRotations": "Quaternions x, y, z, w in the world.",
   "label.arraysChannels": "Channels", "help.arraysChannels": "The numbers of the files.", "label.columnsShared": "Only columns that all clips share", "help.columnsShared": "Otherwise NaN stands where a clip lacks a column.", "label.inScripts": "In scripts", "button.downloadArrays": "Download {name}",
   "help.arraysOfClips": "1 clip.|{n} clips, one after the other, with the same columns.", "help.arraysOfQuery": "All frame ranges of the answer, one after the other, with the same columns.",

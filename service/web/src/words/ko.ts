@@ -139,12 +139,12 @@ export const ko: typeof en = {
   "label.manyWorst": "최대 오차 {value}°", "button.chooseAgain": "다른 클립 고르기",
 
   // Questions by choosing
-  "label.builder": "조건 만들기", "label.framesWhere": "다음에 맞는 프레임", "label.everyRow": "모두 만족", "label.anyRow": "하나라도 만족", "label.and": "그리고", "label.or": "또는", "label.is": "같음", "label.isNot": "같지 않음", "label.contains": "포함",
+  "label.builder": "조건 만들기", "label.framesWhere": "다음에 맞는 프레임", "label.everyRow": "모두 만족", "label.anyRow": "하나라도 만족", "label.or": "또는", "label.is": "같음", "label.isNot": "같지 않음", "label.contains": "포함",
   "label.jointValue": "관절 채널", "label.frameNumbersOf": "프레임 번호", "label.comparison": "비교", "label.conditionOf": "조건 {n}", "button.removeCondition": "조건 {n} 제거",
   "button.exportArrays": "배열 내보내기", "label.arraysFile": "배열 …", "label.numbersOf": "수치", "label.arraysPositions": "관절 위치", "help.arraysPositions": "공간에서의 x, y, z, 클립의 단위로.", "label.arraysRotations": "관절 회전", "help.arraysRotations": "공간에서의 사원수 x, y, z, w.",
   "label.arraysChannels": "채널", "help.arraysChannels": "파일에 적힌 수치 그대로.", "label.columnsShared": "모든 클립에 있는 열만", "help.columnsShared": "끄면 클립에 없는 열은 NaN이 됩니다.", "label.inScripts": "스크립트에서", "button.downloadArrays": "{name} 내려받기",
   "help.arraysOfClips": "클립 {n}개를 같은 열로 차례로 잇습니다.", "help.arraysOfQuery": "답의 모든 프레임 구간을 같은 열로 차례로 잇습니다.",
-  "help.builderFolded": "아래 식은 직접 쓴 것입니다.", "button.builderAgain": "조건 만들기로 바꾸기", "label.asPython": "Python", "help.firstShown": "처음 {n}개입니다. 더 보려면 내리세요.",
+  "button.builderAgain": "조건 만들기로 바꾸기", "label.asPython": "Python", "help.firstShown": "처음 {n}개입니다. 더 보려면 내리세요.",
   "help.cutOff": "한도에서 멈췄습니다. 지금까지의 결과입니다. 범위를 좁히거나 질의에 라벨을 더하세요.", "button.toComposerFirst": "처음 {n}개를 이어붙이기로 보내기", "help.noAnswerHelp": "범위를 넓히거나, 조건 하나로 시작해 더해 보세요.",
 
   // Saved filters, first start

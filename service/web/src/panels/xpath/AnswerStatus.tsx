@@ -10,6 +10,7 @@ import { Menu } from "../../ui/Menu";
 import { w } from "../../words";
 import type { Answered, Run } from "./answered";
 import { Explain } from "./Explain";
+import { x } from "./words";
 import { asCommand, asCurl, asPython } from "./scripts";
 
 const PIECES = 40; // that an address to the composer holds
@@ -71,16 +72,12 @@ export function AnswerStatus({ answer, runs }: { answer: Answered; runs: Run[] }
           {w("help.cutOff")}
         </span>
       )}
-      {answer.warnings.map((one) => (
-        <span key={one} class="dim">
-          {one}
-        </span>
-      ))}
+      <Notes texts={answer.warnings.map(withoutOption)} />
       <span class="grow" />
       <Explain explain={answer.explain} />
       <Copies answer={answer} />
       <Exports answer={answer} hasRuns={runs.length > 0} />
-      {runs.length > 0 && !answer.per && (
+      {runs.length > 0 && !answer.per && answer.guesses && (
         <button type="button" class="button dense" disabled={saving} onClick={() => void saveAsClip()}>
           {w("button.saveAsClip")}
         </button>
@@ -94,10 +91,29 @@ export function AnswerStatus({ answer, runs }: { answer: Answered; runs: Run[] }
   );
 }
 
+/** Of the page's own switch, a note does not say how requests set it. */
+const withoutOption = (text: string): string => text.replace("; guesses=no leaves them out", "");
+
+/** What the answer leaves out or rests on: one sentence is shown, several open. */
+function Notes({ texts }: { texts: string[] }) {
+  if (texts.length < 2) return <span class="dim">{texts[0]}</span>;
+  return (
+    <details class="answer-notes dim">
+      <summary>{x("label.notes", { n: texts.length })}</summary>
+      <ul>
+        {texts.map((one) => (
+          <li key={one}>{one}</li>
+        ))}
+      </ul>
+    </details>
+  );
+}
+
 /** The answer as a file: its nodes, or the numbers of its frames. */
 function Exports({ answer, hasRuns }: { answer: Answered; hasRuns: boolean }) {
   const [numbers, setNumbers] = useState(false);
-  const { q, project, per } = answer;
+  const { q, project, per, guesses } = answer;
+  const left = guesses ? {} : ({ guesses: "no" } as const);
   return (
     <>
       <Menu
@@ -107,7 +123,7 @@ function Exports({ answer, hasRuns }: { answer: Answered; hasRuns: boolean }) {
         items={[
           ...(["xml", "ndjson", "csv"] as const).map((one) => ({
             text: one.toUpperCase(),
-            href: address("/xpath", {}, { q, project, as: one, per: per ? "document" : undefined }),
+            href: address("/xpath", {}, { q, project, as: one, per: per ? "document" : undefined, ...left }),
             download: `${slug(q)}.${one}`,
           })),
           ...(hasRuns && !per ? [{ text: w("label.arraysFile"), run: () => setNumbers(true) }] : []),
@@ -118,7 +134,7 @@ function Exports({ answer, hasRuns }: { answer: Answered; hasRuns: boolean }) {
       </Menu>
       {numbers && (
         <ArraysDialog
-          source={{ query: q, ...(project ? { selection: { project } } : {}) }}
+          source={{ query: q, ...left, ...(project ? { selection: { project } } : {}) }}
           about={w("help.arraysOfQuery")}
           onClose={() => setNumbers(false)}
         />
@@ -136,9 +152,9 @@ const piecesOf = (runs: Run[]): string =>
 
 /** The query as a line for a shell or for Python. */
 function Copies({ answer }: { answer: Answered }) {
-  const { q, project, per } = answer;
+  const { q, project, per, guesses } = answer;
   const values = answer.as === "json" && answer.type !== "nodes";
-  const question = { q, project, per, form: answer.as, values, token: needsToken() };
+  const question = { q, project, per, guesses, form: answer.as, values, token: needsToken() };
   const copied = question.token ? w("help.copiedToken") : w("label.copied");
   const copies = [
     { text: w("label.asCurl"), run: () => void copyText(asCurl(question, location.origin), copied) },

@@ -5,8 +5,13 @@ import { go } from "../../state/session/route";
 import { RunPlayer } from "../../ui/playing/RunPlayer";
 import { VirtualList } from "../../ui/VirtualList";
 import { number, w } from "../../words";
+import { HitCards } from "./HitCards";
+import { sortRuns, type Order } from "./rangeTable";
+import { RunHead } from "./RunHead";
 import { ItemCells, ItemHead, OneValue, shapeOf, WholeValue, type Item } from "./Answer";
 import type { Answered, Run } from "./answered";
+
+const DIGITS = 2;
 
 /** Open a frame range or the document of an item. */
 function open(one: Run | Item | undefined): void {
@@ -15,9 +20,25 @@ function open(one: Run | Item | undefined): void {
   else go(`/clips/${one.document}`);
 }
 
-/** runs: those of the answer; none where it is of another kind. onEnd: its last rows are in sight. */
-export function AnswerTable({ answer, runs, onEnd }: { answer: Answered; runs: Run[]; onEnd: () => void }) {
-  const [picked, setPicked] = useState(0);
+/** found: the runs of the answer; none where it is of another kind. isOld: the query has changed since. onEnd: its last rows are in
+ * sight. */
+export function AnswerTable({
+  answer,
+  runs: found,
+  isOld,
+  onEnd,
+}: {
+  answer: Answered;
+  runs: Run[];
+  isOld: boolean;
+  onEnd: () => void;
+}) {
+  const [chosen, setPicked] = useState(0);
+  const [order, setOrder] = useState<Order | null>(null);
+  const runs = useMemo(() => sortRuns(found, order), [found, order]);
+  const picked = Math.min(chosen, Math.max(0, answer.items.length - 1));
+  const at = (row: number): Run | Item | undefined =>
+    answer.as === "runs" ? runs[row] : (answer.items as Item[])[row];
   const items = useMemo(() => (answer.as === "json" ? (answer.items as Item[]) : []), [answer]);
   const shape = useMemo(() => shapeOf(items), [items]);
   if (!answer.items.length) {
@@ -30,10 +51,23 @@ export function AnswerTable({ answer, runs, onEnd }: { answer: Answered; runs: R
   }
   if (answer.single && items[0]) return <OneValue item={items[0]} />;
   return (
-    <div class="xpath-answer">
-      <div class="xpath-table">
+    <div class={`xpath-answer${isOld ? " old" : ""}`} aria-busy={isOld}>
+      <div class={`xpath-table${answer.rangeOf ? " with-figures" : ""}`}>
         {answer.as === "json" && <ItemHead shape={shape} />}
-        {answer.as === "runs" && <RunHead />}
+        {answer.as === "runs" && (
+          <>
+            <HitCards runs={runs} picked={picked} onPick={setPicked} />
+            <RunHead
+              rangeOf={answer.rangeOf}
+              order={order}
+              loaded={answer.cursor ? runs.length : null}
+              onOrder={(next) => {
+                setOrder(next);
+                setPicked(0);
+              }}
+            />
+          </>
+        )}
         <VirtualList
           rows={answer.items.length}
           height={28}
@@ -49,10 +83,10 @@ export function AnswerTable({ answer, runs, onEnd }: { answer: Answered; runs: R
               setPicked(Math.max(0, Math.min(answer.items.length - 1, picked + step)));
               event.preventDefault();
             }
-            if (event.key === "Enter") open(answer.items[picked]);
+            if (event.key === "Enter") open(at(picked));
           }}
           render={(row) => {
-            const item = answer.items[row];
+            const item = at(row);
             if (!item) return null;
             const props = {
               role: "option",
@@ -62,7 +96,7 @@ export function AnswerTable({ answer, runs, onEnd }: { answer: Answered; runs: R
               onDblClick: () => open(item),
             } as const;
             return answer.as === "runs" ? (
-              <RunRow run={item as Run} row={row} {...props} />
+              <RunRow run={item as Run} row={row} figures={answer.rangeOf !== null} {...props} />
             ) : (
               <div class={`run-row of-${shape}`} {...props}>
                 <ItemCells item={item} row={row} />
@@ -77,26 +111,25 @@ export function AnswerTable({ answer, runs, onEnd }: { answer: Answered; runs: R
   );
 }
 
-function RunHead() {
-  return (
-    <div class="run-row run-head" aria-hidden="true">
-      <span class="n">#</span>
-      <span>{w("label.document")}</span>
-      <span class="n">{w("label.from")}</span>
-      <span class="n">{w("label.last")}</span>
-      <span class="n">{w("label.length")}</span>
-    </div>
-  );
-}
-
-function RunRow({ run, row, ...props }: { run: Run; row: number } & HTMLAttributes<HTMLDivElement>) {
+function RunRow({
+  run,
+  row,
+  figures,
+  ...props
+}: { run: Run; row: number; figures: boolean } & HTMLAttributes<HTMLDivElement>) {
   return (
     <div class="run-row" {...props}>
       <span class="n dim">{number(row + 1)}</span>
       <span class="cut">{run.name}</span>
       <span class="n">{number(run.first)}</span>
       <span class="n">{number(run.last)}</span>
-      <span class="n dim">{w("label.frames", { n: run.frames })}</span>
+      <span class="n dim">{number(run.frames)}</span>
+      {figures &&
+        [run.range?.[0], run.range?.[1], run.mean].map((value, at) => (
+          <span key={at} class="n figure">
+            {typeof value === "number" ? number(value, DIGITS) : "–"}
+          </span>
+        ))}
     </div>
   );
 }

@@ -8,9 +8,10 @@ import { Menu } from "../../ui/Menu";
 import { useAsync } from "../../ui/useAsync";
 import { w } from "../../words";
 import { SavedQueries } from "./SavedQueries";
+import { x } from "./words";
 
-/** Whether the builder is open. */
-export const building = kept("builder", true);
+/** Whether the builder is open; on narrow screens the answer needs its room. */
+export const building = kept("builder", matchMedia("(min-width: 900px)").matches);
 
 /** onAsk: the scope or the form changed. */
 export function AskBar({
@@ -26,6 +27,7 @@ export function AskBar({
   const as = param("as") === "nodes" ? "json" : "runs";
   const project = param("project");
   const per = param("per") === "document";
+  const guesses = param("guesses") !== "no";
   return (
     <div class="xpath-bar row wrap">
       <label class="row">
@@ -81,6 +83,18 @@ export function AskBar({
           {w("label.nodes")}
         </button>
       </div>
+      <button
+        type="button"
+        class="button"
+        aria-pressed={!guesses}
+        title={x("help.withoutGuesses")}
+        onClick={() => {
+          setParams({ guesses: guesses ? "no" : null });
+          onAsk();
+        }}
+      >
+        {x("label.withoutGuesses")}
+      </button>
       <button
         type="button"
         class="button"

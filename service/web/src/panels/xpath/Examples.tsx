@@ -1,8 +1,7 @@
 /** Queries to begin with, from this library: each finds frames in it. */
-import { get, type Schemas } from "../../api/client";
-import { param } from "../../state/session/route";
+import type { Schemas } from "../../api/client";
 import { Trouble } from "../../ui/Trouble";
-import { useAsync } from "../../ui/useAsync";
+import type { Loaded } from "../../ui/useAsync";
 import { number, w } from "../../words";
 import { activityText, capital, jointText } from "./bodyNames";
 import { x, type QueryWord } from "./words";
@@ -36,12 +35,13 @@ export function exampleText({ kind, values }: Example): string {
   return capital(x(WORDS[kind], Object.fromEntries(words) as Record<string, string>));
 }
 
-export function Examples({ onChoose }: { onChoose: (query: string) => void }) {
-  const project = param("project");
-  const found = useAsync(
-    (signal) => get("/xpath/examples", { query: { project: project || undefined }, signal }),
-    [project],
-  );
+export function Examples({
+  found,
+  onChoose,
+}: {
+  found: Loaded<Schemas["QueryExamples"]>;
+  onChoose: (query: string) => void;
+}) {
   const items = found.value?.items ?? [];
   return (
     <div class="empty examples-page">

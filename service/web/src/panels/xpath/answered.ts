@@ -4,7 +4,7 @@ import type { Item } from "./Answer";
 
 export type Run = Schemas["RunItem"];
 
-/** q, project, per: what was asked. single: the answer is one value. */
+/** q, project, per, guesses: what was asked. single: the answer is one value. rangeOf: what each range has the figures of. */
 export interface Answered {
   q: string;
   project: string;
@@ -12,6 +12,8 @@ export interface Answered {
   type: string;
   single: boolean;
   per: boolean;
+  guesses: boolean;
+  rangeOf: string | null;
   items: (Run | Item)[];
   totals: Schemas["RunTotals"] | null;
   total: number | null;
@@ -26,13 +28,15 @@ export interface Question {
   q: string;
   project: string;
   per: boolean;
+  /** Whether clips with a guessed unit, up axis or floor count. */
+  guesses: boolean;
   form: Answered["as"];
   /** Of the page before; null: the first page. */
   cursor: string | null;
 }
 
 export async function fetchAnswer(asked: Question, signal: AbortSignal): Promise<Answered> {
-  const { q, project, per, form, cursor } = asked;
+  const { q, project, per, guesses, form, cursor } = asked;
   const began = performance.now();
   const found = (await get("/xpath", {
     query: {
@@ -44,7 +48,8 @@ export async function fetchAnswer(asked: Question, signal: AbortSignal): Promise
       cursor: cursor ?? undefined,
       explain: true,
       otherwise: form === "runs" ? "json" : undefined,
-      with: form === "runs" && !cursor ? "totals" : undefined,
+      with: form !== "runs" ? undefined : cursor ? "range" : "totals,range",
+      guesses: guesses ? undefined : "no",
     },
     signal,
   })) as Schemas["QueryAnswer"];
@@ -55,6 +60,8 @@ export async function fetchAnswer(asked: Question, signal: AbortSignal): Promise
     type: found.type,
     single: !found.items,
     per,
+    guesses,
+    rangeOf: found.range_of ?? null,
     items: (found.items ?? [{ value: found.value }]) as Answered["items"],
     totals: found.totals ?? null,
     total: found.total ?? null,

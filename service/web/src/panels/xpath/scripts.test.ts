@@ -25,6 +25,13 @@ describe("lines for scripts", () => {
     );
   });
 
+  it("leave out guesses where the page does", () => {
+    const asked = { q: "//frame", project: "", form: "runs" as const, guesses: false };
+    expect(asCurl(asked, "http://x")).toContain(" -d guesses=no ");
+    expect(asCommand(asked, "http://x")).toContain(" --guesses no ");
+    expect(asPython(asked, "http://x")).toContain('repo.xpath("//frame", guesses="no")');
+  });
+
   it("say that each document is asked by itself, and print values", () => {
     const asked = { q: "count(//frame)", project: "", form: "json" as const, per: true, values: true };
     expect(asCurl(asked, "http://x")).toBe(

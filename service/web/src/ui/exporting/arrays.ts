@@ -5,6 +5,8 @@ import type { Schemas } from "../../api/client";
 export interface ArraysSource {
   selection?: { documents?: string[]; project?: string };
   query?: string;
+  /** The query leaves out clips that rest on a guess. */
+  guesses?: "no";
 }
 export type ArraysRequest = ArraysSource & Pick<Schemas["ArraysRequest"], "space" | "columns" | "as">;
 
@@ -28,6 +30,7 @@ export const arraysByCommand = (request: ArraysRequest, origin: string): string 
     ...(request.selection?.documents ?? []),
     ...(request.selection?.project ? [`--project ${quoted(request.selection.project)}`] : []),
     ...(request.query ? [`--query ${quoted(request.query)}`] : []),
+    ...(request.guesses ? ["--guesses no"] : []),
     `--space ${request.space}`,
     ...(request.columns === "shared" ? ["--columns shared"] : []),
     `--server ${origin}`,
@@ -38,6 +41,7 @@ export const arraysByPython = (request: ArraysRequest, origin: string, token: bo
     ...(request.selection?.documents?.length ? [`documents=${JSON.stringify(request.selection.documents)}`] : []),
     ...(request.selection?.project ? [`project=${JSON.stringify(request.selection.project)}`] : []),
     ...(request.query ? [`query=${JSON.stringify(request.query)}`] : []),
+    ...(request.guesses ? ['guesses="no"'] : []),
     `space=${JSON.stringify(request.space)}`,
     ...(request.columns === "shared" ? ['columns="shared"'] : []),
   ].join(", ");
