@@ -98,15 +98,7 @@ export function XPathPage() {
           {busy && <div class="busy" />}
           <Trouble error={error} />
           {answer && <AnswerStatus answer={answer} runs={runs} />}
-          {!answer && !error && !busy && empty && (
-            <EmptyState
-              picture="xpath"
-              makes={w("help.xpathStart")}
-              parts={["people"]}
-              onDemo={() => write("//frame[motion_name = 'wave']")}
-            />
-          )}
-          {!answer && !error && !busy && empty === false && <Examples found={examples} onChoose={write} />}
+          {!answer && !error && !busy && <Start empty={empty} examples={examples} onChoose={write} />}
           {answer && (
             <AnswerTable
               answer={answer}
@@ -121,4 +113,26 @@ export function XPathPage() {
       </div>
     </div>
   );
+}
+
+/** Before the first question. empty: whether there are no clips; null until that is known. */
+function Start({
+  empty,
+  examples,
+  onChoose,
+}: {
+  empty: boolean | null;
+  examples: Parameters<typeof Examples>[0]["found"];
+  onChoose: (query: string) => void;
+}) {
+  if (empty)
+    return (
+      <EmptyState
+        picture="xpath"
+        makes={w("help.xpathStart")}
+        parts={["people"]}
+        onDemo={() => onChoose("//frame[motion_name = 'wave']")}
+      />
+    );
+  return empty === false ? <Examples found={examples} onChoose={onChoose} /> : null;
 }
