@@ -58,9 +58,9 @@ export function Builder({
     setTarget({ row: rows.length, second: false });
     change({ all: question?.all ?? true, rows: [...rows, row] });
   };
-  // A name that has come is chosen in the rows that wait for one.
+  // A name that has come is chosen in the rows that wait for one, never in a text that is being typed.
   useEffect(() => {
-    if (!question) return;
+    if (!question || text !== expressionOf(kept)) return;
     const rows = question.rows.map((row) => withName(row, known));
     if (rows.some((row, at) => row !== question.rows[at])) change({ ...question, rows });
   }, [names, joints]);

@@ -49,7 +49,7 @@ function addStep(group: Group, within: number | undefined, found: { rows: Row[];
   // "(a or b) and then …": the group in parentheses is all that this frame says.
   const [only] = own.parts;
   if (own.parts.length === 1 && only?.kind === "group") own = flatten(only.group);
-  const conditions = conditionsOf(own);
+  const conditions = listConditions(own);
   if (!conditions.length && later.length) fail();
   if (conditions.length > 1) {
     if (found.all !== null && found.all !== (own.by === "and")) fail();
@@ -71,7 +71,7 @@ function flatten({ by, parts }: Group): Group {
   };
 }
 
-function conditionsOf({ by, parts }: Group): Condition[] {
+function listConditions({ by, parts }: Group): Condition[] {
   const found: Condition[] = [];
   for (let at = 0; at < parts.length; at++) {
     const part = itemAt(parts, at);
