@@ -861,7 +861,7 @@ class Operations:
         project: str | None = ...,
         progress: FileProgress | None = None,
     ) -> QuantityRange:
-        """Get the range of a quantity in a sample of this library."""
+        """Get the range of a quantity in this library."""
     def search_motion(
         self,
         *,
@@ -1261,7 +1261,7 @@ class Operations:
         project: str | None = ...,
         progress: FileProgress | None = None,
     ) -> MotionNameList:
-        """List the labels in use with their frames, and the movements that each part of the body can perform."""
+        """List labels with their frames, and movements of each part of the body."""
     def list_skeletons(
         self,
         *,

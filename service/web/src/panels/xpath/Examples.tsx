@@ -50,7 +50,7 @@ export function Examples({
       {items.length > 0 && <p class="dim">{w("label.xpathExamples")}</p>}
       {found.busy && !items.length && (
         <p class="dim" role="status">
-          {x("help.lookingForExamples")}
+          {x("label.lookingForExamples")}
         </p>
       )}
       {found.value && !items.length && <p class="dim">{x("help.noExamples")}</p>}

@@ -2,7 +2,7 @@ import { wordsOf } from "../../words/table";
 
 export const x = wordsOf(
   {
-    "help.lookingForExamples": "Looking for examples in this library…", "help.noExamples": "Import clips to see examples that find something in them.",
+    "label.lookingForExamples": "Looking for examples in this library…", "help.noExamples": "Import clips to see examples that find something in them.",
     "label.exampleActivity": "Activity: {name}", "label.exampleSpeedContact": "{joint} faster than {value} m/s while {other} on the ground",
     "label.exampleAboveHead": "{joint} above the head", "label.exampleAngle": "{angle} over {value}°",
     "label.exampleThen": "{joint} faster than {value} m/s, then {other} faster than {limit} m/s within 1 s",
@@ -26,13 +26,13 @@ export const x = wordsOf(
     "label.while": "while", "label.thenWithin": "then, within", "label.seconds": "s", "label.withinSeconds": "Seconds until condition {n}", "label.linkOf": "Link to condition {n}",
     "label.body": "Body: click a joint to ask about it", "help.clickJoint": "Click a joint to ask about it, or add a condition.", "help.clickNext": "Click a joint to change condition {n}.",
     "help.beyondBuilder": "The builder cannot show this expression. It stays as it is.",
-    "help.rangeOf": "{low} to {high} in 90 % of the frames",
+    "label.rangeOf": "{low} to {high} in 90 % of the frames",
     "label.hitCards": "First matches, moving", "label.minimum": "min", "label.maximum": "max", "label.mean": "mean", "label.sortBy": "Sort by {column}", "help.sortsLoaded": "Sorts the {n} ranges that are loaded.",
     "label.withoutGuesses": "Exclude guessed units", "help.withoutGuesses": "Leave out clips whose unit, up axis or floor is guessed, if the query depends on it.",
     "label.notes": "{n} note|{n} notes", "label.lengthFrames": "Frames",
   },
   {
-    "help.lookingForExamples": "이 라이브러리에서 예제를 찾는 중…", "help.noExamples": "클립을 가져오면 그 안에서 결과가 있는 예제를 보여 드립니다.",
+    "label.lookingForExamples": "이 라이브러리에서 예제를 찾는 중…", "help.noExamples": "클립을 가져오면 그 안에서 결과가 있는 예제를 보여 드립니다.",
     "label.exampleActivity": "동작: {name}", "label.exampleSpeedContact": "{other} 바닥 접촉 중 {joint} 속도 {value} m/s 초과",
     "label.exampleAboveHead": "머리보다 높은 {joint}", "label.exampleAngle": "{angle} 각도 {value}° 초과",
     "label.exampleThen": "{joint} 속도 {value} m/s 초과, 이어서 1초 안에 {other} 속도 {limit} m/s 초과",
@@ -56,7 +56,7 @@ export const x = wordsOf(
     "label.while": "동시에", "label.thenWithin": "이어서", "label.seconds": "초 안에", "label.withinSeconds": "조건 {n}까지의 초", "label.linkOf": "조건 {n}의 연결",
     "label.body": "몸: 관절을 누르면 조건이 됩니다", "help.clickJoint": "관절을 누르거나 조건을 추가하세요.", "help.clickNext": "관절을 누르면 조건 {n}이 바뀝니다.",
     "help.beyondBuilder": "이 식은 조건 만들기로 나타낼 수 없습니다. 식은 그대로 둡니다.",
-    "help.rangeOf": "프레임의 90 %가 {low}~{high}",
+    "label.rangeOf": "프레임의 90 %가 {low}~{high}",
     "label.hitCards": "처음 결과, 움직이는 그림", "label.minimum": "최소", "label.maximum": "최대", "label.mean": "평균", "label.sortBy": "{column} 기준 정렬", "help.sortsLoaded": "불러온 구간 {n}개를 정렬합니다.",
     "label.withoutGuesses": "추정 단위 제외", "help.withoutGuesses": "질의가 단위, 위쪽 축, 바닥에 달려 있을 때 그 값을 추정한 클립을 뺍니다.",
     "label.notes": "참고 {n}개", "label.lengthFrames": "프레임",

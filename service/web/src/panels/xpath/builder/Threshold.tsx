@@ -43,7 +43,7 @@ export function Threshold({
         type="range"
         aria-label={label}
         aria-valuetext={`${number(row.value, 3)} ${unit}`}
-        title={known ? x("help.rangeOf", { low: number(low, 2), high: `${number(high, 2)} ${unit}` }) : undefined}
+        title={known ? x("label.rangeOf", { low: number(low, 2), high: `${number(high, 2)} ${unit}` }) : undefined}
         {...scale}
         value={Number.isFinite(row.value) ? row.value : scale.min}
         onInput={(event) => onChange(tidy(event.currentTarget.valueAsNumber))}
