@@ -35,10 +35,10 @@ def test_every_page_of_an_empty_library_says_what_it_makes(open_studio: Served, 
         page = visit.open(path)
         expect(page.get_by_text(sentence)).to_be_visible()
         expect(page.get_by_role("button", name="Try it with demo clips")).to_be_enabled()
-        listed = page.get_by_role("list", name="Formats for upload").get_by_role("listitem")
+        listed = page.get_by_role("list", name="Supported formats").get_by_role("listitem")
         expect(listed.filter(has_text=re.compile(r"^\w"))).to_have_count(len(formats))
         with page.expect_file_chooser():
-            page.get_by_role("button", name="Upload files").click()
+            page.get_by_role("button", name="Import files").click()
 
 
 def test_the_library_shows_cards_and_takes_the_demo_once(open_studio: Served, visit_of: Any) -> None:

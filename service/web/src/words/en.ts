@@ -32,7 +32,7 @@ export const en = {
   "label.emptyProject": "No clips in {name} yet", "help.emptyProjectHelp": "Drop files, folders or a zip in this window to import them into this project.",
   "label.emptyLibrary": "No clips yet", "help.emptyLibraryHelp": "All your motion clips in one place, to find, play, edit, measure and export.",
   "help.dropAnywhere": "Drop files, folders or a zip anywhere in this window. Original files are kept byte for byte.",
-  "button.tryDemo": "Try it with demo clips", "button.uploadFiles": "Upload files", "label.demoLoading": "Loading demo clips…", "label.demoPart": "Loading demo clips: part {now} of {all}", "error.demoGone": "The demo clip {name} is missing. Restore it from the trash, or give it its name again.", "label.formatsRead": "Formats for upload",
+  "button.tryDemo": "Try it with demo clips", "button.importFiles": "Import files", "label.demoLoading": "Loading demo clips…", "label.demoPart": "Loading demo clips: part {now} of {all}", "error.demoGone": "The demo clip {name} is missing. Restore it from the trash, or give it its name again.", "label.formatsRead": "Supported formats",
   "help.composeMakes": "Join frame ranges of several clips into a new clip, with smooth transitions.", "help.retargetMakes": "Give the motion of one clip to a character with another skeleton.", 
   "label.noneMatch": "No matches", "help.noneMatchHelp": "Remove a filter, or search for other words.",
   "button.chooseFiles": "Choose files", "label.picked": "1 selected|{n} selected", "button.pickAll": "Select all {n}", "button.pickNone": "Clear selection", "label.preview": "Preview", "label.unit": "Unit", "label.rateWord": "Rate",

@@ -33,7 +33,7 @@ export const ko: typeof en = {
   "label.emptyProject": "{name}에 아직 클립이 없습니다", "help.emptyProjectHelp": "파일이나 폴더, zip을 이 창에 놓으면 이 프로젝트에 들어갑니다.",
   "label.emptyLibrary": "아직 클립이 없습니다", "help.emptyLibraryHelp": "모든 모션 클립을 한곳에서 찾고, 재생하고, 편집하고, 측정하고, 내보냅니다.",
   "help.dropAnywhere": "파일이나 폴더, zip을 이 창 아무 곳에나 놓으세요. 원본 파일은 한 바이트도 다르지 않게 보관합니다.",
-  "button.tryDemo": "데모 클립으로 해 보기", "button.uploadFiles": "파일 올리기", "label.demoLoading": "데모 클립을 불러오는 중…", "label.demoPart": "데모 클립을 불러오는 중: {all}개 중 {now}번째", "error.demoGone": "데모 클립 {name}이(가) 없습니다. 휴지통에서 되살리거나 이름을 되돌리세요.", "label.formatsRead": "올릴 수 있는 형식",
+  "button.tryDemo": "데모 클립으로 해 보기", "button.importFiles": "파일 가져오기", "label.demoLoading": "데모 클립을 불러오는 중…", "label.demoPart": "데모 클립을 불러오는 중: {all}개 중 {now}번째", "error.demoGone": "데모 클립 {name}이(가) 없습니다. 휴지통에서 되살리거나 이름을 되돌리세요.", "label.formatsRead": "지원하는 형식",
   "help.composeMakes": "여러 클립의 프레임 구간을 매끄러운 전환으로 이어 새 클립을 만듭니다.", "help.retargetMakes": "한 클립의 동작을 스켈레톤이 다른 캐릭터에게 옮깁니다.", 
   "label.noneMatch": "결과가 없습니다", "help.noneMatchHelp": "필터를 하나 빼거나 다른 낱말로 찾으세요.",
   "button.chooseFiles": "파일 고르기", "label.picked": "{n}개 선택", "button.pickAll": "{n}개 모두 선택", "button.pickNone": "선택 해제", "label.preview": "미리 보기", "label.unit": "단위", "label.rateWord": "속도",

@@ -45,7 +45,7 @@ const VERBS = new Set(
     "Delete Discard Do Download Duplicate Edit Exclude Export Extend Extract Find Fit Go Hide Hold Import Invite Keep Label Make Measure Merge Mirror " +
     "Move New Open Pause Play Preview Rebuild Record Redo Refine Reload Remove Reopen Repair Resend Reset Resolve Restore " +
     "Retarget Retry Revoke Run Save Search Select Send Set Share Show Sign Split Start Stop Suggest Take Tap Toggle Trim " +
-    "Try Undo Upload Use Validate Zoom"
+    "Try Undo Use Validate Zoom"
   ).split(" "),
 );
 

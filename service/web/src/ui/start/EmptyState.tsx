@@ -76,7 +76,7 @@ export function EmptyState({ picture, title, makes, needs, missing, parts, onDem
           {mayEdit() && (
             <button type="button" class="button" onClick={() => chooseFiles()}>
               <Icon name="upload" />
-              {w("button.uploadFiles")}
+              {w("button.importFiles")}
             </button>
           )}
         </p>
