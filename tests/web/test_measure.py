@@ -13,7 +13,7 @@ import pytest
 
 from tests.laboratory.walkers import Gait, events_of, make_c3d
 from tests.motion.bodies.made import person
-from tests.web.conftest import Served
+from tests.web.conftest import Served, walk
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect
 MOST_CLICKS = 15
@@ -163,6 +163,7 @@ def test_measurements_are_chosen_and_removed(measured: tuple[Any, str]) -> None:
 
 
 def test_an_empty_page_leads_on(open_studio: Served, visit_of: Any) -> None:
+    open_studio.upload("walk.bvh", walk())
     page = visit_of(open_studio).open("/measure")
     expect(page.get_by_text("Choose clips, then add a measurement.")).to_be_visible()
     expect(page.get_by_role("link", name="Gait parameters")).to_be_visible()
