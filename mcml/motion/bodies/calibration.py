@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Final, TypeAlias
 
 import numpy as np
-import orjson
 
 from mcml.errors import RequestError
 from mcml.motion.anatomy.axes import uprightness
@@ -20,6 +19,7 @@ from mcml.motion.bodies.bone_axes import MARKER_ZEROS, BoneAxis, HingeSums, bone
 from mcml.motion.bodies.floors import find_floor
 from mcml.motion.bodies.origins import Origin
 from mcml.motion.bodies.reference import could_stand, standing_zeros
+from mcml.motion.calibration_properties import OVERRIDES, read_value
 from mcml.motion.clip import ClipHead, Reference, ReferencePose
 from mcml.motion.floor_plates import kept_plates
 from mcml.motion.frames import Rows
@@ -47,10 +47,6 @@ FINEST = 1e-4
 """Metres of a step of positions."""
 STEPS_OF_A_LEG = 10_000
 """The same where the unit is not known."""
-
-OVERRIDES = "calibration "
-"""Properties of a header that begin so are values that people set: "calibration floor" and so on. The unit and the up
-axis are set by the header's own elements."""
 
 _UNSET: Final = object()
 
@@ -235,18 +231,9 @@ def overrides_of(head: ClipHead) -> dict[str, Any]:
     for name, value, _ in head.properties:
         if name.startswith(OVERRIDES):
             with suppress(ValueError, RequestError):
-                told = orjson.loads(value)
                 key = name.removeprefix(OVERRIDES)
-                found |= _checked({key: _pose_from(told) if key == "pose" else told})
+                found |= _checked({key: read_value(key, value)})
     return found
-
-
-def _pose_from(told: Any) -> ReferencePose:
-    """Read a pose. Raises ValueError for an invalid one."""
-    numbers = np.array(told if isinstance(told, list) else (), dtype=np.float64)
-    if numbers.ndim != 2 or numbers.shape[1] != 7 or not np.isfinite(numbers).all():
-        raise ValueError("a pose has seven numbers a joint")
-    return ReferencePose.from_json(numbers.tolist())
 
 
 def _checked(overrides: Mapping[str, Any]) -> Mapping[str, Any]:

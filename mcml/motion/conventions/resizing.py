@@ -7,10 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from mcml.errors import ConversionError
+from mcml.errors import ConversionError, Notice
+from mcml.motion.calibration_properties import Properties, scale_values, turn_values
 from mcml.motion.clip import ClipStream, FrameBlock, Shape
 from mcml.motion.extremes import within_doubles
 from mcml.motion.floor_plates import kept_plates, replace_plates
+from mcml.motion.landmarks.sizes import PREFIX as MEASURES
 from mcml.motion.lexemes import lexeme, triple
 from mcml.motion.rotations import from_euler, from_fixed_euler, multiply, to_euler
 from mcml.motion.skeleton import CHANNELS, TRANSLATIONS, Array, Convention, EndSite, Joint, Skeleton, Triple, numbers
@@ -21,9 +23,10 @@ _LENGTHS = (*TRANSLATIONS, "residual")
 
 
 def scale(clip: ClipStream, factor: float, unit: str | None = None) -> ClipStream:
-    """Multiply every length of a clip.
+    """Multiply every length of a clip, also those that people set of its calibration.
 
-    unit: the new unit, if the lengths are converted; else the size of the body changes. Raises ConversionError for a
+    unit: the new unit, if the lengths are converted; else the size of the body changes, and measures of its subject
+    are left out with a notice. Raises ConversionError for a
     factor that is not positive and finite.
     """
     if not (np.isfinite(factor) and factor > 0):
@@ -35,7 +38,11 @@ def scale(clip: ClipStream, factor: float, unit: str | None = None) -> ClipStrea
         if "units_length" in fields:
             fields["units_length"] = lexeme(float(fields["units_length"]) * factor)
     joints = tuple(_scaled(joint, factor) for joint in head.skeleton.joints)
-    head = replace(head, skeleton=replace(head.skeleton, joints=joints), fields=fields, number_style="shortest")
+    properties = scale_values(head.properties, factor, resizes=unit is None)
+    if unit is None and factor != 1.0:
+        properties = _without_measures(properties, clip.notices)
+    skeleton = replace(head.skeleton, joints=joints)
+    head = replace(head, skeleton=skeleton, fields=fields, properties=properties, number_style="shortest")
     # A body of another size no longer fits the laboratory.
     plates = kept_plates(clip.head)
     head = replace_plates(head, plates[:0] if unit is None else plates * factor)
@@ -51,6 +58,13 @@ def scale(clip: ClipStream, factor: float, unit: str | None = None) -> ClipStrea
 
     original = None if clip.original is None else clip.original.scale(factor, resizes=unit is None)
     return within_doubles(replace(clip, head=head, blocks=blocks, original=original))
+
+
+def _without_measures(properties: Properties, notices: list[Notice]) -> Properties:
+    kept = tuple(item for item in properties if not item[0].startswith(MEASURES))
+    if len(kept) < len(properties):
+        notices.append(Notice("warning", "measures of the subject are left out: the body has another size"))
+    return kept
 
 
 def _scaled(joint: Joint, factor: float) -> Joint:
@@ -101,7 +115,8 @@ def turn_axis(clip: ClipStream, start: str, end: str) -> ClipStream:
         for block in clip.blocks():
             yield turn.block(head.skeleton, block)
 
-    head = replace(head, skeleton=skeleton, number_style="shortest")
+    properties = turn_values(head.properties, turn.rotation, turn.axes)
+    head = replace(head, skeleton=skeleton, properties=properties, number_style="shortest")
     head = replace_plates(head, turn.points(kept_plates(head)))
     original = None if clip.original is None else clip.original.turn(turn.target, turn.sign)
     return replace(clip, head=head, blocks=blocks, original=original)
@@ -119,6 +134,15 @@ class _Turn:
         self.rotation = from_euler(angles, "XYZ")
         self.target = {first: last, last: first, third: third}
         self.sign = {first: 1.0, last: -1.0, third: 1.0}
+
+    @property
+    def axes(self) -> dict[str, str]:
+        """Where each axis, such as "Y" or "-Z", points then."""
+        told = {}
+        for source, target in self.target.items():
+            signs = ("", "-") if self.sign[source] > 0 else ("-", "")
+            told["XYZ"[source]], told["-" + "XYZ"[source]] = (sign + "XYZ"[target] for sign in signs)
+        return told
 
     def points(self, places: Array) -> Array:
         """(…, 3) turned."""

@@ -1,7 +1,7 @@
 """The calibration of a document as people see and set it.
 
-The unit and the up axis are the header's own elements, all else properties of the header (`calibration.OVERRIDES`):
-so a calibration has revisions, and goes wherever the MCML goes.
+The unit and the up axis are the header's own elements, all else properties (`mcml.motion.calibration_properties`): so
+a calibration has revisions, and goes wherever the MCML goes.
 """
 
 from __future__ import annotations
@@ -12,10 +12,11 @@ import orjson
 
 from mcml.errors import RequestError
 from mcml.language.elements import to_head
-from mcml.motion.bodies.calibration import OVERRIDES, Calibration
+from mcml.motion.bodies.calibration import Calibration
 from mcml.motion.bodies.positions import filled
 from mcml.motion.bodies.reference import pose_in
 from mcml.motion.bodies.stature import Stature, find_stature
+from mcml.motion.calibration_properties import OVERRIDES
 from mcml.motion.clip import ReferencePose
 from mcml.motion.units import reading_of
 from mcml_schemas import bodies as wire

@@ -80,7 +80,7 @@ def load_demo(
 ) -> list[DemoPartLoaded]:
     """Store parts of the demo library; clips that the project has already are skipped. Raises what an import raises.
 
-    people: three people who walk, reach, wave, dance and show their faces, in every format. For analyses there are 185
+    people: three people: walks, reaches, waves, dances and faces, in every format. For analyses there are 185
     reaches, eight dances and ten takes of a face; for motion matching there are walks that turn.
     project: for all clips; None: that of each part (`PROJECTS`). seed: another one makes other clips.
     """
@@ -123,7 +123,7 @@ def demo_files(seed: int = 1) -> dict[str, bytes]:
 
 
 def _load_people(storing: Storing, project: str, seed: int) -> Counter[bool]:
-    """Store three people who walk, reach, wave, dance and show their faces, in every format."""
+    """Store three people: walks, reaches, waves, dances and faces, in every format."""
     rng = np.random.default_rng(seed)
     count: Counter[bool] = Counter()
     for person in range(3):
