@@ -236,3 +236,16 @@ def test_completions_say_how_many_clips_have_a_name(open_studio: Served, visit_o
     expect(page.get_by_role("textbox", name="XPath")).to_be_focused()
     page.keyboard.type("//frame[motion_name='k")
     expect(page.locator(".cm-completionDetail").filter(has_text="2 clips")).to_be_visible()
+
+
+def test_run_closes_the_list_of_completions(open_studio: Served, visit_of: Any) -> None:
+    open_studio.upload("one.bvh", walk())
+    page = visit_of(open_studio).open("/xpath")
+    editor = page.get_by_role("textbox", name="XPath")
+    expect(editor).to_be_focused()
+    page.keyboard.type("//frame")
+    completions = page.get_by_role("listbox", name="Completions")
+    expect(completions).to_be_visible()
+    page.locator(".xpath-editor").get_by_role("button", name="Run").dispatch_event("click")
+    expect(completions).to_have_count(0)
+    expect(page.get_by_role("status").filter(has_text="60 frames in 1 range")).to_be_visible()

@@ -130,16 +130,7 @@ function Form({ info }: { info: Info }) {
           {info.description} {a("help.needs", { least: info.fewest, most: info.most })}
         </p>
         <h3>{a("label.clipsWord")}</h3>
-        <ClipSelection
-          members={members}
-          left={left}
-          onLeft={(one, out) => {
-            const next = new Set(left);
-            if (out) next.add(one);
-            else next.delete(one);
-            setLeft(next);
-          }}
-        />
+        <ClipSelection members={members} left={left} onLeft={setLeft} />
       </section>
       <section class="analysis-options" aria-label={a("label.parameters")}>
         <h3>{a("label.parameters")}</h3>

@@ -62,16 +62,7 @@ export function StartBench({ onOpen }: { onOpen: () => void }) {
         >
           <h2>{d("label.clipsWord")}</h2>
           <p class="dim">{d("help.needs")}</p>
-          <ClipSelection
-            members={members}
-            left={left}
-            onLeft={(one, out) => {
-              const next = new Set(left);
-              if (out) next.add(one);
-              else next.delete(one);
-              setLeft(next);
-            }}
-          />
+          <ClipSelection members={members} left={left} onLeft={setLeft} />
           <p>
             <button type="submit" class="button primary" disabled={members.busy || !chosen.length}>
               {d("button.openBench")}

@@ -96,16 +96,7 @@ export function StartSpace() {
           }}
         >
           <h2>{f("label.takes")}</h2>
-          <ClipSelection
-            members={members}
-            left={left}
-            onLeft={(one, out) => {
-              const next = new Set(left);
-              if (out) next.add(one);
-              else next.delete(one);
-              setLeft(next);
-            }}
-          />
+          <ClipSelection members={members} left={left} onLeft={setLeft} />
           <details>
             <summary>{f("label.options")}</summary>
             {info.value && <SchemaForm schema={info.value.parameters} values={values} onChange={setValues} />}

@@ -65,16 +65,7 @@ export function Start() {
       {!empty && (
         <section class="analysis-clips" aria-label={b("label.clipsTitle")}>
           <h2>{b("label.clipsTitle")}</h2>
-          <ClipSelection
-            members={members}
-            left={left}
-            onLeft={(one, out) => {
-              const next = new Set(left);
-              if (out) next.add(one);
-              else next.delete(one);
-              setLeft(next);
-            }}
-          />
+          <ClipSelection members={members} left={left} onLeft={setLeft} />
           {info && (
             <details class="start-options">
               <summary>{b("label.options")}</summary>

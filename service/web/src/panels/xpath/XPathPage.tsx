@@ -1,5 +1,6 @@
 /** Ask the library: editor, answer as a table, its runs playing one after the other. */
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { closeCompletion } from "@codemirror/autocomplete";
 import type { EditorView } from "@codemirror/view";
 import { get } from "../../api/client";
 import { offer } from "../../state/session/keys";
@@ -30,7 +31,11 @@ export function XPathPage() {
   const empty = useIsEmpty();
   const asking = useAnswer();
   const { answer, error, busy } = asking;
-  const run = (query = editor.current?.state.doc.toString() ?? text) => asking.run(query);
+  const run = (query = editor.current?.state.doc.toString() ?? text) => {
+    // The list of completions would cover the answer.
+    if (editor.current) closeCompletion(editor.current);
+    return asking.run(query);
+  };
   const runNow = useRef(run);
   runNow.current = run;
 

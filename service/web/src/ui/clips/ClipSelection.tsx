@@ -81,7 +81,7 @@ export function useMembers(selection: Selection | null): ReturnType<typeof useAs
   );
 }
 
-/** Fields for the selection in the address, and its clips. `left`: ids that are not to be read. */
+/** Fields for the selection in the address, and its clips. left: ids that are not to be read; onLeft: with all of them. */
 export function ClipSelection({
   members,
   left,
@@ -89,7 +89,7 @@ export function ClipSelection({
 }: {
   members: ReturnType<typeof useMembers>;
   left?: ReadonlySet<string>;
-  onLeft?: (id: string, out: boolean) => void;
+  onLeft?: (left: ReadonlySet<string>) => void;
 }) {
   const projects = useAsync((signal) => get("/projects", { signal }), []);
   const [hovered, setHovered] = useState("");
@@ -161,7 +161,10 @@ export function ClipSelection({
                 type="checkbox"
                 aria-label={one.name}
                 checked={!left?.has(one.id)}
-                onChange={(event) => onLeft(one.id, !event.currentTarget.checked)}
+                onChange={(event) => {
+                  const others = [...(left ?? [])].filter((id) => id !== one.id);
+                  onLeft(new Set(event.currentTarget.checked ? others : [...others, one.id]));
+                }}
               />
             )}
             {one.thumb && <ThumbnailView thumbnail={one.thumb} runs={hovered === one.id} label="" />}

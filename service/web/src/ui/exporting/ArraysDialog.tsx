@@ -2,7 +2,7 @@
 import { useState } from "preact/hooks";
 import { address, fetched } from "../../api/client";
 import { needsToken } from "../../state/session/me";
-import { copyText, note, refuse } from "../../state/session/notes";
+import { note, refuse } from "../../state/session/notes";
 import { w } from "../../words";
 import { Dialog } from "../Dialog";
 import {
@@ -14,6 +14,7 @@ import {
   type ArraysSource,
 } from "./arrays";
 import { saveBlob } from "./saveBlob";
+import { ScriptLines } from "./ScriptLines";
 import "../../styles/shared.css";
 
 const SPACES = [
@@ -22,21 +23,19 @@ const SPACES = [
   { space: "channels", label: "label.arraysChannels", help: "help.arraysChannels" },
 ] as const;
 const FORMS = { npz: "NumPy", parquet: "Parquet", csv: "CSV" } as const;
-const LANGUAGES = ["Python", "Command", "Curl"] as const;
 
 /** about: a sentence on the clips or the query. */
 export function ArraysDialog({ source, about, onClose }: { source: ArraysSource; about: string; onClose: () => void }) {
   const [space, setSpace] = useState<ArraysRequest["space"]>("positions");
   const [form, setForm] = useState<keyof typeof FORMS>("npz");
   const [shared, setShared] = useState(false);
-  const [language, setLanguage] = useState<(typeof LANGUAGES)[number]>("Python");
   const [busy, setBusy] = useState(false);
   const request: ArraysRequest = { ...source, space, columns: shared ? "shared" : "all", as: form };
-  const line = {
+  const lines = {
     Python: arraysByPython(request, location.origin, needsToken()),
     Command: arraysByCommand(request, location.origin),
     Curl: arraysByCurl(request, location.origin, needsToken()),
-  }[language];
+  };
   const download = async (event: Event) => {
     event.preventDefault();
     setBusy(true);
@@ -87,27 +86,7 @@ export function ArraysDialog({ source, about, onClose }: { source: ArraysSource;
             ))}
           </select>
         </label>
-        <div class="row" role="group" aria-label={w("label.inScripts")}>
-          <strong>{w("label.inScripts")}</strong>
-          {LANGUAGES.map((one) => (
-            <button
-              key={one}
-              type="button"
-              class="button quiet dense"
-              aria-pressed={language === one}
-              onClick={() => setLanguage(one)}
-            >
-              {w(`label.as${one}`)}
-            </button>
-          ))}
-          <span class="grow" />
-          <button type="button" class="button dense" onClick={() => void copyText(line, w("label.copied"))}>
-            {w("button.copy")}
-          </button>
-        </div>
-        <pre class="arrays-line" tabIndex={0} aria-label={w("label.inScripts")}>
-          {line}
-        </pre>
+        <ScriptLines lines={lines} />
         <p class="row">
           <button type="submit" class="button primary" disabled={busy}>
             {busy ? w("label.loading") : w("button.downloadArrays", { name: fileName(request) })}

@@ -4,7 +4,7 @@ import { fetched, get, type Schemas } from "../../api/client";
 import type { Clip } from "../../state/clip/clip";
 import { LANGUAGE, presets, writtenFormats } from "../../state/session/formats";
 import { needsToken } from "../../state/session/me";
-import { copyText, refuse } from "../../state/session/notes";
+import { refuse } from "../../state/session/notes";
 import { number, w } from "../../words";
 import { Dialog } from "../Dialog";
 import { NumberField } from "../forms/NumberField";
@@ -20,6 +20,7 @@ import {
 } from "./exportOptions";
 import { RuledFigure } from "./RuledFigure";
 import { saveBlob } from "./saveBlob";
+import { ScriptLines } from "./ScriptLines";
 import "../../styles/shared.css";
 
 const AXES = ["X", "Y", "Z"];
@@ -271,33 +272,9 @@ function Measured({ clip, given, unit }: { clip: Clip; given: Given; unit: strin
 }
 
 function Lines({ id, options }: { id: string; options: ExportOptions }) {
-  const [isCurl, setIsCurl] = useState(false);
-  const line = isCurl
-    ? exportByCurl(id, options, location.origin, needsToken())
-    : exportByCommand(id, options, location.origin);
-  return (
-    <div class="export-lines">
-      <div class="row" role="group" aria-label={w("label.inScripts")}>
-        <strong>{w("label.inScripts")}</strong>
-        {[false, true].map((one) => (
-          <button
-            key={String(one)}
-            type="button"
-            class="button quiet dense"
-            aria-pressed={isCurl === one}
-            onClick={() => setIsCurl(one)}
-          >
-            {w(one ? "label.asCurl" : "label.asCommand")}
-          </button>
-        ))}
-        <span class="grow" />
-        <button type="button" class="button dense" onClick={() => void copyText(line, w("label.copied"))}>
-          {w("button.copy")}
-        </button>
-      </div>
-      <pre class="arrays-line" tabIndex={0} aria-label={w("label.inScripts")}>
-        {line}
-      </pre>
-    </div>
-  );
+  const lines = {
+    Command: exportByCommand(id, options, location.origin),
+    Curl: exportByCurl(id, options, location.origin, needsToken()),
+  };
+  return <ScriptLines lines={lines} />;
 }
