@@ -75,7 +75,7 @@ def _change(properties: Properties, change: Callable[[str, Any], Any]) -> Proper
 
 
 def _change_one(item: tuple[str, str, str], change: Callable[[str, Any], Any]) -> tuple[str, str, str]:
-    """The property, the same where it is none of a calibration, or one without meaning."""
+    """The property; others than those of a calibration, and values without meaning, stay."""
     if not item[0].startswith(OVERRIDES):
         return item
     name = item[0].removeprefix(OVERRIDES)

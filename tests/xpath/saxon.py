@@ -17,12 +17,22 @@ _STEP = re.compile(r"/(?:Q\{\}([^\[/]+)\[(\d+)\]|@(.+)|(text\(\))\[\d+\]|(namesp
 
 
 def evaluate(
-    saxon: Any, root: Any, expression: str, variables: dict[str, Any], limit: int, offset: int
+    saxon: Any,
+    root: Any,
+    expression: str,
+    variables: dict[str, Any],
+    limit: int,
+    offset: int,
+    *,
+    compatible: bool = True,
 ) -> dict[str, Any]:
-    """A page of the value of the expression, with the document as context item."""
+    """A page of the value of the expression, with the document as context item.
+
+    compatible: in the mode compatible with XPath 1.0.
+    """
     processor = saxon.new_xpath_processor()
     processor.set_language_version("3.1")
-    processor.set_backwards_compatible(True)
+    processor.set_backwards_compatible(compatible)
     processor.declare_namespace("fn", "http://www.w3.org/2005/xpath-functions")
     processor.declare_namespace("math", "http://www.w3.org/2005/xpath-functions/math")
     for name, value in variables.items():

@@ -156,6 +156,38 @@ def test_what_follows_attributes(processor: Any, documents: Library, text: str) 
             assert check(processor, documents, {uuid: tree}, text, Random(1)) is not None
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["(//filename[../source != false()], 3)", "(//filename[../source = true()], 3)",
+     "(//filename[../nothing = false()], 3)", "(//filename[false() < ../source], 3)",
+     "(//filename[../source/../* = true()], 3)", "(//filename[(../nothing, ../source) != false()], 3)",
+     "if (every $x in /mcml, $y in //frame[1] satisfies exists($x/*) and $y) then //filename[../source != false()] "
+     "else //name"],
+)  # fmt: skip
+def test_nodes_are_true_beside_a_boolean(processor: Any, documents: Library, text: str) -> None:
+    """Also where their text is empty: the effective boolean value is that of the nodes, not of their text."""
+    for uuid, tree in documents.trees.items():
+        if sum(1 for _ in tree.iter()) <= 200:
+            assert check(processor, documents, {uuid: tree}, text, Random(1)) is not None
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["distinct-values(for $x in //frame_bone return ($x/@name, count($x/preceding-sibling::*)))",
+     "distinct-values((//frame_bone/@Rx, 3, 4.5, //frame_bone/number(@Rx)))",
+     "count(distinct-values((//bone/name, 3, '3', 3.0, number('x'), true(), 1, number('y'), xs:anyURI('3'))))",
+     "count(distinct-values((xs:date('2020-01-01'), xs:date('2020-01-01'), xs:duration('P1D'), xs:QName('a'), 'a')))",
+     "count(distinct-values((xs:dateTime('2020-01-01T00:00:00Z'), xs:dateTime('2020-01-01T01:00:00+01:00'))))",
+     "count(distinct-values((xs:hexBinary('00'), xs:base64Binary('AA=='), 0e0, -0e0, '0', xs:hexBinary('00'))))",
+     "count(distinct-values(('a', 'A', //name/string()), "
+     "'http://www.w3.org/2005/xpath-functions/collation/html-ascii-case-insensitive'))"],
+)  # fmt: skip
+def test_distinct_values_of_several_types(processor: Any, documents: Library, text: str) -> None:
+    for uuid, tree in documents.trees.items():
+        if sum(1 for _ in tree.iter()) <= 200:
+            assert check(processor, documents, {uuid: tree}, text, Random(1)) is not None
+
+
 @pytest.mark.fuzz(seeds=2)
 @pytest.mark.timeout(7200)
 def test_answers_are_saxons_many_times(processor: Any, documents: Library, seed: int) -> None:

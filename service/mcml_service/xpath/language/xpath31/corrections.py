@@ -12,6 +12,7 @@ from decimal import Decimal
 from typing import Any
 
 from elementpath import XPathContext
+from elementpath.namespaces import XML_LANG, XPATH_ARRAY_FUNCTIONS_NAMESPACE, XPATH_FUNCTIONS_NAMESPACE
 from elementpath.xpath31 import XPath31Parser
 from elementpath.xpath_nodes import (
     AttributeNode,
@@ -22,9 +23,11 @@ from elementpath.xpath_nodes import (
     TextNode,
     XPathNode,
 )
-from elementpath.xpath_tokens import XPathArray, XPathToken
+from elementpath.xpath_tokens import XPathArray, XPathFunction, XPathToken
 
 from mcml.errors import LimitError
+from mcml_service.xpath.language.xpath31.arithmetic import OPERATORS, arithmetic
+from mcml_service.xpath.language.xpath31.ordering import distinct_values, sort, sort_array
 
 LONGEST_RANGE = 10_000_000
 """Items of a range."""
@@ -163,8 +166,13 @@ def _every(self: Any, context: Any = None) -> bool:
 
 
 def _ends(token: Any, context: Any) -> tuple[int, int] | None:
-    """The ends of a range, None where it is empty."""
-    first, last = token.get_operands(context, cls=int)
+    """The ends of a range, None where it is empty.
+
+    In the mode compatible with XPath 1.0 all arithmetic gives doubles: `1 to 2 + 1` has an end of 3.0, which counts.
+    """
+    first, last = token.get_operands(context, cls=(int, float) if token.parser.compatibility_mode else int)
+    if any(isinstance(end, float) and not end.is_integer() for end in (first, last)):
+        raise token.error("XPTY0004", "the end of a range is no integer")
     return None if first is None or last is None or last < first else (int(first), int(last))
 
 
@@ -195,6 +203,21 @@ def _count(self: Any, context: Any = None) -> int:
     return 0 if ends is None else ends[1] - ends[0] + 1
 
 
+def _lang(self: Any, context: Any = None) -> bool:
+    """fn:lang (F&O 3.1 §13.4): of any node, by the attribute xml:lang of the nearest element that has one."""
+    context = self.context or _needed(self, context)
+    node = self.get_argument(context, 1, default_to_context=True) if len(self) > 1 else context.item
+    if not isinstance(node, XPathNode):
+        raise self.error("XPTY0004", "lang() needs a node")
+    asked = (self.get_argument(context, cls=str) or "").lower()
+    while node is not None:
+        stated = [one.value for one in getattr(node, "attributes", None) or () if one.name == XML_LANG]
+        if stated:
+            return f"{stated[0].lower()}-".startswith(f"{asked}-")
+        node = node.parent
+    return False
+
+
 def _needed(token: Any, context: Any) -> Any:
     if context is None:
         raise token.missing_context()
@@ -202,7 +225,7 @@ def _needed(token: Any, context: Any) -> Any:
 
 
 def _rounded(name: str) -> Any:
-    """floor, ceiling or round: of nothing, in the mode compatible with 1.0, no number (XPath 3.1 §3.1.5.2)."""
+    """floor, ceiling, round or abs: of nothing, in the mode compatible with 1.0, no number (XPath 3.1 §3.1.5.2)."""
     evaluate: Any = XPath31Parser.symbol_table[name].evaluate
 
     def corrected(self: Any, context: Any = None) -> Any:
@@ -213,9 +236,16 @@ def _rounded(name: str) -> Any:
 
 
 METHODS: dict[str, dict[str, Any]] = {
-    **{name: {"evaluate": _rounded(name)} for name in ("floor", "ceiling", "round")},
+    **{symbol: arithmetic(symbol) for symbol in OPERATORS},
+    **{name: {"evaluate": _rounded(name)} for name in ("floor", "ceiling", "round", "abs")},
     "substring": {"evaluate": _substring},
     "count": {"evaluate": _count},
+    "lang": {"evaluate": _lang},
+    "distinct-values": {"select": distinct_values},
+    f"{{{XPATH_FUNCTIONS_NAMESPACE}}}sort": {"evaluate": sort},
+    f"{{{XPATH_ARRAY_FUNCTIONS_NAMESPACE}}}sort": {"evaluate": sort_array},
+    # A kind test in a path takes no occurrence indicator (XPath 3.1 §3.3.2.2): `node() + 1` is a sum.
+    "node": {"nud": XPathFunction.nud},
     "to": {"evaluate": lambda self, context=None: list(_range(self, context)), "select": _range},
     "/": {"select": _path},
     "//": {"select": _path},

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from copy import copy
 from decimal import Decimal
 from itertools import product
 from typing import Any
@@ -61,8 +62,9 @@ class XPath31(XPath31Parser):
 class _Compared:
     """A general comparison.
 
-    In XPath 1.0 compatibility mode (XPath 3.1 §3.7.2) both items are compared as numbers if one of them is a number, or
-    for less and greater; but dates, durations and similar types are compared by their own type.
+    In XPath 1.0 compatibility mode (XPath 3.1 §3.7.2) operands are compared by their truth if one of them is a single
+    boolean, and both items as numbers if one of them is a number, or for less and greater; but dates, durations and
+    similar types are compared by their own type.
     """
 
     def iter_comparison_data(self, context: Any) -> Iterator[Any]:
@@ -71,8 +73,13 @@ class _Compared:
             yield from super().iter_comparison_data(context)  # type: ignore[misc]  # of the token that this is mixed into
             return
         sides = [list(token[place].atomization(context)) for place in (0, 1)]
-        if any(len(side) == 1 and isinstance(side[0], bool) for side in sides):
-            yield tuple(token.boolean_value(side) for side in sides)
+        truths = [len(side) == 1 and isinstance(side[0], bool) for side in sides]
+        if any(truths):
+            # The effective boolean value of the items themselves: nodes are true, also where their text is empty.
+            yield tuple(
+                side[0] if is_truth else token.boolean_value(list(token[place].select(copy(context))))
+                for place, side, is_truth in zip((0, 1), sides, truths, strict=True)
+            )
             return
         is_ordered = token.symbol not in ("=", "!=")
         for left, right in product(*sides):
