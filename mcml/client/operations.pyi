@@ -84,7 +84,7 @@ from mcml_schemas.retarget import (
 )
 from mcml_schemas.revisions import Difference, FileReplaced
 from mcml_schemas.selections import CopiedDocuments, ManyChanges, ManyCopies, ManyDocuments
-from mcml_schemas.skeletons import SkeletonView
+from mcml_schemas.skeletons import CharacterView, SkeletonView
 from mcml_schemas.team.accounts import (
     AccountChange,
     AccountList,
@@ -407,6 +407,14 @@ class Operations:
         progress: FileProgress | None = None,
     ) -> Content:
         """Get a small animated picture of a document's skeleton."""
+    def get_character(
+        self,
+        *,
+        id: str,
+        revision: int | None = ...,
+        progress: FileProgress | None = None,
+    ) -> CharacterView:
+        """Get the body that a document is drawn with: a mesh, made to its skeleton, and its weights."""
     def get_calibration(
         self,
         *,

@@ -130,3 +130,37 @@ class SkeletonView(BaseModel):
     )
     plates: list[FloorPlate] = Field([], description="Force plates of a trial, as far as their corners are known")
     columns: list[str] = Field(description="BONE.CHANNEL of each number of a frame, in their order: that of the file")
+
+
+class CharacterMesh(BaseModel):
+    """A closed mesh of triangles, in the pose that it is bound in. Lengths are in the document's unit, in its axes.
+
+    In a frame, with a joint at p and its rotation q (`space=positions` and `space=rotations`), bound at b with the
+    rotation r, a vertex v that follows this joint alone is at p + q r⁻¹ (v − b). One that follows several is at the
+    mean of such places, by its weights.
+    """
+
+    points: list[float] = Field(description="x y z of each vertex")
+    triangles: list[int] = Field(description="Three vertices of each triangle, from 0, counterclockwise from outside")
+    joints: list[int] = Field(description="Four joints that each vertex follows, as indices of the skeleton's bones")
+    weights: list[float] = Field(description="How much it follows each of the four; together 1")
+    bind_positions: list[list[float]] = Field(description="x y z of each joint in the pose that the mesh is bound in")
+    bind_rotations: list[list[float]] = Field(description="Its rotation from the rest pose in the world, x y z w")
+
+
+class CharacterView(BaseModel):
+    """The body that a document is drawn with, or why it has none."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {
+                "mesh": None,
+                "reason": "A body needs joints that are not recognised: left_hand, right_hand.",
+                "remedy": "Name its joints (docs/names.md); until then it is shown as sticks.",
+            }
+        )
+    )
+
+    mesh: CharacterMesh | None = Field(None, description="None where joints that it needs are not recognised")
+    reason: str | None = Field(None, description="Why there is no mesh")
+    remedy: str | None = Field(None, description="How to get one")

@@ -21,7 +21,9 @@ from tests.builders import SECRET, one_kind
 
 pytestmark = one_kind
 HOME = "http://127.0.0.1:8000"
-SHOWN = {"get_frames", "get_skeleton", "get_thumbnail", "get_rest_pose", "list_labels", "export_document"}
+SHOWN = {
+    "get_frames", "get_skeleton", "get_thumbnail", "get_character", "get_rest_pose", "list_labels", "export_document",
+}  # fmt: skip
 """What a link shows, said a second time."""
 
 

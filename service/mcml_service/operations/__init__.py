@@ -79,7 +79,9 @@ _ROWS = [
               open_to_links=True),
     Operation("get_thumbnail", "GET /documents/{id}/thumbnail", STREAMS, READ,
               "Get a small animated picture of a document's skeleton.", "viewing", open_to_links=True),
-
+    Operation("get_character", "GET /documents/{id}/character", READS, READ,
+              "Get the body that a document is drawn with: a mesh, made to its skeleton, and its weights.", "viewing",
+              "character ID", open_to_links=True),
     Operation("get_calibration", "GET /documents/{id}/calibration", READS, READ,
               "Get the calibration of a body: unit, up axis, floor and leg length, each with its source.", "viewing",
               "calibration ID"),
@@ -182,7 +184,6 @@ _ROWS = [
     Operation("edit_elements", "POST /documents/{id}/elements/batch", WRITES, EDIT,
               "Change, delete, replace, insert and move elements as one revision: all, or none.", "edits.elements",
               "element batch ID EDITS"),
-
     Operation("make_changes", "POST /documents/{id}/changes", WRITES, EDIT,
               "Change values of frames, elements, labels and fields of a document as one revision: all, or none.",
               "edits.changes", "change ID CHANGES"),
@@ -282,8 +283,7 @@ _ROWS = [
 
     # analyses; each of the catalogue has operations of its own, made by `analyses.offered`
     Operation("list_analyses", "GET /analyses", READS, READ,
-              "List all analyses with their parameters, the parts of their results, and their actions.",
-              "analyses"),
+              "List all analyses with their parameters, the parts of their results, and their actions.", "analyses"),
     Operation("get_analysis", "GET /analyses/{name}", READS, READ,
               "Get an analysis with its parameters as JSON Schema.", "analyses"),
     Operation("read_music", "POST /music", READS, READ, "Detect the beats of a music file.", "analyses", queued=True),

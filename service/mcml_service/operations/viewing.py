@@ -11,7 +11,7 @@ from mcml.answers import Content
 from mcml.errors import NotFoundError
 from mcml_schemas.bodies import Calibration, CalibrationChange
 from mcml_schemas.measurements import MeasurementFacts, MeasurementList
-from mcml_schemas.skeletons import SkeletonView
+from mcml_schemas.skeletons import CharacterView, SkeletonView
 from mcml_service.operations.arguments import (
     MOST,
     AtRevision,
@@ -51,6 +51,20 @@ def get_skeleton(call: Call, id: DocumentId, revision: AtRevision = None) -> Ske
         then, stored = at_revision(tx, id, revision)
         call.set_tag(tag(stored, "skeleton"), lasting=revision is not None)
         return describe_skeleton(then, stored)
+
+
+def get_character(call: Call, id: DocumentId, revision: AtRevision = None) -> CharacterView:
+    """The mesh is this project's own figure, to the lengths of the skeleton's bones (docs/characters.md).
+
+    A document without the joints of a person has none, and the answer has the reason. With a `revision` the answer
+    never changes and can be cached.
+    """
+    from mcml_service.actions.reading.describe_character import describe_character
+
+    with call.database.read() as tx:
+        then, stored = at_revision(tx, id, revision)
+        call.set_tag(tag(stored, "character"), lasting=revision is not None)
+        return describe_character(then, stored)
 
 
 def get_calibration(call: Call, id: DocumentId, revision: AtRevision = None) -> Calibration:

@@ -340,6 +340,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/documents/{id}/character": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_character"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/documents/{id}/calibration": {
         parameters: {
             query?: never;
@@ -2389,6 +2405,19 @@ export interface components {
             faults?: components["schemas"]["Fault"][];
             conflicts?: components["schemas"]["Conflict"][];
             mergeable?: string[];
+        };
+        CharacterMesh: {
+            points: number[];
+            triangles: number[];
+            joints: number[];
+            weights: number[];
+            bind_positions: number[][];
+            bind_rotations: number[][];
+        };
+        CharacterView: {
+            mesh?: components["schemas"]["CharacterMesh"] | null;
+            reason?: string | null;
+            remedy?: string | null;
         };
         Child: {
             address: string;
@@ -6429,6 +6458,53 @@ export interface operations {
                 };
                 content: {
                     "application/vnd.mcml.thumbnail": unknown;
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_character: {
+        parameters: {
+            query?: {
+                revision?: number | null;
+            };
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CharacterView"];
                 };
             };
             503: {

@@ -2,7 +2,9 @@
 import { itemAt, numberAt } from "../lists";
 import * as THREE from "three";
 import { SIDE_TOKENS, type Skeleton } from "../motion/body/skeleton";
+import type { Skin } from "../motion/body/skin";
 import { Body, type Tint } from "./body";
+import { Figures } from "./figure";
 import { Forces } from "./forces";
 import { fillTrails } from "./trails";
 
@@ -11,6 +13,8 @@ export interface Actor {
   group: THREE.Group;
   body: Body;
   ghosts: Body[];
+  /** The body with a skin that stands in the place of bones; null: bones. */
+  figures: Figures | null;
   trails: THREE.LineSegments;
   forces: Forces | null;
   shift: THREE.Vector3;
@@ -23,6 +27,9 @@ export interface Actor {
 export interface Pose {
   positions: Float32Array | null;
   before: (Float32Array | null)[];
+  /** Rotations of the joints from rest, (joints, 4), and of those of `before`: bodies with a skin need them. */
+  turns?: Float32Array | null;
+  turnsBefore?: (Float32Array | null)[];
   trail: Float32Array[];
   /** Arrows as `arrowsOf` makes them; null, or left out: force plates are hidden. */
   forces?: Float32Array | null;
@@ -59,16 +66,40 @@ export function actorOf(
   const forces = skeleton.view.plates.length && !dim ? new Forces(skeleton, token) : null;
   if (forces) group.add(forces.group);
   group.position.set(shift, 0, 0);
-  return { skeleton, group, body, ghosts, trails, forces, shift: group.position.clone(), positions: null, dim, ink };
+  return {
+    skeleton,
+    group,
+    body,
+    ghosts,
+    trails,
+    forces,
+    figures: null,
+    shift: group.position.clone(),
+    positions: null,
+    dim,
+    ink,
+  };
 }
 
-export function pose(actor: Actor, { positions, before, trail, forces = null }: Pose): void {
+/** Put a skin on an actor, or take it off. */
+export function dress(actor: Actor, skin: Skin | null, token: Token): void {
+  if ((actor.figures?.shape.skin ?? null) === skin) return;
+  actor.figures?.dispose();
+  const { skeleton, ink, dim } = actor;
+  const opacities = [dim ? DIM_OPACITY : 1, ...actor.ghosts.map(() => GHOST_OPACITY)];
+  actor.figures = skin && new Figures(skin, skeleton, tintOf(skeleton, token, ink), opacities);
+  if (actor.figures) actor.group.add(actor.figures.group);
+}
+
+export function pose(actor: Actor, { positions, before, turns, turnsBefore, trail, forces = null }: Pose): void {
   actor.positions = positions;
-  if (positions) actor.body.pose(positions);
+  const dressed = actor.figures?.pose(0, positions, turns) ?? false;
+  if (positions && !dressed) actor.body.pose(positions);
   else actor.body.hide();
   actor.ghosts.forEach((ghost, place) => {
-    const then = before[place];
-    if (then) ghost.pose(then);
+    const then = before[place] ?? null;
+    const clad = actor.figures?.pose(place + 1, then, turnsBefore?.[place]) ?? false;
+    if (then && !clad) ghost.pose(then);
     else ghost.hide();
   });
   fillTrails(actor.trails, trail, actor.skeleton.metres);
@@ -78,6 +109,7 @@ export function pose(actor: Actor, { positions, before, trail, forces = null }: 
 export function recolour(actor: Actor, token: Token): void {
   const tint = tintOf(actor.skeleton, token, actor.ink);
   actor.body.tint(tint);
+  actor.figures?.shape.tint(tint);
   for (const ghost of actor.ghosts) ghost.tint(tint);
   (actor.trails.material as THREE.LineBasicMaterial).color.set(token("accent"));
   actor.forces?.recolour(token);
@@ -85,6 +117,7 @@ export function recolour(actor: Actor, token: Token): void {
 
 export function dispose(actor: Actor): void {
   actor.body.dispose();
+  actor.figures?.dispose();
   for (const ghost of actor.ghosts) ghost.dispose();
   actor.trails.geometry.dispose();
   (actor.trails.material as THREE.Material).dispose();

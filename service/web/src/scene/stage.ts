@@ -7,7 +7,7 @@
 import { itemAt, numberAt } from "../lists";
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { actorOf, dispose, pose, recolour, type Actor, type Pose } from "./actor";
+import { actorOf, dispose, dress, pose, recolour, type Actor, type Pose } from "./actor";
 import { Ground } from "./ground";
 import { arrowAt, drawHandle, reachOf, type Handle, type Surroundings } from "./handle";
 import { middleOf } from "../motion/body/middle";
@@ -17,14 +17,17 @@ import { seeAsFarAs, viewOf, type CameraView } from "./framing";
 import { lamps } from "./lamps";
 import { isSoftware, Sharpness } from "./sharpness";
 import type { Skeleton } from "../motion/body/skeleton";
+import type { Skin } from "../motion/body/skin";
 
-export type { CameraView };
+export type { CameraView, Pose };
 export interface Shown {
   follow: boolean;
   ghosts: boolean;
   trails: boolean;
   names: boolean;
   axes: boolean;
+  /** Bodies with a skin instead of bones. */
+  body: boolean;
   forces?: boolean;
   rest?: boolean;
 }
@@ -49,7 +52,7 @@ export class Stage {
   private readonly sharpness: Sharpness;
   private wanted = 0; // when the frame that is pending was requested
   private submitted = 0;
-  shown: Shown = { follow: false, ghosts: false, trails: false, names: false, axes: true };
+  shown: Shown = { follow: false, ghosts: false, trails: false, names: false, axes: true, body: false };
   selected = new Set<number>();
   hovered = -1;
   /** Arrows that a hand pulls; null: none. */
@@ -115,6 +118,11 @@ export class Stage {
     if (!one) return;
     pose(one, next);
     this.ask();
+  }
+
+  /** Put a skin on an actor; null: bones again. Poses tell rotations then. */
+  dress(actor: number, skin: Skin | null): void {
+    dress(itemAt(this.actors, actor), skin, this.token);
   }
 
   /** Where the ground is: the height of the lowest pose seen, metres in the world. */

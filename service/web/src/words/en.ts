@@ -59,7 +59,7 @@ export const en = {
 
   // Clip
   "label.draft": "Draft: 1 change|Draft: {n} changes", "button.discard": "Discard", "label.saved": "Saved as revision {n}", "button.share": "Share",
-  "label.persp": "Perspective", "label.front": "Front", "label.side": "Side", "label.top": "Top", "label.view": "View", "label.follow": "follow", "label.ghosts": "ghosts", "label.trails": "trails", "label.jointNames": "names", "label.axes": "axes", "label.forces": "forces", "help.forcesHelp": "Ground reaction forces at the centres of pressure: 1 m long for 1,000 N. Shown from 20 N.",
+  "label.persp": "Perspective", "label.front": "Front", "label.side": "Side", "label.top": "Top", "label.view": "View", "label.bodyShown": "body", "help.bodyHelp": "Shows a body to the measure of the skeleton instead of its bones.", "label.noBody": "Shown as sticks.", "label.follow": "follow", "label.ghosts": "ghosts", "label.trails": "trails", "label.jointNames": "names", "label.axes": "axes", "label.forces": "forces", "help.forcesHelp": "Ground reaction forces at the centres of pressure: 1 m long for 1,000 N. Shown from 20 N.",
   "label.restPose": "rest pose", "help.handlesHelp": "In the viewer, drag the arrows of the rest pose; the round handle lengthens the bone.",
   "button.compare": "Compare", "help.compareHelp": "Choose up to {n} clips to play beside this one.", "label.placed": "Placement", "label.sideBySide": "Side by side", "label.laidOver": "Overlaid", "label.inStep": "Sync", "label.byTime": "by time", "label.byFrame": "by frame", "label.bySpan": "by label",
   "button.notCompared": "Remove {name}", "label.leaveCompared": "End comparison", "help.sizesGuessed": "Sizes marked ? assume a unit.",

@@ -13,8 +13,15 @@ export const columnsOf = (view: SkeletonView): Map<string, number> =>
   new Map(view.columns.map((column, place) => [column, place]));
 
 /** Positions (points, 3) from the clip's origin. values: the frame's channels by column. NaN, as the server answers with
- * `missing=nan`, where a sample that a point hangs on is missing: of its joint, or of one above. */
-export function posed(skeleton: Skeleton, columns: Map<string, number>, values: ArrayLike<number>): Float32Array {
+ * `missing=nan`, where a sample that a point hangs on is missing: of its joint, or of one above.
+ *
+ * turned: where rotations of the joints from rest in the world, (joints, 4), are written to, if they are wanted. */
+export function posed(
+  skeleton: Skeleton,
+  columns: Map<string, number>,
+  values: ArrayLike<number>,
+  turned?: Float32Array,
+): Float32Array {
   const { view } = skeleton;
   const positions = new Float32Array(skeleton.points * 3);
   const where: Vector[] = [];
@@ -35,21 +42,22 @@ export function posed(skeleton: Skeleton, columns: Map<string, number>, values: 
     );
     const above = view.bones[bone.parent] ?? null;
     const moved = translation(bone, above, above ? numberAt(scales, bone.parent) : 1, value);
-    const turned = rotation(bone, value, view.radians);
+    const local = rotation(bone, value, view.radians);
     if (above) {
       const turn = itemAt(turns, bone.parent);
       const step = rotate(turn, moved);
       const base = itemAt(where, bone.parent);
       where.push([base[0] + step[0], base[1] + step[1], base[2] + step[2]]);
-      turns.push(multiply(turn, turned));
+      turns.push(multiply(turn, local));
     } else {
       where.push(moved);
-      turns.push(turned);
+      turns.push(local);
     }
     for (let axis = 0; axis < 3; axis++)
       positions[index * 3 + axis] = hidden[index]
         ? NaN
         : numberAt(itemAt(where, index), axis) - numberAt(view.origin, axis);
+    turned?.set(itemAt(turns, index), index * 4);
   });
   view.tips.forEach((tip, place) => {
     const scale = numberAt(scales, tip.bone);

@@ -196,6 +196,17 @@ export const positionsOf = (id: string, revision: number, skeleton: Skeleton): S
   },
 });
 
+/** Rotations of joints from rest in the world: (frames, joints, 4). NaN as above. */
+export const rotationsOf = (id: string, revision: number, skeleton: Skeleton): Source<Float32Array> => ({
+  frames: skeleton.view.frames,
+  stride: skeleton.view.bones.length * 4,
+  coarse: false,
+  fetch: async (span, signal) => {
+    const query = { revision, ...span, space: "rotations", format: "block", dtype: "f4", missing: "nan" };
+    return new Float32Array(await bytes(id, query, signal));
+  },
+});
+
 /** Positions of every step-th frame of a clip where the file has them: (frames, points, 3), NaN as above. */
 export async function sampledOf(
   id: string,

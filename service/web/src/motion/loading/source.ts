@@ -1,6 +1,6 @@
 /** Stored motion that pages besides the clip's own play: a skeleton with its blocks. Kept while it is used. */
 import { get } from "../../api/client";
-import { Blocks, positionsOf } from "./blocks";
+import { Blocks, positionsOf, rotationsOf } from "./blocks";
 import { skeletonOf, type Skeleton } from "../body/skeleton";
 
 export interface Motion {
@@ -9,6 +9,8 @@ export interface Motion {
   name: string;
   skeleton: Skeleton;
   blocks: Blocks;
+  /** Rotations of the joints, for bodies with a skin: fetched when they are wanted. */
+  rotations: Blocks;
   frames: number;
   perSecond: number;
 }
@@ -50,6 +52,7 @@ async function load(id: string, revision?: number): Promise<Motion> {
     revision: view.revision,
     name: view.name,
     blocks: new Blocks(positionsOf(id, view.revision, skeleton)),
+    rotations: new Blocks(rotationsOf(id, view.revision, skeleton)),
     frames: view.frames,
     perSecond: 1 / (view.seconds_per_frame || 1 / USUAL_RATE),
   };

@@ -11,8 +11,16 @@ import type { CameraView, Shown } from "../../scene/stage";
 import { w } from "../../words";
 import { writeExample, type Example } from "./similar/asked";
 
-const SHOWN: Shown = { follow: true, ghosts: false, trails: false, names: false, axes: true, forces: true };
-/** What is drawn besides the body; stays from clip to clip. */
+const SHOWN: Shown = {
+  follow: true,
+  ghosts: false,
+  trails: false,
+  names: false,
+  axes: true,
+  body: false,
+  forces: true,
+};
+/** What is drawn, and how; stays from clip to clip. */
 export const shown = kept<Shown>("shown", SHOWN);
 // What an earlier version kept lacks later switches.
 shown.value = { ...SHOWN, ...shown.peek() };

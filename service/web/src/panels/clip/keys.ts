@@ -99,6 +99,7 @@ export function useClipKeys(clip: Clip, reload: () => void): void {
       { id: "frame", word: "label.frameSelection", keys: ["F"], run: () => clipActions.frame() },
       { id: "follow", word: "label.follow", keys: ["Shift+F"], run: () => clipActions.toggle("follow") },
       { id: "trails", word: "label.trails", keys: ["T"], run: () => clipActions.toggle("trails") },
+      { id: "body", word: "label.bodyShown", keys: ["B"], run: () => clipActions.toggle("body") },
       { id: "view", word: "label.view", keys: ["V"], run: () => clipActions.nextView() },
       { id: "split", word: "button.spanSplit", keys: ["S"], run: () => clipActions.splitSpan(clip) },
       { id: "name", word: "label.spanAdd", keys: ["N"], run: () => clipActions.nameLoop(clip) },

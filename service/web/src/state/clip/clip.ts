@@ -5,7 +5,7 @@
 import { numberAt } from "../../lists";
 import { batch, computed, effect, signal, type ReadonlySignal } from "@preact/signals";
 import { ask, get, type Schemas } from "../../api/client";
-import { Blocks, channelsOf, positionsOf } from "../../motion/loading/blocks";
+import { Blocks, channelsOf, positionsOf, rotationsOf } from "../../motion/loading/blocks";
 import { columnsOf, posed } from "../../motion/body/kinematics";
 import type { Vector } from "../../motion/body/quaternions";
 import { reshaped, textsOf } from "../../motion/body/shape";
@@ -41,6 +41,9 @@ export class Clip {
   readonly player: Player;
   readonly blocks: Blocks;
   readonly channels: Blocks<Float64Array>;
+  /** Rotations of the joints, fetched while `turning`: bodies with a skin need them. */
+  readonly rotations: Blocks;
+  readonly turning = signal(false);
   readonly columns: Map<string, number>;
   private readonly stored: readonly Span[];
   /** The revision that the draft was begun on: what it is saved for. */
@@ -65,6 +68,7 @@ export class Clip {
     this.player = new Player(view.frames, 1 / (view.seconds_per_frame || 1 / USUAL_RATE));
     this.blocks = new Blocks(positionsOf(detail.id, detail.revision, this.skeleton));
     this.channels = new Blocks(channelsOf(detail.id, detail.revision, this.skeleton));
+    this.rotations = new Blocks(rotationsOf(detail.id, detail.revision, this.skeleton));
     this.columns = columnsOf(view);
     this.base = detail.revision;
     this.stored = detail.labels.map(({ id, name, first, last }) => ({ id, name, first, last }));
@@ -75,7 +79,9 @@ export class Clip {
         const { player } = this;
         const frame = player.frame.value;
         const direction = player.playing.value ? Math.sign(player.speed.value) : 0;
-        this.blocks.want(frame, direction, player.perSecond * Math.abs(player.speed.peek()), player.range[0]);
+        const pace = player.perSecond * Math.abs(player.speed.peek());
+        this.blocks.want(frame, direction, pace, player.range[0]);
+        if (this.turning.value) this.rotations.want(frame, direction, pace, player.range[0]);
         const other = this.compared.value;
         const place = other?.at(frame) ?? null;
         if (place !== null) other!.blocks.want(place, direction, player.perSecond, other!.at(player.range[0]) ?? place);
@@ -97,18 +103,34 @@ export class Clip {
   /** Joints' and tips' positions at a frame (from 0), as they will be when the draft is saved. asks: channels that the
    * draft needs and that are not there are fetched; of many frames only the one that is looked at asks. */
   positions(frame: number, asks = true): Float32Array | null {
-    const draft = this.draft.value;
-    const changes = [...draft.samples].filter(([, values]) => values.has(frame + 1));
-    const shape = this.shape.value;
-    if (!changes.length && shape === this.skeleton) return this.blocks.frame(frame);
+    const values = this.drafted(frame, asks);
+    return values ? posed(this.shape.value, this.columns, values) : this.blocks.frame(frame);
+  }
+
+  /** Rotations of the joints at the same frame, (joints, 4) from rest; null while they or the positions are on their
+   * way. */
+  turns(frame: number, asks = true): Float32Array | null {
+    const values = this.drafted(frame, asks);
+    if (values) {
+      const found = new Float32Array(this.skeleton.view.bones.length * 4);
+      posed(this.shape.value, this.columns, values, found);
+      return found;
+    }
+    return this.rotations.has(frame) && this.blocks.has(frame) ? this.rotations.frame(frame) : null;
+  }
+
+  /** The channels of a frame that the draft changes, as it has them; null: they are as stored, or on their way. */
+  private drafted(frame: number, asks: boolean): Float64Array | null {
+    const changes = [...this.draft.value.samples].filter(([, values]) => values.has(frame + 1));
+    if (!changes.length && this.shape.value === this.skeleton) return null;
     const stored = this.channels.has(frame) ? this.channels.frame(frame) : null;
     if (!stored) {
       if (asks) this.channels.want(frame);
-      return this.blocks.frame(frame);
+      return null;
     }
     const values = Float64Array.from(stored);
     for (const [track, samples] of changes) values[this.columns.get(track)!] = samples.get(frame + 1)!;
-    return posed(shape, this.columns, values);
+    return values;
   }
 
   /** A sample as the draft has it, else as stored; null while it is on its way. */
@@ -321,6 +343,7 @@ export class Clip {
     this.player.pause();
     this.blocks.close();
     this.channels.close();
+    this.rotations.close();
     this.forgetCompared();
   }
 }

@@ -66,7 +66,7 @@ export function MotionView({
     }
     stage.current = made;
     onStage?.(made);
-    made.shown = { follow: true, ghosts: false, trails: false, names, axes: false };
+    made.shown = { follow: true, ghosts: false, trails: false, names, axes: false, body: false };
     let framed = false;
     const floors: number[] = [];
     const numbers = actors.map((one) => made.add(one.skeleton, { shift: one.shift, dim: one.dim }));

@@ -1,10 +1,25 @@
-/** Switches of what the viewer draws besides the body. */
+/** Switches of what the viewer draws. */
 import type { Clip } from "../../../state/clip/clip";
 import { w } from "../../../words";
 import { clipActions, shown } from "../actions";
 import { restShown } from "./restPose";
 
-const ALWAYS = ["follow", "ghosts", "trails", "names", "axes"] as const;
+const ALWAYS = ["body", "follow", "ghosts", "trails", "names", "axes"] as const;
+
+const WORDS = {
+  body: "label.bodyShown",
+  follow: "label.follow",
+  ghosts: "label.ghosts",
+  trails: "label.trails",
+  names: "label.jointNames",
+  axes: "label.axes",
+  forces: "label.forces",
+  rest: "label.restPose",
+} as const;
+const HELP: Partial<Record<keyof typeof WORDS, "help.forcesHelp" | "help.bodyHelp">> = {
+  forces: "help.forcesHelp",
+  body: "help.bodyHelp",
+};
 
 export function Toggles({ clip }: { clip: Clip }) {
   const hasPlates = clip.skeleton.view.plates.length > 0;
@@ -16,10 +31,10 @@ export function Toggles({ clip }: { clip: Clip }) {
           type="button"
           class="button quiet dense"
           aria-pressed={one === "rest" ? restShown() : shown.value[one]}
-          title={one === "forces" ? w("help.forcesHelp") : undefined}
+          title={HELP[one] && w(HELP[one])}
           onClick={() => clipActions.toggle(one)}
         >
-          {w(one === "names" ? "label.jointNames" : one === "rest" ? "label.restPose" : `label.${one}`)}
+          {w(WORDS[one])}
         </button>
       ))}
     </>

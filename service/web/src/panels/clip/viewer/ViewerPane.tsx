@@ -1,10 +1,8 @@
 /** The clip in three dimensions, with what the passport says of its units beside it. */
-import { itemAt, numberAt } from "../../../lists";
+import { itemAt } from "../../../lists";
 import { effect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
-import type { Skeleton } from "../../../motion/body/skeleton";
 import type { Clip } from "../../../state/clip/clip";
-import type { Compared as Earlier } from "../../../state/clip/compared";
 import { noteParams, param } from "../../../state/session/route";
 import { colour, look } from "../../../state/session/settings";
 import { Stage, type CameraView } from "../../../scene/stage";
@@ -19,12 +17,11 @@ import { bodiesBeside } from "./bodiesBeside";
 import { Compared } from "./Compare";
 import { floorOf, metresText, niceStep } from "./ground";
 import { Reference } from "../document/Reference";
+import { poseAt, positionsThen, wearSkin } from "./poses";
 import { restPose, type RestPose } from "./restPose";
 import { forcesOf } from "./forces";
 import { Toggles } from "./Toggles";
-
-const GHOST_SECONDS = [-0.2, -0.1, 0.1, 0.2];
-const TRAIL_SECONDS = 1;
+import { WhySticks } from "./WhySticks";
 
 export function ViewerPane({ clip }: { clip: Clip }) {
   const host = useRef<HTMLDivElement>(null);
@@ -56,16 +53,14 @@ export function ViewerPane({ clip }: { clip: Clip }) {
         const frame = player.frame.value;
         const old = clip.flipped.value ? clip.compared.value : null;
         old?.blocks.arrived.value;
-        const positions = old ? positionsThen(old, frame, skeleton) : clip.positions(frame);
         const show = shown.value;
         made.shown = show;
         made.selected = new Set(clip.selection.value.bones.map((name) => skeleton.byName.get(name)!));
-        made.pose(actor, {
-          positions,
-          before: show.ghosts ? ghostsOf(clip, frame) : [null, null, null, null],
-          trail: show.trails ? trailsOf(clip, frame, [...made.selected]) : [],
-          forces: show.forces && !old ? forces.at(frame) : null,
-        });
+        made.dress(actor, wearSkin(clip));
+        const pose = old
+          ? { positions: positionsThen(old, frame, skeleton), before: [], trail: [] }
+          : poseAt(clip, frame, show, [...made.selected]);
+        made.pose(actor, { ...pose, forces: show.forces && !old ? forces.at(frame) : null });
         const overview = clip.blocks.overview();
         const version = clip.blocks.arrived.peek();
         if (overview && floorFrom !== version && (floorFrom < 0 || overview.values.length)) {
@@ -75,7 +70,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
           made.setFloor(floor, step);
           setGrid(step);
         }
-        if (positions && !framed) {
+        if (pose.positions && !framed) {
           framed = true;
           made.frame(cameraView.peek());
           if (param("cam")) made.cameraText = param("cam");
@@ -240,6 +235,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
           {w("label.gridOf", { size: metresText(grid) })}
           {!skeleton.unitKnown && <span class="guess" />}
         </span>
+        <WhySticks clip={clip} />
       </div>
       {detail.media && <Reference clip={clip} media={detail.media} />}
       {clip.blocks.trouble.value !== null && (
@@ -250,43 +246,4 @@ export function ViewerPane({ clip }: { clip: Clip }) {
       <p ref={words} class="unseen" aria-live="polite" />
     </div>
   );
-}
-
-/** The same frame as another revision has it, from the open one's origin; null where it has none. */
-function positionsThen(other: Earlier, frame: number, { view }: Skeleton): Float32Array | null {
-  const place = other.at(frame);
-  const found = place === null ? null : other.blocks.frame(place);
-  return found && found.map((one, at) => one + other.origin[at % 3]! - view.origin[at % 3]!);
-}
-
-function ghostsOf(clip: Clip, frame: number): (Float32Array | null)[] {
-  return GHOST_SECONDS.map((seconds) => {
-    const at = frame + Math.round(seconds * clip.player.perSecond);
-    return at >= 0 && at < clip.frames && clip.blocks.has(at) ? clip.positions(at, false) : null;
-  });
-}
-
-/** Lines of the selected points, or of hands and feet, a second before and after. */
-function trailsOf(clip: Clip, frame: number, points: number[]): Float32Array[] {
-  const { skeleton, player, frames } = clip;
-  const chosen = points.length
-    ? points
-    : ["left_hand", "right_hand", "left_foot", "right_foot"]
-        .map((name) => skeleton.byName.get(name) ?? -1)
-        .filter((one) => one >= 0);
-  const around = Math.round(TRAIL_SECONDS * player.perSecond);
-  const step = Math.max(1, Math.round(player.perSecond / 60));
-  return chosen.map((point) => {
-    const line: number[] = [];
-    for (let at = Math.max(0, frame - around); at <= Math.min(frames - 1, frame + around); at += step) {
-      const positions = clip.blocks.has(at) ? clip.positions(at, false) : null;
-      if (positions)
-        line.push(
-          numberAt(positions, point * 3),
-          numberAt(positions, point * 3 + 1),
-          numberAt(positions, point * 3 + 2),
-        );
-    }
-    return Float32Array.from(line);
-  });
 }

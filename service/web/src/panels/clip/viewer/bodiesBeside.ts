@@ -3,10 +3,12 @@ import { itemAt, numberAt } from "../../../lists";
 import { effect } from "@preact/signals";
 import { anchorOf, frameBeside } from "../../../motion/comparison/sync";
 import type { Skeleton } from "../../../motion/body/skeleton";
+import { characterOf } from "../../../motion/loading/character";
 import type { Stage } from "../../../scene/stage";
 import type { Clip } from "../../../state/clip/clip";
-import { BESIDE_COLOURS, beside, besideSync, laidOver } from "../../../state/clip/comparison";
-import { cameraView } from "../actions";
+import type { Player } from "../../../state/clip/player";
+import { BESIDE_COLOURS, beside, besideSync, laidOver, type Beside } from "../../../state/clip/comparison";
+import { cameraView, shown } from "../actions";
 import { floorOf } from "./ground";
 
 const APART = 0.65; // of the taller body's height
@@ -34,6 +36,7 @@ export function bodiesBeside(clip: Clip, stage: Stage, own: number): () => void 
       one.blocks.want(at, player.playing.value ? Math.sign(player.speed.value) : 0, one.perSecond);
       if (!actors.has(one.id)) actors.set(one.id, stage.add(one.skeleton));
       const actor = actors.get(one.id)!;
+      const turns = turnsOf(stage, actor, one, at, player);
       stage.paint(actor, itemAt(BESIDE_COLOURS, place + 1));
       const [from, to] = [
         rootAt(skeleton, clip.blocks.frame(anchor.here)),
@@ -52,7 +55,7 @@ export function bodiesBeside(clip: Clip, stage: Stage, own: number): () => void 
         stage.floorHeight - floorOf(one.skeleton, overview.values),
         from[2] - to[2],
       );
-      stage.pose(actor, { positions, before: [], trail: [] });
+      stage.pose(actor, { positions, turns, before: [], trail: [] });
     });
     // The camera moves when something came or went, not with the motion.
     const now = `${others.map((one) => one.id).join()} ${over}`;
@@ -61,6 +64,16 @@ export function bodiesBeside(clip: Clip, stage: Stage, own: number): () => void 
       stage.frame(cameraView.peek());
     }
   });
+}
+
+/** Dress a body where bodies are wanted. Returns the rotations of its joints in a frame; null: it is drawn as bones. */
+function turnsOf(stage: Stage, actor: number, one: Beside, at: number, player: Player): Float32Array | null {
+  const skin = shown.value.body ? (characterOf(one.id, one.revision).value?.skin ?? null) : null;
+  stage.dress(actor, skin);
+  if (!skin) return null;
+  one.rotations.arrived.value;
+  one.rotations.want(at, player.playing.value ? Math.sign(player.speed.value) : 0, one.perSecond);
+  return one.blocks.has(at) && one.rotations.has(at) ? one.rotations.frame(at) : null;
 }
 
 /** Where the first joint is, metres in the world's axes. */
