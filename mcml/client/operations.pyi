@@ -377,6 +377,7 @@ class Operations:
         height: float | None = ...,
         in_place: bool | None = ...,
         guesses: bool | None = ...,
+        character: bool | None = ...,
         for_: str | None = ...,
         raw: bool | None = ...,
         progress: FileProgress | None = None,

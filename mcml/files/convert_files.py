@@ -13,9 +13,9 @@ from mcml.files.gather_files import gathered, several_motions
 from mcml.files.import_options import ImportOptions
 from mcml.files.limits import FileLimits
 from mcml.files.open_clip import open_clip
-from mcml.files.presets import choose_shape, find_preset, fit_shape
+from mcml.files.presets import choose_format, choose_shape, find_preset, fit_shape
 from mcml.files.reshape_clip import Reshaping, fit_height, need_stated_facts, parse_range, reshape
-from mcml.files.targets import convert_clip, part_without_frames, targets
+from mcml.files.targets import check_character, convert_clip, part_without_frames, targets
 from mcml.formats import WRITERS
 from mcml.formats.format import SourceFile
 from mcml.language.elements import from_head, refresh_counts, to_head
@@ -50,6 +50,7 @@ def convert_files(
     height: float | None = None,
     in_place: bool = False,
     guesses: bool = True,
+    character: bool = False,
     for_: str | None = None,
     stem: str = "motion",
 ) -> Iterator[Converted]:
@@ -60,7 +61,7 @@ def convert_files(
     file that holds several. rate: frames a second at which its keys are sampled. frames: FIRST-LAST, from 1. fps:
     frames a second of the result. scale: factor of all lengths. height: metres that the body stands tall in the result.
     in_place: without travel over the ground. guesses: False refuses where a format needs a unit or
-    an up axis that the files do not state.
+    an up axis that the files do not state. character: a body with a skin instead of bones, in glTF and USD.
     """
     known, preset = targets(), None if for_ is None else find_preset(for_)
     if target is None and preset is None:
@@ -84,6 +85,7 @@ def convert_files(
         original = None if source is None else Original(source.stream)
         clip = ClipStream(head, stream.blocks, stream.frames, stream.notices, original)
         first, last = parse_range(frames)
+        target = choose_format(preset, target, character=character)
         shape = None if preset is None else choose_shape(preset, clip.head.skeleton, target)
         fps = fps or (shape.fps if shape else None)
         clip = reshape(clip, Reshaping(first, last, in_place, fps, scale, height))
@@ -92,13 +94,15 @@ def convert_files(
         clip = fit_height(clip, height, guesses=guesses)
         assert target is not None
         name, part = known[target]
+        if character:
+            check_character(name)
         part = part_without_frames(name) if clip.frames == 0 and part is None else part
         if name == "mcml":
             yield Converted({".mcml": _mcml(clip)}, lambda: clip.notices)
             return
         if not guesses:
             need_stated_facts(clip.head, name)
-        result = convert_clip(clip, name, names)
+        result = replace(convert_clip(clip, name, names), character=character)
         parts = [item for item in WRITERS[name].parts if part is None or item.name == part]
         content = {item.extensions[0]: WRITERS[name].write(result, item.name) for item in parts}
         yield Converted(content, lambda: result.notices)

@@ -272,8 +272,8 @@ def convert(
     to: the format, if the name of the target does not decide it. for_: the program that reads the result, such as
     "blender": its preset decides format, unit and axes, and the ending of a name without one.
     force: replace existing files.
-    options: frame_time, encoding, unit, up, take, rate, frames, fps, scale, height, in_place, guesses, and names (of
-    joints: mcml, bvh1, bvh2, asf or htr).
+    options: frame_time, encoding, unit, up, take, rate, frames, fps, scale, height, in_place, guesses, character (a
+    body with a skin, in glTF and USD), and names (of joints: mcml, bvh1, bvh2, asf or htr).
     Raises Error for files that cannot be read or written, or that exist.
 
     >>> convert("walk.bvh", "walk.mcml")

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mcml.errors import ConversionError, Notice, UnsupportedError
-from mcml.formats import WRITERS
+from mcml.formats import SKINNED, WRITERS
 from mcml.formats.format import note
 from mcml.formats.missing_facts import guess_unit, guess_up
 from mcml.motion.clip import ClipStream
@@ -100,6 +100,15 @@ def find_preset(name: str) -> Preset:
     if name not in PRESETS:
         raise UnsupportedError(f"No preset is called {name!r}.", remedy=f"Use one of: {', '.join(PRESETS)}.")
     return PRESETS[name]
+
+
+def choose_format(preset: Preset | None, format: str | None, *, character: bool) -> str | None:
+    """Return the stated format of an export. For a body with a skin that the preset's own format cannot hold, it is the
+    one of its scenes, if it has any; None leaves it to the preset."""
+    if format is not None or not character or preset is None:
+        return format
+    shapes = [shape.format for shape in (preset.bodies, preset.markers) if shape is not None]
+    return next((name for name in shapes if name in SKINNED), None)
 
 
 def choose_shape(preset: Preset, skeleton: Skeleton, format: str | None = None) -> Shape:

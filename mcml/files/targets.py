@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mcml.errors import UnsupportedError
-from mcml.formats import WRITERS
+from mcml.formats import SKINNED, WRITERS
 from mcml.language import joint_names
 from mcml.motion.clip import ClipStream
 from mcml.motion.conventions.blend_shapes import without_blend_shapes
@@ -28,6 +28,15 @@ def find_target(name: str) -> tuple[str, str | None]:
     if name not in known:
         raise UnsupportedError(f"Unknown export format {name!r}.", remedy=f"Use one of: {', '.join(sorted(known))}.")
     return known[name]
+
+
+def check_character(name: str) -> None:
+    """Raises UnsupportedError for a format that holds no body with a skin."""
+    if name not in SKINNED:
+        raise UnsupportedError(
+            f"{WRITERS[name].label if name in WRITERS else name.upper()} holds no body with a skin.",
+            remedy=f"Leave out `character`, or use one of: {', '.join(sorted(SKINNED))}.",
+        )
 
 
 def part_without_frames(name: str) -> str | None:

@@ -25,7 +25,7 @@ from mcml.formats.smpl.writer import SmplWriter
 from mcml.formats.trc.format import Trc
 from mcml.formats.usd.format import UsdReader
 
-__all__ = ["FORMATS", "NEEDED", "READERS", "UNSUPPORTED", "WRITERS", "find_format"]
+__all__ = ["FORMATS", "NEEDED", "READERS", "SKINNED", "UNSUPPORTED", "WRITERS", "find_format"]
 
 FORMATS: dict[str, Format] = {
     "bvh": Bvh(),
@@ -59,6 +59,9 @@ WRITERS: dict[str, Writer] = {
     "smpl": SmplWriter(),
 }
 """Every format that is written, by its name."""
+
+SKINNED = frozenset({"glb", "usd", "usda"})
+"""Formats that can hold a body with a skin."""
 
 NEEDED = {"glb": "pygltflib", "vrma": "pygltflib", "usd": "pxr", "usda": "pxr"}
 """Modules that formats need and that are not always installed, by format."""

@@ -194,6 +194,7 @@ class ClipStream:
     frames: the number of frames if it is known before reading, else None.
     notices: guesses and repairs of the reader; complete once the blocks were read to the end.
     original: the file of its frames, for writers of the same format that take more from it.
+    character: whether writers that can (`SKINNED`) give it a body with a skin instead of bones.
     """
 
     head: ClipHead
@@ -201,6 +202,7 @@ class ClipStream:
     frames: int | None = None
     notices: list[Notice] = field(default_factory=list)
     original: Original | None = None
+    character: bool = False
 
     def with_head(self, head: ClipHead) -> ClipStream:
         return replace(self, head=head)

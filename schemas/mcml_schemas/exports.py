@@ -39,4 +39,5 @@ class ExportRequest(RequestBody):
     guesses: bool = Field(
         True, description="Guess the unit and the up axis that glTF and USD need, where a document states none"
     )
+    character: bool = Field(False, description="glb and usd: bodies with a skin instead of bones, of clips of a person")
     raw: bool = Field(False, description="csv: also texts that spreadsheets take for formulas as they are")

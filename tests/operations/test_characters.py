@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import io
+import json
+import zipfile
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from fastapi.testclient import TestClient
+from typer.testing import CliRunner
 
-from tests.builders import TRC, bvh, upload
+from mcml_service.cli import app
+from mcml_service.storage.database import Database
+from tests.builders import TRC, bvh, store, upload
+from tests.formats.scenes.reading import read_glb
 from tests.motion.bodies.made import person
 
 API = "/api/v1"
@@ -55,3 +63,44 @@ def test_others_have_a_reason(client: TestClient) -> None:
     markers = character(client, {"points.trc": TRC})
     assert markers["mesh"] is None
     assert markers["reason"] == "Markers have no bones that could carry a body."
+
+
+def test_exports_have_it_where_the_format_can(client: TestClient) -> None:
+    walk, chain = (
+        upload(client, {name: content})["documents"][0]["id"]
+        for name, content in (("walk.bvh", person(1, 6)), ("chain.bvh", bvh(3)))
+    )
+
+    def export(uuid: str, **asked: Any) -> Any:
+        return client.get(f"{API}/documents/{uuid}/export", params={"character": True, **asked})
+
+    vertices = len(read_glb(export(walk, format="glb").content).body()[0])
+    assert vertices > 1500
+    assert len(read_glb(export(walk, format="glb", character=False).content).body()[0]) < 300
+    assert len(read_glb(export(walk, **{"for": "blender"}).content).body()[0]) == vertices
+    refused = export(walk, format="bvh").json()
+    assert (refused["status"], refused["detail"]) == (415, "BVH holds no body with a skin.")
+    assert "glb, usd, usda" in refused["remedy"]
+    assert "not recognised: left_up_arm" in export(chain, format="glb").json()["detail"]
+    selection = {"documents": [walk, chain]}
+    answer = client.post(f"{API}/exports", json={"selection": selection, "format": "glb", "character": True})
+    with zipfile.ZipFile(io.BytesIO(answer.content)) as files:
+        assert sorted(files.namelist()) == ["refused.txt", "walk.glb"]
+        assert len(read_glb(files.read("walk.glb")).body()[0]) == vertices
+
+
+def test_the_catalogue_says_which_formats_hold_it(client: TestClient) -> None:
+    formats = client.get(f"{API}/formats").json()["items"]
+    assert {item["name"] for item in formats if item["skins"]} == {"glb", "usd", "usda"}
+
+
+def test_on_the_command_line(database: Database, tmp_path: Path) -> None:
+    store(database, {"walk.bvh": person(1, 6)})
+    address = database.dialect.engine.url.render_as_string(hide_password=False)
+    done = CliRunner().invoke(app, ["character", "walk", "--json", "--database", address])
+    assert done.exit_code == 0
+    assert len(json.loads(done.output)["mesh"]["points"]) > 4500
+    target = tmp_path / "walk.glb"
+    asked = ["export", "walk", "--format", "glb", "--character", "-o", str(target), "--database", address]
+    assert CliRunner().invoke(app, asked).exit_code == 0
+    assert len(read_glb(target.read_bytes()).body()[0]) > 1500

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from mcml.motion.bodies.clip_body import calibrate_clip
-from mcml.motion.characters.figure import make_character
+from mcml.motion.characters.figure import bind_character
 from mcml.motion.kinematics import Walker
 from mcml.motion.skeleton import Convention
 from mcml.motion.units import reading_of
@@ -29,7 +29,7 @@ def test_the_studio_moves_figures_as_python_does(tmp_path: Path) -> None:
     for seed, convention in enumerate((Convention.LISTED, Convention.FIXED, Convention.BASE)):
         clip = clip_of(person(seed, 30), convention)
         skeleton, reading = clip.head.skeleton, reading_of(clip.head)
-        made = make_character(skeleton, reading, calibrate_clip(clip, 30).start)
+        made = bind_character(skeleton, reading, calibrate_clip(clip, 30).start)
         (block,) = clip.blocks()
         positions, rotations = (each[::10] for each in Walker(skeleton, reading).poses(block))
         moved = made.move(positions, rotations)

@@ -11,6 +11,7 @@ import pytest
 import mcml
 from mcml.formats import FORMATS
 from mcml_service.demo import body
+from tests.formats.scenes.reading import read_glb
 from tests.web.conftest import Served, Visit, one_door, walk
 from tests.web.test_journeys import ready
 
@@ -49,6 +50,31 @@ def test_a_loop_is_exported_tall_and_in_place(visit: Visit, studio: Served, tmp_
     height.fill("")
     height.blur()
     expect(dialog.get_by_text("--height")).to_have_count(0)
+
+
+def test_a_clip_is_exported_with_a_body(visit: Visit, studio: Served, tmp_path: Path) -> None:
+    clip = body.clip("walk", 170.0, *body.walk(170.0, 1.0, 1.0, 6.0))
+    uuid = studio.upload("steps.bvh", b"".join(FORMATS["bvh"].write(clip, "bvh")), unit="cm", up="Y")
+    page = visit.open(f"/clips/{uuid}")
+    ready(page)
+    page.get_by_role("button", name="Export").click()
+    page.get_by_role("menuitem", name="Export with options").click()
+    dialog = page.get_by_role("dialog", name="Export with options")
+    with_body = dialog.get_by_label("With a body instead of bones")
+    dialog.get_by_label("Program or format").select_option(label="For MotionBuilder")
+    expect(with_body).to_have_count(0)
+    dialog.get_by_label("Program or format").select_option(label="For Blender")
+    with_body.check()
+    expect(dialog.get_by_text("--for blender --character")).to_be_visible()
+    with page.expect_download() as saved:
+        dialog.get_by_role("button", name="Export").click()
+    expect(dialog.get_by_text("Saved steps.glb")).to_be_visible()
+    path = tmp_path / saved.value.suggested_filename
+    saved.value.save_as(path)
+    scene = read_glb(path.read_bytes())
+    assert len(scene.body()[0]) > 1500
+    known = studio.get(f"/documents/{uuid}/calibration")["height"]["metres"]
+    assert abs(np.ptp(scene.body()[0][:, 1]) - known) < 0.05 * known
 
 
 def test_the_loop_is_recorded_as_a_video(visit: Visit, studio: Served, tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ from mcml.formats.format import FileKind
 from mcml.formats.scenes.body import Body, body_of
 from mcml.formats.scenes.stage import Stage, look_through, turn_to_y
 from mcml.motion.clip import ClipStream
-from mcml.motion.rotations import to_matrix
+from mcml.motion.rotations import inverse, to_matrix
 
 if TYPE_CHECKING:
     from pygltflib import GLTF2
@@ -166,19 +166,22 @@ def _model(stage: Stage, tracks: list[_Track], content: _Content, extensions: di
 
 
 def _add_body(model: GLTF2, stage: Stage, body: Body, content: _Content) -> None:
-    """The mesh in metres, Y up, as the joints carry it at rest, and the matrices that take it to each."""
+    """The mesh in metres, Y up, as the joints carry it in its pose, and the matrices that take it to each."""
     import pygltflib as gltf
 
     skeleton = stage.skeleton
-    # From the source's unit and axes to the scene's; at rest the axes of all joints are the source's.
-    to_scene = to_matrix(turn_to_y(stage.up)) * (stage.metres or 1.0)
-    joints = np.zeros((len(body.joints), 4))
-    joints[:, 0] = body.joints
-    weights = np.zeros((len(body.joints), 4))
-    weights[:, 0] = 1.0
+    # From the source's unit and axes to the scene's.
+    turn = to_matrix(turn_to_y(stage.up))
+    to_scene = turn * (stage.metres or 1.0)
+    width = body.joints.shape[1]
+    joints, weights = np.zeros((len(body.joints), 4)), np.zeros((len(body.joints), 4))
+    # The specification wants joints without weight to be 0.
+    joints[:, :width] = np.where(body.weights > 0, body.joints, 0)
+    weights[:, :width] = body.weights
     back = np.tile(np.eye(4), (len(skeleton), 1, 1))
-    back[:, :3, :3] = np.linalg.inv(to_scene)
-    back[:, :3, 3] = -stage.rest_places()
+    unturned = to_matrix(inverse(body.turns))
+    back[:, :3, :3] = unturned @ np.linalg.inv(to_scene)
+    back[:, :3, 3] = -np.einsum("jab,jb->ja", unturned, body.places)
     points = (body.points @ to_scene.T).astype(np.float32)
     indices = _add_array(model, content, body.faces.reshape(-1), _INT, "SCALAR", _INDICES)
     places = _add_array(model, content, points, _FLOAT, "VEC3", _VERTICES)
@@ -189,6 +192,8 @@ def _add_body(model: GLTF2, stage: Stage, body: Body, content: _Content) -> None
         JOINTS_0=_add_array(model, content, joints, _SHORT, "VEC4", _VERTICES),
         WEIGHTS_0=_add_array(model, content, weights, _FLOAT, "VEC4", _VERTICES),
     )
+    if body.normals is not None:
+        attributes.NORMAL = _add_array(model, content, body.normals @ turn.T, _FLOAT, "VEC3", _VERTICES)
     # Columns one after the other.
     matrices = _add_array(model, content, back.transpose(0, 2, 1).reshape(-1, 16), _FLOAT, "MAT4", None)
     shine = gltf.PbrMetallicRoughness(baseColorFactor=_COLOUR, metallicFactor=0.0, roughnessFactor=0.7)

@@ -19,6 +19,7 @@ from mcml.formats.scenes.body import Body, body_of
 from mcml.formats.scenes.stage import Stage, look_through, turn_to_y
 from mcml.formats.target_names import legal_names
 from mcml.motion.clip import ClipStream
+from mcml.motion.rotations import to_matrix
 
 _MOST = 5_000_000
 """Places of joints, over all frames, that the library is given at once."""
@@ -104,12 +105,15 @@ def _scene(clip: Stage) -> Any:
     bones.CreateJointNamesAttr([joint.name for joint in skeleton.joints])
     rest = np.tile(np.eye(4), (len(skeleton), 1, 1))
     rest[:, 3, :3] = clip.rest
+    body = body_of(clip)
     bind = rest.copy()
-    bind[:, 3, :3] = clip.rest_places()
+    # Matrices of USD are for rows.
+    bind[:, :3, :3] = to_matrix(body.turns).transpose(0, 2, 1)
+    bind[:, 3, :3] = body.places
     bones.CreateRestTransformsAttr(Vt.Matrix4dArray.FromNumpy(rest))
     bones.CreateBindTransformsAttr(Vt.Matrix4dArray.FromNumpy(bind))
     _add_animation(stage, bones, clip)
-    _add_body(stage, bones, body_of(clip))
+    _add_body(stage, bones, body)
     return stage
 
 
@@ -149,7 +153,7 @@ def _add_animation(stage: Any, bones: Any, clip: Stage) -> None:
 
 
 def _add_body(stage: Any, bones: Any, body: Body) -> None:
-    """Its points are in the source's axes, as the joints carry them at rest."""
+    """Its points are in the source's axes, as the joints carry them in the pose that it is bound in."""
     from pxr import Gf, UsdGeom, UsdSkel, Vt
 
     mesh = UsdGeom.Mesh.Define(stage, "/Clip/Body")
@@ -162,6 +166,11 @@ def _add_body(stage: Any, bones: Any, body: Body) -> None:
     mesh.CreateDisplayColorAttr([Gf.Vec3f(0.36, 0.55, 0.78)])
     binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
     binding.CreateSkeletonRel().SetTargets([bones.GetPath()])
-    binding.CreateJointIndicesPrimvar(False, 1).Set(Vt.IntArray.FromNumpy(body.joints.astype(np.int32)))
-    binding.CreateJointWeightsPrimvar(False, 1).Set(Vt.FloatArray([1.0] * len(body.joints)))
+    width = body.joints.shape[1]
+    joints, weights = body.joints.astype(np.int32).reshape(-1), body.weights.astype(np.float32).reshape(-1)
+    binding.CreateJointIndicesPrimvar(False, width).Set(Vt.IntArray.FromNumpy(joints))
+    binding.CreateJointWeightsPrimvar(False, width).Set(Vt.FloatArray.FromNumpy(weights))
+    if body.normals is not None:
+        mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(body.normals.astype(np.float32)))
+        mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
     binding.CreateGeomBindTransformAttr(Gf.Matrix4d(1.0))

@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.errors import ConversionError
+from mcml.motion.anatomy.axes import Stance
 from mcml.motion.bodies.reference import stance_of
 from mcml.motion.characters.extremities import make_foot, make_hand
 from mcml.motion.characters.measures import SIDES, Person, check_joints, measure_person
 from mcml.motion.characters.surfaces import Drive, Line, Rings, Surface, axes_along, join, make_surface, vertex_normals
 from mcml.motion.clip import Reference
-from mcml.motion.hub import rest_of
+from mcml.motion.hub import Rest, rest_of
 from mcml.motion.rotations import inverse, multiply, rotate, to_matrix
 from mcml.motion.skeleton import Array, Skeleton
 from mcml.motion.units import Reading
@@ -98,17 +99,24 @@ class Character:
         return found
 
 
-def make_character(skeleton: Skeleton, reading: Reading, reference: Reference) -> Character:
-    """The figure to the measure of a rig.
+def bind_character(skeleton: Skeleton, reading: Reading, reference: Reference) -> Character:
+    """The figure to the measure of a rig, in the reference pose of its calibration.
 
-    reference: the reference pose of the clip's calibration, which the figure is bound in. Raises ConversionError with
-    the reason where joints that it needs are not recognised, or that pose is not known.
+    Raises ConversionError with the reason where joints that it needs are not recognised, or that pose is not known.
     """
     check_joints(skeleton)
     stance = stance_of(reference, skeleton, reading)
     if stance is None:
         raise ConversionError("The reference pose of the body is not known.", remedy="Set it: `mcml calibrate`.")
-    rest = rest_of(skeleton, reading)
+    return make_character(skeleton, rest_of(skeleton, reading), stance)
+
+
+def make_character(skeleton: Skeleton, rest: Rest, stance: Stance) -> Character:
+    """The figure to the measure of a rig, in a pose in which the body stands.
+
+    skeleton: one that `check_joints` accepts. Raises ConversionError with the reason where joints of a limb are no
+    chain or in one place.
+    """
     tips = [(joint, stance.positions[joint] + rotate(stance.turned[joint], vector)) for joint, vector in rest.tips]
     person = measure_person(skeleton, stance, tips)
     parts = [_trunk(person), _neck(person), _head(person)]

@@ -58,6 +58,7 @@ def export(
     height: Annotated[float | None, typer.Option(help="Scale so that the body stands this many metres tall")] = None,
     in_place: Annotated[bool, typer.Option("--in-place", help="Without travel over the ground")] = False,
     guesses: Annotated[bool, typer.Option(help="Guess a unit and an up axis that the format needs")] = True,
+    character: Annotated[bool, typer.Option("--character", help="glTF and USD: a body with a skin, not bones")] = False,
     raw: RawOption = False,
     original: Annotated[bool, typer.Option(help="The kept bytes of documents that were not edited")] = True,
     revision: Annotated[int | None, typer.Option(min=1, help="As this revision left it")] = None,
@@ -77,6 +78,7 @@ def export(
         "height": height,
         "in_place": in_place,
         "guesses": guesses,
+        "character": character,
         "raw": raw,
         "for_": for_,
     }

@@ -34,6 +34,7 @@ def convert(
     height: Annotated[float | None, typer.Option(help="Scale so that the body stands this many metres tall")] = None,
     in_place: Annotated[bool, typer.Option("--in-place", help="Without travel over the ground")] = False,
     guesses: Annotated[bool, typer.Option(help="Guess a unit and an up axis that the format needs")] = True,
+    character: Annotated[bool, typer.Option("--character", help="glTF and USD: a body with a skin, not bones")] = False,
     force: ForceOption = False,
     quiet: Annotated[bool, typer.Option(help="Do not print what was guessed or lost")] = False,
 ) -> None:
@@ -62,6 +63,7 @@ def convert(
             height=height,
             in_place=in_place,
             guesses=guesses,
+            character=character,
             for_=for_,
             stem=result.stem,
         )

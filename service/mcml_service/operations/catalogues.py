@@ -6,7 +6,7 @@ from dataclasses import asdict
 from importlib.util import find_spec
 
 from mcml.files.presets import PRESETS
-from mcml.formats import NEEDED, READERS, UNSUPPORTED, WRITERS
+from mcml.formats import NEEDED, READERS, SKINNED, UNSUPPORTED, WRITERS
 from mcml.formats.format import TakesReader
 from mcml.language import joint_names, motion_names
 from mcml.language.elements import to_head
@@ -65,6 +65,7 @@ def _describe_format(name: str) -> FormatInfo:
         reads=reader is not None,
         takes=isinstance(reader, TakesReader),
         extensions=endings,
+        skins=name in SKINNED,
         writes=writer is not None and find_spec(NEEDED.get(name, "mcml")) is not None,
     )
 

@@ -107,6 +107,9 @@ def export_document(
         bool, Field(description="Keep the body over one place: without its way over the ground")
     ] = False,
     guesses: Guesses = True,
+    character: Annotated[
+        bool, Field(description="glb and usd: a body with a skin instead of bones, of clips of a person")
+    ] = False,
     for_: Annotated[
         str | None,
         Field(
@@ -121,7 +124,7 @@ def export_document(
     """In its own format an unedited one comes back byte for byte. `for` or `format` is required."""
     options = ExportOptions(
         format, first, last, names, unit, up, original=original, frame_time=frame_time, raw=raw, fps=fps, scale=scale,
-        height=height, in_place=in_place, guesses=guesses, preset=_find_preset(for_, format),
+        height=height, in_place=in_place, guesses=guesses, character=character, preset=_find_preset(for_, format),
     )  # fmt: skip
     return _content(call, id, revision, options)
 
@@ -138,7 +141,7 @@ def export_documents(call: Call, request: ExportRequest) -> Content:
         request.format or ("bvh" if request.for_ is None else None),
         names=request.names, unit=request.unit, up=request.up, frame_time=request.frame_time, raw=request.raw,
         fps=request.fps, scale=request.scale, height=request.height, in_place=request.in_place, guesses=request.guesses,
-        preset=None if request.for_ is None else find_preset(request.for_),
+        character=request.character, preset=None if request.for_ is None else find_preset(request.for_),
     )  # fmt: skip
     content = exporting.export_documents(call.database, call.queries, request.selection, options)
     return Content(content, "application/zip", f"{request.selection.project or 'documents'}.zip")

@@ -86,11 +86,19 @@ class Scene:
         (primitive,) = self.model["meshes"][0]["primitives"]
         names = primitive["attributes"]
         points, carriers = self.array(names["POSITION"]), self.array(names["JOINTS_0"])
-        assert (self.array(names["WEIGHTS_0"]) == [1, 0, 0, 0]).all()
+        weights = self.array(names["WEIGHTS_0"])
+        assert (weights >= 0).all()
+        assert np.abs(weights.sum(axis=1) - 1).max() < 1e-6
+        assert (carriers[weights == 0] == 0).all()
         assert self.array(primitive["indices"]).max() == len(points) - 1
         back = self.array(self.model["skins"][0]["inverseBindMatrices"]).reshape(-1, 4, 4).transpose(0, 2, 1)
-        carried = (self.matrices()[:, self.joints] @ back)[:, carriers[:, 0]]
-        return (carried @ np.column_stack([points, np.ones(len(points))])[:, :, None])[:, :, :3, 0]
+        moved = self.matrices()[:, self.joints] @ back
+        rows = np.column_stack([points, np.ones(len(points))])
+        return sum(
+            weights[:, [slot]] * np.einsum("nvij,vj->nvi", moved[:, carriers[:, slot]], rows)[:, :, :3]
+            for slot in range(4)
+            if weights[:, slot].any()
+        )
 
 
 def _matrix(turn: np.ndarray) -> np.ndarray:

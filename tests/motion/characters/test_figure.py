@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 import mcml
 from mcml.errors import ConversionError
 from mcml.motion.bodies.clip_body import calibrate_clip
-from mcml.motion.characters.figure import Character, make_character
+from mcml.motion.characters.figure import Character, bind_character
 from mcml.motion.kinematics import Walker, rest_positions
 from mcml.motion.rotations import multiply
 from mcml.motion.skeleton import Array, Skeleton
@@ -58,7 +58,7 @@ def random_pose(skeleton: Skeleton, seed: int, frames: int = 4) -> tuple[Array, 
 @pytest.mark.parametrize("names", [USUAL, FINGERS], ids=["usual", "fingers"])
 def test_every_rest_pose_has_a_figure(bent: dict[str, Rotation], names: dict[str, str]) -> None:
     skeleton = rig(names, bent)
-    made = make_character(skeleton, DEGREES, REST)
+    made = bind_character(skeleton, DEGREES, REST)
     check_mesh(made)
     check_weights(made, skeleton)
     check_limbs(made, skeleton, *random_pose(skeleton, 1), size_of(skeleton))
@@ -66,14 +66,14 @@ def test_every_rest_pose_has_a_figure(bent: dict[str, Rotation], names: dict[str
 
 def test_in_the_pose_it_is_bound_in_nothing_moves() -> None:
     skeleton = rig()
-    made = make_character(skeleton, DEGREES, REST)
+    made = bind_character(skeleton, DEGREES, REST)
     moved = made.move(*posed(skeleton, {}))[0]
     assert np.abs(moved - made.points).max() < 1e-9 * size_of(skeleton)
 
 
 def test_a_body_that_is_carried_away_carries_its_figure() -> None:
     skeleton = rig()
-    made = make_character(skeleton, DEGREES, REST)
+    made = bind_character(skeleton, DEGREES, REST)
     positions, rotations = random_pose(skeleton, 2)
     turn, shift = Rotation.from_euler("yxz", [70, 20, -35], degrees=True), np.array([300.0, -20.0, 45.0])
     carried = made.move(
@@ -89,8 +89,8 @@ def test_arms_are_the_same_whatever_they_do_at_rest(bent: dict[str, Rotation], b
     """A rig with hanging arms that raises them looks as one whose rest pose has them raised: hands have their palms
     down, none is turned about its forearm."""
     straight, other = rig(), rig(bent=bent)
-    expected = make_character(straight, DEGREES, REST)
-    made = make_character(other, DEGREES, REST)
+    expected = bind_character(straight, DEGREES, REST)
+    made = bind_character(other, DEGREES, REST)
     raised = {name: turn.inv() for name, turn in bent.items()}
     moved = made.move(*posed(other, raised))[0]
     assert np.array_equal(made.faces, expected.faces)
@@ -103,7 +103,7 @@ def test_arms_are_the_same_whatever_they_do_at_rest(bent: dict[str, Rotation], b
 @pytest.mark.parametrize(("what", "left_out"), WITHOUT, ids=[what for what, _ in WITHOUT])
 def test_joints_that_a_rig_lacks_are_not_needed(what: str, left_out: tuple[str, ...]) -> None:
     skeleton = rig({name: own for name, own in USUAL.items() if name not in left_out})
-    made = make_character(skeleton, DEGREES, REST)
+    made = bind_character(skeleton, DEGREES, REST)
     check_mesh(made)
     check_weights(made, skeleton)
     tall = np.ptp(made.points[:, 1])
@@ -124,10 +124,10 @@ def test_bones_of_several_pieces_are_one_limb(above: str, pieces: int, seed: int
     """In a pose that leaves the pieces straight, the figure is nearly where it is without them."""
     plain = rig()
     skeleton = divided(plain, above, pieces)
-    made = make_character(skeleton, DEGREES, REST)
+    made = bind_character(skeleton, DEGREES, REST)
     check_mesh(made)
     check_weights(made, skeleton)
-    expected = make_character(plain, DEGREES, REST)
+    expected = bind_character(plain, DEGREES, REST)
     assert np.abs(made.points - expected.points).max() < 1e-6 * size_of(plain)
     check_limbs(made, skeleton, *random_pose(skeleton, seed), size_of(plain))
 
@@ -136,7 +136,7 @@ def test_bones_of_several_pieces_are_one_limb(above: str, pieces: int, seed: int
 @given(st.floats(1e-3, 1e3), st.integers(0, 1000))
 def test_the_unit_changes_nothing_but_the_size(size: float, seed: int) -> None:
     small, large = rig(), rig(size=size)
-    one, other = (make_character(each, DEGREES, REST) for each in (small, large))
+    one, other = (bind_character(each, DEGREES, REST) for each in (small, large))
     assert np.array_equal(one.faces, other.faces)
     assert np.array_equal(one.joints, other.joints)
     # Offsets are texts of six digits.
@@ -145,7 +145,7 @@ def test_the_unit_changes_nothing_but_the_size(size: float, seed: int) -> None:
 
 def test_the_figure_stands_on_the_ground_and_looks_ahead() -> None:
     skeleton = rig()
-    made = make_character(skeleton, DEGREES, REST)
+    made = bind_character(skeleton, DEGREES, REST)
     assert abs(made.points[:, 1].min()) < 3, "soles below the toes, which are 2 cm above the ground"
     assert 175 < made.points[:, 1].max() < 192, "the crown"
     feet = made.points[:, 1] < 5
@@ -160,7 +160,7 @@ def test_the_figure_stands_on_the_ground_and_looks_ahead() -> None:
 
 
 def test_a_figure_is_nearly_the_same_on_both_sides() -> None:
-    made = make_character(rig(), DEGREES, REST)
+    made = bind_character(rig(), DEGREES, REST)
     mirror = made.points * (-1, 1, 1)
     away = np.linalg.norm(mirror[:, None] - made.points[None], axis=2).min(axis=1)
     assert away.max() < 2.5, "centimetres, of vertices that are at other places around their rings"
@@ -178,24 +178,24 @@ def test_a_figure_is_nearly_the_same_on_both_sides() -> None:
 def test_missing_joints_are_named(left_out: tuple[str, ...], reason: str) -> None:
     skeleton = rig({name: own for name, own in USUAL.items() if name not in left_out})
     with pytest.raises(ConversionError, match=reason):
-        make_character(skeleton, DEGREES, REST)
+        bind_character(skeleton, DEGREES, REST)
 
 
 def test_markers_and_chains_have_no_figure() -> None:
     with pytest.raises(ConversionError, match="Markers have no bones"):
-        make_character(CLIPS["trc"]().head.skeleton, DEGREES, REST)
+        bind_character(CLIPS["trc"]().head.skeleton, DEGREES, REST)
     with pytest.raises(ConversionError, match=r"not recognised: left_up_arm, .* and 6 more"):
-        make_character(CLIPS["chain"]().head.skeleton, DEGREES, REST)
+        bind_character(CLIPS["chain"]().head.skeleton, DEGREES, REST)
 
 
 def test_joints_in_one_place_have_no_figure() -> None:
     skeleton = rig(size=0.0)
     with pytest.raises(ConversionError):
-        make_character(skeleton, DEGREES, REST)
+        bind_character(skeleton, DEGREES, REST)
 
 
 def test_it_is_the_same_each_time() -> None:
-    one, other = (make_character(rig(), DEGREES, REST) for _ in range(2))
+    one, other = (bind_character(rig(), DEGREES, REST) for _ in range(2))
     assert np.array_equal(one.points, other.points)
     assert np.array_equal(one.weights, other.weights)
 
@@ -208,7 +208,7 @@ def moved_clip(path: Path) -> tuple[Skeleton, Character, Array, Array]:
     start = calibrate_clip(clip, len(motion)).start
     rows = np.linspace(0, len(motion) - 1, 5).astype(int)
     positions, rotations = (np.asarray(motion.frames(space=space))[rows] for space in ("positions", "rotations"))
-    return skeleton, make_character(skeleton, reading, start), positions, rotations
+    return skeleton, bind_character(skeleton, reading, start), positions, rotations
 
 
 @pytest.mark.parametrize("name", REAL)
@@ -226,6 +226,6 @@ def test_a_made_walk_has_its_figure() -> None:
     clip = clip_of(walker(3))
     skeleton = clip.head.skeleton
     (block,) = clip.blocks()
-    made = make_character(skeleton, DEGREES, calibrate_clip(clip, len(block)).start)
+    made = bind_character(skeleton, DEGREES, calibrate_clip(clip, len(block)).start)
     check_mesh(made)
     check_limbs(made, skeleton, *Walker(skeleton, DEGREES).poses(block), 180.0)

@@ -15,9 +15,9 @@ import orjson
 
 from mcml.errors import ConversionError, Notice
 from mcml.files.check_names import check_frame_time
-from mcml.files.presets import Preset, choose_shape, fit_shape
+from mcml.files.presets import Preset, choose_format, choose_shape, fit_shape
 from mcml.files.reshape_clip import Reshaping, fit_height, need_stated_facts, reshape
-from mcml.files.targets import convert_clip, find_target, part_without_frames
+from mcml.files.targets import check_character, convert_clip, find_target, part_without_frames
 from mcml.formats import FORMATS, READERS, WRITERS
 from mcml.formats.format import SourceFile, note
 from mcml.formats.measurements import has_capture_numbers
@@ -51,7 +51,8 @@ class ExportOptions:
     lengths multiplied or the body of a height in metres, without travel. guesses: False refuses
     where a format needs a unit or an up axis that the document does not state. frame_time: seconds of a frame, for a
     document that does not state them. original: False writes the file from the elements even where the kept bytes would
-    do. raw: CSV has also texts that spreadsheets take for formulas as they are.
+    do. raw: CSV has also texts that spreadsheets take for formulas as they are. character: a body with a skin instead
+    of bones, in glTF and USD.
     """
 
     format: str | None
@@ -69,11 +70,12 @@ class ExportOptions:
     height: float | None = None
     in_place: bool = False
     guesses: bool = True
+    character: bool = False
     preset: Preset | None = None
 
     @property
     def whole(self) -> bool:
-        stated = self.names or self.unit or self.up or self.frame_time or self.preset
+        stated = self.names or self.unit or self.up or self.frame_time or self.preset or self.character
         return self.first == 1 and self.last is None and not stated and self.reshaping == Reshaping()
 
     @property
@@ -103,11 +105,14 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
     """
     if options.preset is not None:
         skeleton = read_clip(tx, stored).clip.head.skeleton
-        shape = choose_shape(options.preset, skeleton, options.format)
+        stated = choose_format(options.preset, options.format, character=options.character)
+        shape = choose_shape(options.preset, skeleton, stated)
         options = replace(options, format=shape.format, fps=options.fps or shape.fps)
     if options.format == ORIGINAL:
         return _export_original(tx, stored)
     name, part = find_target(options.format or "")
+    if options.character:
+        check_character(name)
     part = part_without_frames(name) if stored.frames == 0 and part is None else part
     stem = file_stem(stored.name)
     if options.original and options.whole and stored.intact and stored.format == name and name in READERS:
@@ -138,7 +143,7 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
             "text/csv; charset=utf-8",
             _csv(source, _columns(tx, source), str if options.raw else safe_cell),
         )
-    clip = _convert(source, name, options)
+    clip = replace(_convert(source, name, options), character=options.character)
     if name in WITH_REFERENCE:
         start = read_bodies(tx, tx.columns.documents([stored.key]))[stored.key].calibration.start
         clip = clip.with_head(replace(clip.head, reference=start))

@@ -6,7 +6,7 @@ import numpy as np
 
 from mcml.errors import ConversionError
 from mcml.language.elements import to_head
-from mcml.motion.characters.figure import Character, make_character
+from mcml.motion.characters.figure import Character, bind_character
 from mcml.motion.units import reading_of
 from mcml_schemas.skeletons import CharacterMesh, CharacterView
 from mcml_service.clips.bodies import read_bodies
@@ -23,7 +23,7 @@ def describe_character(tx: Transaction, stored: StoredDocument) -> CharacterView
     reading = reading_of(head)
     (listed,) = tx.columns.documents([stored.key])
     try:
-        made = make_character(head.skeleton, reading, read_bodies(tx, [listed])[stored.key].calibration.start)
+        made = bind_character(head.skeleton, reading, read_bodies(tx, [listed])[stored.key].calibration.start)
     except ConversionError as error:
         return CharacterView(reason=error.what, remedy=error.remedy)
     return CharacterView(mesh=describe_mesh(made))

@@ -2957,6 +2957,8 @@ export interface components {
             /** @default true */
             guesses: boolean;
             /** @default false */
+            character: boolean;
+            /** @default false */
             raw: boolean;
         };
         ExpressionCandidate: {
@@ -3262,6 +3264,8 @@ export interface components {
             takes: boolean;
             /** @default [] */
             extensions: string[];
+            /** @default false */
+            skins: boolean;
             /** @default true */
             writes: boolean;
         };
@@ -6291,6 +6295,7 @@ export interface operations {
                 height?: number | null;
                 in_place?: boolean;
                 guesses?: boolean;
+                character?: boolean;
                 for?: string | null;
                 raw?: boolean;
             };

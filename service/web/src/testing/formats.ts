@@ -23,6 +23,7 @@ const format = (
   reads: true,
   takes: false,
   extensions: (more.parts ?? [part(name)]).flatMap((one) => one.extensions),
+  skins: false,
   writes: true,
   ...more,
 });
@@ -34,7 +35,7 @@ export const LISTED: Format[] = [
   format("c3d", "C3D", "markers", { states: ["force_plates"] }),
   format("trial", "Trial", "markers", { needs: ["force_plates"], reads: false }),
   format("trc", "TRC", "markers", { needs: ["frame_time", "unit"] }),
-  format("glb", "glTF", "both", { assumes: "m", reads: false }),
+  format("glb", "glTF", "both", { assumes: "m", reads: false, skins: true }),
   format("film", "Film", "bodies", { takes: true, writes: false }),
   format("usd", "USD", "both", { assumes: "cm", reads: false, writes: false }),
   format("tomorrow", "Tomorrow's", "both", { assumes: "cm" }),

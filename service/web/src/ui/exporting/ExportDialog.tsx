@@ -26,18 +26,33 @@ import "../../styles/shared.css";
 const AXES = ["X", "Y", "Z"];
 const TALLEST = 100; // metres
 
+/** skins: whether it can have a body with a skin. */
+interface Target {
+  key: string;
+  text: string;
+  unit: string | null;
+  skins: boolean;
+}
+
 /** Programs and formats that hold the clip; their names are "for:…" and "format:…". */
-function targetsOf(markers: boolean): { key: string; text: string; unit: string | null }[] {
+function targetsOf(markers: boolean): Target[] {
   const holds = markers ? "markers" : "bodies";
+  const skinned = new Set(writtenFormats("bodies").flatMap(({ name, skins }) => (skins ? [name] : [])));
   return [
     ...presets(holds).map(({ preset }) => ({
       key: `for:${preset.name}`,
       text: w("label.exportFor", { program: preset.title }),
       unit: preset[holds]?.unit ?? null,
+      skins: !markers && [preset.bodies, preset.markers].some((shape) => shape && skinned.has(shape.format)),
     })),
     ...writtenFormats(holds)
       .filter(({ name }) => name !== LANGUAGE)
-      .map(({ name, label, assumes }) => ({ key: `format:${name}`, text: label, unit: assumes })),
+      .map(({ name, label, assumes }) => ({
+        key: `format:${name}`,
+        text: label,
+        unit: assumes,
+        skins: !markers && skinned.has(name),
+      })),
   ];
 }
 
@@ -64,6 +79,7 @@ export function ExportDialog({
     fps: null,
     height: null,
     inPlace: false,
+    character: false,
     range,
   });
   const [busy, setBusy] = useState(false);
@@ -74,7 +90,11 @@ export function ExportDialog({
     setGiven({ ...given, ...more });
   };
   if (!chosen) return null;
-  const options: ExportOptions = { ...given, target: targetOf(chosen.key) };
+  const options: ExportOptions = {
+    ...given,
+    character: given.character && chosen.skins,
+    target: targetOf(chosen.key),
+  };
   const revision = clip.pinned ?? undefined;
   const download = async (event: Event) => {
     event.preventDefault();
@@ -111,7 +131,7 @@ export function ExportDialog({
               ))}
             </select>
           </label>
-          <Fields clip={clip} loop={range} given={given} unit={chosen.unit} onChange={change} />
+          <Fields clip={clip} loop={range} given={given} target={chosen} onChange={change} />
         </div>
         <Measured clip={clip} given={given} unit={given.unit || chosen.unit || clip.detail.unit || ""} />
         <Lines id={clip.id} options={options} />
@@ -151,15 +171,16 @@ function Fields({
   clip,
   loop,
   given,
-  unit,
+  target,
   onChange,
 }: {
   clip: Clip;
   loop: [number, number] | null;
   given: Given;
-  unit: string | null;
+  target: Target;
   onChange: (more: Partial<Given>) => void;
 }) {
+  const { unit } = target;
   const known = clip.detail.unit !== null && clip.detail.unit !== undefined;
   return (
     <>
@@ -220,6 +241,16 @@ function Fields({
         />
         {w("label.exportInPlace")}
       </label>
+      {target.skins && (
+        <label class="row check">
+          <input
+            type="checkbox"
+            checked={given.character}
+            onChange={(event) => onChange({ character: event.currentTarget.checked })}
+          />
+          {w("label.exportBody")}
+        </label>
+      )}
       {loop && (
         <label class="row check">
           <input

@@ -8,6 +8,7 @@ const PLAIN: ExportOptions = {
   fps: null,
   height: null,
   inPlace: false,
+  character: false,
   range: null,
 };
 
@@ -21,6 +22,7 @@ describe("options of an export", () => {
       fps: 30,
       height: 1.75,
       inPlace: true,
+      character: true,
       range: [11, 40],
     };
     expect(queryOf(all, 3)).toEqual({
@@ -30,12 +32,13 @@ describe("options of an export", () => {
       fps: 30,
       height: 1.75,
       in_place: true,
+      character: true,
       first: 11,
       last: 40,
       revision: 3,
     });
     expect(exportByCommand("abc", all, "http://x")).toBe(
-      "mcml export abc --format bvh --unit cm --up Z --fps 30 --height 1.75 --in-place --first 11 --last 40 --server http://x",
+      "mcml export abc --format bvh --unit cm --up Z --fps 30 --height 1.75 --in-place --character --first 11 --last 40 --server http://x",
     );
     expect(exportByCurl("abc", PLAIN, "http://x", true)).toContain("MCML_TOKEN");
   });

@@ -12,6 +12,8 @@ export interface ExportOptions {
   /** Metres that the body stands tall; null: as in the clip. */
   height: number | null;
   inPlace: boolean;
+  /** A body with a skin instead of bones, where the format holds one. */
+  character: boolean;
   /** Frames from 1; null: all. */
   range: [number, number] | null;
 }
@@ -20,7 +22,7 @@ export const UNITS: Record<string, number> = { mm: 0.001, cm: 0.01, m: 1, inch: 
 
 /** The parameters of the request, only those that say something. */
 export function queryOf(options: ExportOptions, revision?: number): Record<string, string | number | boolean> {
-  const { target, unit, up, fps, height, inPlace, range } = options;
+  const { target, unit, up, fps, height, inPlace, character, range } = options;
   return {
     ...target,
     ...(unit && { unit }),
@@ -28,6 +30,7 @@ export function queryOf(options: ExportOptions, revision?: number): Record<strin
     ...(fps !== null && { fps }),
     ...(height !== null && { height }),
     ...(inPlace && { in_place: true }),
+    ...(character && { character: true }),
     ...(range && { first: range[0], last: range[1] }),
     ...(revision !== undefined && { revision }),
   };
