@@ -156,7 +156,7 @@ class CharacterView(BaseModel):
             {
                 "mesh": None,
                 "reason": "A body needs joints that are not recognised: left_hand, right_hand.",
-                "remedy": "Name its joints (docs/names.md); until then it is shown as sticks.",
+                "remedy": "Name its joints; until then it is shown as sticks.",
             }
         )
     )

@@ -98,7 +98,7 @@ def test_a_clip_without_the_joints_of_a_person_says_so(visit: Visit, studio: Ser
     ready(page)
     page.locator(".viewer-tools").get_by_role("button", name="body", exact=True).click()
     said = page.locator(".why-sticks")
-    expect(said).to_contain_text("Shown as sticks.")
+    expect(said).to_contain_text("No body.")
     expect(said).to_contain_text("A body needs joints that are not recognised: left_up_arm")
     assert covered(page) > 100
     page.locator(".viewer-tools").get_by_role("button", name="body", exact=True).click()

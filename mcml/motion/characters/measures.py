@@ -19,7 +19,7 @@ _NECK = ("neck2", "neck1")
 _LEG, _TRUNK = 0.491, 0.288
 """Hip to ankle, and hips to shoulders, of the height of a person (Winter 2009, Biomechanics and Motor Control of Human
 Movement, figure 4.1)."""
-_REMEDY = "Name its joints (docs/names.md); until then it is shown as sticks."
+_REMEDY = "Name its joints; until then it is shown as sticks."
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,6 +6,7 @@ import type { Skeleton } from "../motion/body/skeleton";
 import type { Tint } from "./body";
 
 const TO_SIDE = 0.4; // how much of a side's colour its limbs have
+const LEAST_LIGHT = 0.55; // dark inks of a light theme would hide the shape
 const BONE = new THREE.Bone();
 
 /** Matrices that are written from outside, not by bones. */
@@ -54,8 +55,10 @@ export class FigureShape {
     const colours = this.geometry.getAttribute("color") as THREE.BufferAttribute;
     const middle = tint(this.skeleton.sides.indexOf(0));
     const mixed = new THREE.Color();
+    const hsl = { h: 0, s: 0, l: 0 };
     this.leaders.forEach((joint, vertex) => {
-      mixed.lerpColors(middle, tint(joint), TO_SIDE);
+      mixed.lerpColors(middle, tint(joint), TO_SIDE).getHSL(hsl, THREE.SRGBColorSpace);
+      mixed.setHSL(hsl.h, hsl.s, Math.max(hsl.l, LEAST_LIGHT), THREE.SRGBColorSpace);
       colours.setXYZ(vertex, mixed.r, mixed.g, mixed.b);
     });
     colours.needsUpdate = true;

@@ -58,7 +58,7 @@ export const ko: typeof en = {
   "button.lookedAt": "미리 보기(가져오지 않음)", "help.tooMany": "처음 {n}개 파일만 가져옵니다.", "help.twin": "라이브러리의 클립과 같습니다. 둘 다 보관합니다.",
 
   "label.draft": "임시 변경 {n}개", "button.discard": "버리기", "label.saved": "리비전 {n}(으)로 저장했습니다", "button.share": "공유",
-  "label.persp": "원근", "label.front": "앞", "label.side": "옆", "label.top": "위", "label.view": "보기", "label.bodyShown": "몸", "help.bodyHelp": "뼈대 대신, 뼈대 길이에 맞춘 몸을 보여 줍니다.", "label.noBody": "막대로 표시합니다.", "label.follow": "따라가기", "label.ghosts": "잔상", "label.trails": "궤적", "label.jointNames": "이름", "label.axes": "축", "label.forces": "힘", "help.forcesHelp": "압력 중심에서 그린 지면 반력입니다. 1,000 N이 1 m이며, 20 N부터 보입니다.",
+  "label.persp": "원근", "label.front": "앞", "label.side": "옆", "label.top": "위", "label.view": "보기", "label.bodyShown": "몸", "help.bodyHelp": "뼈대 대신, 뼈대 길이에 맞춘 몸을 보여 줍니다.", "help.noBody": "몸을 표시할 수 없습니다.", "label.follow": "따라가기", "label.ghosts": "잔상", "label.trails": "궤적", "label.jointNames": "이름", "label.axes": "축", "label.forces": "힘", "help.forcesHelp": "압력 중심에서 그린 지면 반력입니다. 1,000 N이 1 m이며, 20 N부터 보입니다.",
   "label.restPose": "기준 자세", "help.handlesHelp": "뷰어에서 기준 자세의 화살표를 끌어 옮기세요. 둥근 손잡이는 뼈의 길이를 바꿉니다.",
   "button.compare": "비교", "help.compareHelp": "클립을 {n}개까지 고르세요. 이 클립 옆에서 함께 움직입니다.", "label.placed": "배치", "label.sideBySide": "나란히", "label.laidOver": "겹쳐서", "label.inStep": "맞추기", "label.byTime": "시간으로", "label.byFrame": "프레임으로", "label.bySpan": "라벨로",
   "button.notCompared": "{name} 제거", "label.leaveCompared": "비교 끝내기", "help.sizesGuessed": "단위에 ?가 있으면 크기는 추정입니다.",

@@ -9,7 +9,7 @@ export function WhySticks({ clip }: { clip: Clip }) {
   if (!body?.reason) return null;
   return (
     <p class="why-sticks" role="status">
-      <strong>{w("label.noBody")}</strong> {body.reason}
+      <strong>{w("help.noBody")}</strong> {body.reason}
     </p>
   );
 }
