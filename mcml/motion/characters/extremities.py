@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from mcml.motion.characters.measures import Person
+from mcml.motion.characters.measures import SIDES, Person
 from mcml.motion.characters.surfaces import Drive, Line, Rings, Surface, axes_along, make_surface
 from mcml.motion.rotations import rotate, shortest_arc
 from mcml.motion.skeleton import Array
@@ -26,8 +26,12 @@ _BALL, _TOES = (0.060, 0.125), (0.030, 0.055)
 _USUAL_BALL, _USUAL_TOES = 0.085, 0.036
 _SOLE = 0.012
 """How far the sole is below the joint of the toes, in body heights."""
-_FLAT = 0.90
-"""Sine of the steepest fall from the ankle to the toes of a foot that stands flat."""
+_FLAT, _USUAL_FALL = (-0.05, 0.92), 0.40
+"""Limits of the sine of the fall from the ankle to the ball in a foot that stands flat, and a usual one."""
+_STANDING = 0.03
+"""How much higher than the other one an ankle of a standing foot is at most, in body heights."""
+_SHORT_FOOT = 0.02
+"""Distance from the ankle to the ball, in body heights, below which it has no direction."""
 _HAND = 0.085, 0.115
 """Limits of the length of a hand, in body heights."""
 _PALM = (
@@ -72,33 +76,59 @@ def make_foot(person: Person, side: str) -> Surface:
 
 
 def _foot_axes(person: Person, side: str) -> tuple[Array, Array, float, float, float]:
-    """Where a foot points and its upper side (3,), the fall from ankle to ball, and the lengths to ball and tip."""
+    """Where a foot points and its upper side (3,), the fall from ankle to ball, and the lengths to ball and tip.
+
+    The sole is across the plane of the shank, not level: legs may be apart in the reference pose, or in a step.
+    """
     height, ankle = person.height, person.place(f"{side}_foot")
-    joint, tip = person.at[f"{side}_foot"], person.at.get(f"{side}_toes", -1)
-    ends = [place for owner, place in person.tips if owner in (joint, tip, *person.below(joint))]
-    ball = person.places[tip] if tip >= 0 else None
-    if ball is None and ends:
-        ball = ankle + 0.7 * (max(ends, key=lambda end: float(np.linalg.norm(end - ankle))) - ankle)
-    vector = np.zeros(3) if ball is None else ball - ankle
+    along = ankle - person.place(f"{side}_low_leg")
+    shank = rotate(shortest_arc(-person.up, along), np.stack([person.left, person.on]))
+    ball, ends = _ball(person, side)
+    vector = ball - ankle
     size = float(np.linalg.norm(vector))
-    level = vector - (vector @ person.up) * person.up
-    far = float(np.linalg.norm(level))
-    if size < 0.02 * height:
-        return person.on, person.up, 0.0, _USUAL_BALL * height, _USUAL_TOES * height
-    fall = float(-(vector @ person.up))
-    if far < (1 - _FLAT**2) ** 0.5 * size or fall < -0.1 * size:
-        # The toes point down, or up, as in a step: the foot is flat where they are a usual way below the ankle.
-        fall = min(_ANKLE[0] * height - _SOLE * height, 0.7 * size)
-        heading = level / far if far > 0.1 * size else person.on
-        usual = np.sqrt(size**2 - fall**2) * heading - fall * person.up
-        turn = shortest_arc(usual, vector)
-        ahead, up, far = rotate(turn, heading), rotate(turn, person.up), float(np.sqrt(size**2 - fall**2))
-    else:
-        ahead, up = level / far, person.up
+    if size < _SHORT_FOOT * height:
+        return shank[1], np.cross(shank[1], shank[0]), 0.0, _USUAL_BALL * height, _USUAL_TOES * height
+    toward = vector / size
+    across = shank[0] - (shank[0] @ toward) * toward
+    if np.linalg.norm(across) < 0.1:
+        # Toes to the side: the foot turns about the shank.
+        across = np.cross(-along, toward)
+    rise = np.cross(toward, across / np.linalg.norm(across))
+    sine = _usual_fall(person)
+    cosine = float(np.sqrt(1 - sine**2))
+    ahead, up = cosine * toward + sine * rise, cosine * rise - sine * toward
+    far = cosine * size
     limits = np.array([_BALL, _TOES]) * height
     reach = max((float((end - ankle) @ ahead) for end in ends), default=0.0) - far
-    toes = reach if tip >= 0 and reach > 0 else _USUAL_TOES * height
-    return ahead, up, max(fall, 0.0), float(np.clip(far, *limits[0])), float(np.clip(toes, *limits[1]))
+    toes = reach if f"{side}_toes" in person.at and reach > 0 else _USUAL_TOES * height
+    return ahead, up, sine * size, float(np.clip(far, *limits[0])), float(np.clip(toes, *limits[1]))
+
+
+def _ball(person: Person, side: str) -> tuple[Array, list[Array]]:
+    """The place (3,) of the ball of a foot, that of the ankle where it is not known, and of the ends of the foot."""
+    joint, tip = person.at[f"{side}_foot"], person.at.get(f"{side}_toes", -1)
+    ankle = person.places[joint]
+    ends = [place for owner, place in person.tips if owner in (joint, tip, *person.below(joint))]
+    if tip >= 0:
+        return person.places[tip], ends
+    farthest = max(ends, key=lambda end: float(np.linalg.norm(end - ankle)), default=ankle)
+    return ankle + 0.7 * (farthest - ankle), ends
+
+
+def _usual_fall(person: Person) -> float:
+    """Sine of the angle by which the line from the ankle to the ball falls in a foot that stands flat.
+
+    It is that of the feet that the body stands on in the reference pose, the lower ones; both feet have the same.
+    """
+    ankles = {side: float(person.place(f"{side}_foot") @ person.up) for side in SIDES}
+    falls = []
+    for side, level in ankles.items():
+        vector = _ball(person, side)[0] - person.place(f"{side}_foot")
+        size = float(np.linalg.norm(vector))
+        if level < min(ankles.values()) + _STANDING * person.height and size > _SHORT_FOOT * person.height:
+            falls.append(float(-(vector @ person.up)) / size)
+    flat = [fall for fall in falls if _FLAT[0] <= fall <= _FLAT[1]]
+    return sum(flat) / len(flat) if flat else _USUAL_FALL
 
 
 def make_hand(person: Person, side: str) -> Iterator[Surface]:

@@ -15,6 +15,7 @@ from mcml.errors import ConversionError
 from mcml.motion.bodies.clip_body import calibrate_clip
 from mcml.motion.characters.figure import Character, bind_character
 from mcml.motion.kinematics import Walker, rest_positions
+from mcml.motion.pictures.figures import axis_of
 from mcml.motion.rotations import multiply
 from mcml.motion.skeleton import Array, Skeleton
 from mcml.motion.units import DEGREES, reading_of
@@ -138,9 +139,9 @@ def test_the_unit_changes_nothing_but_the_size(size: float, seed: int) -> None:
     small, large = rig(), rig(size=size)
     one, other = (bind_character(each, DEGREES, REST) for each in (small, large))
     assert np.array_equal(one.faces, other.faces)
-    assert np.array_equal(one.joints, other.joints)
+    moved, grown = (each.move(*random_pose(skeleton, seed)) for each, skeleton in ((one, small), (other, large)))
     # Offsets are texts of six digits.
-    assert np.abs(one.points * size - other.points).max() < 1e-4 * size * size_of(small)
+    assert np.abs(moved * size - grown).max() < 1e-4 * size * size_of(small)
 
 
 def test_the_figure_stands_on_the_ground_and_looks_ahead() -> None:
@@ -220,6 +221,40 @@ def test_rigs_of_real_files_have_a_figure(shared: Path, name: str) -> None:
     size = max(tall, float(np.ptp(made.places, axis=0).max()))
     # Some files give each joint its place in every frame: their bones are a little longer or shorter then.
     check_limbs(made, skeleton, positions, rotations, size, loose=1e-3)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "asfamc/cmu02/02_lf_01.amc",  # rests with the legs apart
+        "bvh/bandai/dataset-1_walk_normal_001.bvh",  # is bound in a step
+        "fbx/jog_max_biped_7400.fbx",  # rests in a run
+        "bvh/exporters/mixamo_freebvh.bvh",
+    ],
+)
+def test_soles_are_level_while_feet_stand(shared: Path, name: str) -> None:
+    motion = mcml.read([*([shared / "asfamc/cmu02/02_lf.asf"] if name.endswith("amc") else []), shared / name])
+    clip = motion._clip
+    reading, start = reading_of(clip.head), calibrate_clip(clip, len(motion)).start
+    made = bind_character(clip.head.skeleton, reading, start)
+    positions, rotations = (np.asarray(motion.frames(space=space)) for space in ("positions", "rotations"))
+    up = axis_of(start.up)
+    for side in ("left", "right"):
+        foot = motion.bones.index(f"{side}_foot")
+        height = positions[:, foot] @ up
+        standing = height < np.quantile(height, 0.2)
+        # Vertices of the sole have normals that point away from the ankle: the lowest in the frame of the foot.
+        own = np.flatnonzero((made.joints[:, 0] == foot) & (made.weights[:, 0] > 0.99))
+        moved = made.move(positions[standing], rotations[standing])[:, own]
+        faces = made.faces[np.isin(made.faces, own).all(axis=1)]
+        place = np.full(len(made.points), -1)
+        place[own] = np.arange(len(own))
+        a, b, c = (moved[:, place[faces[:, corner]]] for corner in range(3))
+        across = np.cross(b - a, c - a)
+        # The largest flat part of a foot is its sole.
+        down = across[:, np.argsort(-(across @ -up).mean(axis=0))[:6]].sum(axis=1)
+        tilt = np.degrees(np.arccos(down @ -up / np.linalg.norm(down, axis=1)))
+        assert np.median(tilt) < 16, side
 
 
 def test_a_made_walk_has_its_figure() -> None:
