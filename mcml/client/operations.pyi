@@ -104,6 +104,7 @@ from mcml_schemas.team.accounts import (
 from mcml_schemas.team.activity import ActivityPage
 from mcml_schemas.team.comments import CommentChange, CommentPage, CommentRequest, CommentView
 from mcml_schemas.team.presence import PresenceRequest, PresentList
+from mcml_schemas.team.proposals import ProposalDetail, ProposalPage, ProposalRequest, ProposalView
 from mcml_schemas.team.shares import ShareList, ShareMade, ShareRequest
 from mcml_schemas.team.webhooks import DeliveryPage, DeliveryView, WebhookList, WebhookMade, WebhookRequest
 
@@ -526,6 +527,7 @@ class Operations:
         id: str,
         limit: int | None = ...,
         cursor: str | None = ...,
+        proposal: int | None = ...,
         progress: FileProgress | None = None,
     ) -> CommentPage:
         """List the comments on a document, its frames and joints."""
@@ -593,6 +595,97 @@ class Operations:
         progress: FileProgress | None = None,
     ) -> None:
         """Announce that you have closed a document."""
+    def list_proposals(
+        self,
+        *,
+        id: str,
+        limit: int | None = ...,
+        cursor: str | None = ...,
+        state: Literal["pending", "open", "approved", "applied", "closed"] | None = ...,
+        progress: FileProgress | None = None,
+    ) -> ProposalPage:
+        """List the proposed changes of a document."""
+    def create_proposal(
+        self,
+        *,
+        id: str,
+        proposal: ProposalRequest | dict[str, Any],
+        if_match: str | None = ...,
+        progress: FileProgress | None = None,
+    ) -> ProposalView:
+        """Propose a change of a document."""
+    def preview_changes(
+        self,
+        *,
+        id: str,
+        proposal: ProposalRequest | dict[str, Any],
+        positions: Literal["f4"] | None = ...,
+        first: int | None = ...,
+        last: int | None = ...,
+        step: int | None = ...,
+        column: list[str] | None = ...,
+        quantity: list[str] | None = ...,
+        pixels: int | None = ...,
+        if_match: str | None = ...,
+        progress: FileProgress | None = None,
+    ) -> FramesEdited:
+        """Preview a change of a document before proposing it: notes, curves, positions."""
+    def get_proposal(
+        self,
+        *,
+        id: str,
+        proposal: int,
+        progress: FileProgress | None = None,
+    ) -> ProposalDetail:
+        """Get a proposal with its change."""
+    def preview_proposal(
+        self,
+        *,
+        id: str,
+        proposal: int,
+        positions: Literal["f4"] | None = ...,
+        first: int | None = ...,
+        last: int | None = ...,
+        step: int | None = ...,
+        column: list[str] | None = ...,
+        quantity: list[str] | None = ...,
+        pixels: int | None = ...,
+        progress: FileProgress | None = None,
+    ) -> FramesEdited:
+        """Preview the effect of a proposal: notes, curves, positions."""
+    def approve_proposal(
+        self,
+        *,
+        id: str,
+        proposal: int,
+        revision: int | None = ...,
+        progress: FileProgress | None = None,
+    ) -> ProposalView:
+        """Approve a proposal."""
+    def apply_proposal(
+        self,
+        *,
+        id: str,
+        proposal: int,
+        progress: FileProgress | None = None,
+    ) -> ProposalView:
+        """Apply a proposal to its document, as one revision."""
+    def rebase_proposal(
+        self,
+        *,
+        id: str,
+        proposal: int,
+        progress: FileProgress | None = None,
+    ) -> ProposalView:
+        """Rebase a proposal: make it one for the current revision."""
+    def close_proposal(
+        self,
+        *,
+        id: str,
+        proposal: int,
+        progress: FileProgress | None = None,
+    ) -> ProposalView:
+        """Close a proposal without applying it."""
     def get_frames(
         self,
         *,
@@ -626,10 +719,10 @@ class Operations:
         first: int | None = ...,
         last: int | None = ...,
         step: int | None = ...,
-        dry_run: bool | None = ...,
         column: list[str] | None = ...,
         quantity: list[str] | None = ...,
         pixels: int | None = ...,
+        dry_run: bool | None = ...,
         if_match: str | None = ...,
         progress: FileProgress | None = None,
     ) -> FramesEdited:
@@ -1315,7 +1408,9 @@ class Operations:
         project: str | None = ...,
         document: str | None = ...,
         author: str | None = ...,
-        kind: Literal["document", "comment", "project", "job", "member", "share", "webhook", "account", "token"]
+        kind: Literal[
+            "document", "comment", "proposal", "project", "job", "member", "share", "webhook", "account", "token"
+        ]
         | None = ...,
         since: str | None = ...,
         progress: FileProgress | None = None,

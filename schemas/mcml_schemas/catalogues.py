@@ -40,6 +40,7 @@ _PROJECT = {
     "archived": None,
     "most_documents": 1000,
     "most_bytes": None,
+    "review_required": False,
 }
 
 
@@ -192,7 +193,8 @@ class ProjectView(BaseModel):
     """A project.
 
     archived: time since which it is read-only. documents: number of documents. bytes: of uploaded files and media,
-    including deleted documents. most_documents, most_bytes: quotas, none: no limit.
+    including deleted documents. most_documents, most_bytes: quotas, none: no limit. review_required: whether documents
+    change by approved proposals only.
     """
 
     model_config = ConfigDict(json_schema_extra=shown(_PROJECT))
@@ -203,6 +205,7 @@ class ProjectView(BaseModel):
     archived: str | None = None
     most_documents: int | None = None
     most_bytes: int | None = None
+    review_required: bool = False
 
 
 class ProjectChange(RequestBody):
@@ -215,6 +218,9 @@ class ProjectChange(RequestBody):
         None, ge=0, le=10**15, description="0: no bound; owners of the repository set it"
     )
     most_bytes: int | None = Field(None, ge=0, le=10**18, description="0: no bound; owners of the repository set it")
+    review_required: bool | None = Field(
+        None, description="Documents change by proposals only, which another editor than the author has approved"
+    )
 
 
 class ProjectImported(BaseModel):

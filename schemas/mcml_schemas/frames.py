@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from mcml_schemas.examples import DOCUMENT, shown
 from mcml_schemas.request_body import RequestBody
-from mcml_schemas.revisions import FrameRange
+from mcml_schemas.revisions import FrameRange, KeptFrames
 
 FrameForm: TypeAlias = Literal["json", "npy", "npz", "block", "arrow", "parquet", "csv"]
 """How frames are written as numbers."""
@@ -274,6 +274,7 @@ class FramesEdited(BaseModel):
                 "replaced": [{"bone": "Root", "channels": ["Tx"], "frames": 1, "ranges": [{"first": 31, "last": 31}]}],
                 "first_kept": None,
                 "motion": None,
+                "kept": [],
                 "curves": [
                     {
                         "name": "Root.Tx",
@@ -295,3 +296,6 @@ class FramesEdited(BaseModel):
         None, description="After a single `keep` or `loop`: the former position of the frame that is now the first"
     )
     motion: PreviewMotion | None = Field(None, description="With `dry_run` and `positions`: the edited motion")
+    kept: list[KeptFrames] = Field(
+        [], description="With `dry_run`: frames that the document has before and after, edited or not"
+    )

@@ -39,6 +39,7 @@ class Things:
     result: str
     label: int
     comment: int
+    proposal: int
 
     @property
     def id(self) -> str:
@@ -60,6 +61,14 @@ def commented(client: TestClient, document: str, text: str) -> int:
     return int(made.json()["id"])
 
 
+def proposed(client: TestClient, document: str, message: str) -> int:
+    """The number of a new proposal."""
+    body = {"edits": CHANGE["edits"] | {"message": message}}
+    made = client.post(f"{API}/documents/{document}/proposals", json=body, headers={"if-match": "*"})
+    assert made.status_code == 201, made.text
+    return int(made.json()["number"])
+
+
 def filled(client: TestClient, database: Database, project: str, word: str) -> Things:
     """Something of everything, each with a word in it."""
     change = {"if-match": "*"}
@@ -68,6 +77,7 @@ def filled(client: TestClient, database: Database, project: str, word: str) -> T
     stored = [item["id"] for item in made["documents"]]
     label = labelled(client, stored[0], word)
     comment = commented(client, stored[0], word)
+    proposal = proposed(client, stored[0], word)
     for path, body in (
         (f"collections/{word}", {"documents": stored[:1]}),
         (f"queries/{word}", {"q": f"//frame[motion_name='{word}']"}),
@@ -87,8 +97,12 @@ def filled(client: TestClient, database: Database, project: str, word: str) -> T
         job = tx.jobs.add(key, "beats", word, word, [], {}, runner="nobody")
         result_key, result = tx.results.add(key, "beats", word, word, [], {}, {})
         tx.results.add_part(result_key, "speed", "curve", {"title": word, "series": []}, {"speed": np.zeros(3)})
-    return Things(project, stored, job, result, label, comment)
+    return Things(project, stored, job, result, label, comment, proposal)
 
+
+CHANGE: dict[str, Any] = {
+    "edits": {"edits": [{"do": "adjust", "first": 1, "last": 2, "channels": ["Rx"], "offset": 1}]}
+}
 
 CHANGING = {
     "change_document": {"description": "another"},
@@ -105,6 +119,8 @@ CHANGING = {
     "add_comment": {"text": "@reader look"},
     "change_comment": {"text": "look again"},
     "keep_presence": {"doing": "editing"},
+    "create_proposal": CHANGE,
+    "preview_changes": CHANGE,
 }
 """Bodies of operations on one document."""
 
@@ -139,6 +155,8 @@ def request_of(operation: Operation, things: Things, word: str) -> Asked | None:
             path["label"] = things.label
         if "{comment}" in operation.path:
             path["comment"] = things.comment
+        if "{proposal}" in operation.path:
+            path["proposal"] = things.proposal
         if name in ("replace_element", "insert_elements"):
             text = '<frame_bone name="Root" Rx="1"/>' if name == "replace_element" else "<motion_name>z</motion_name>"
             content = {"content": text, "headers": {"content-type": "application/xml"}}

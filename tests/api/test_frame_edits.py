@@ -47,6 +47,7 @@ def test_edits_are_one_revision_and_can_be_taken_back(client: TestClient, uuid: 
         "replaced": [],
         "first_kept": None,
         "motion": None,
+        "kept": [],
         "curves": [],
     }
     assert answer.headers["etag"] == '"2-json"'
@@ -122,6 +123,7 @@ def test_channels_as_arrays(client: TestClient, uuid: str, form: str) -> None:
         "replaced": [],
         "first_kept": None,
         "motion": None,
+        "kept": [],
         "curves": [],
     }
     after = before.copy()

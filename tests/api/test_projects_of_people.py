@@ -15,12 +15,12 @@ from sqlalchemy import func, select
 from mcml_service.app import create_app
 from mcml_service.jobs.runner import Runner
 from mcml_service.operations import all_operations
-from mcml_service.operations.operation import Operation, Right
+from mcml_service.operations.operation import Effect, Operation, Right
 from mcml_service.settings import Settings
 from mcml_service.storage.core.schema import metadata
 from mcml_service.storage.database import Database
 from mcml_service.storage.team.entries import PROJECT_ROLES
-from tests.api.asked import API, Things, commented, filled, labelled, request_of, send
+from tests.api.asked import API, Things, commented, filled, labelled, proposed, request_of, send
 from tests.builders import SECRET, one_kind
 from tests.motion.bodies.made import person
 
@@ -110,7 +110,7 @@ def addressed() -> list[Operation]:
 
 
 def test_every_operation_is_asked() -> None:
-    things = Things("mine", ["a", "b", "c"], "d", "e", 1, 1)
+    things = Things("mine", ["a", "b", "c"], "d", "e", 1, 1, 1)
     for operation in addressed():
         known = request_of(operation, things, "w") is not None
         assert known or operation.name in OWN or operation.right in (Right.OPERATE, Right.OWN), operation.name
@@ -182,6 +182,10 @@ def test_each_role_may_in_its_project_what_is_declared(
             if "{comment}" in operation.path and role != "stranger":
                 # What one's own comments may become; `tests/operations/test_comments.py` has those of others.
                 mine = replace(mine, comment=commented(clients[role], mine.id, "mine"))
+                asked = request_of(operation, mine, "wombat") or asked
+            if "{proposal}" in operation.path and operation.effect is Effect.WRITES:
+                # An applied or closed one is applied no more; `tests/operations/test_proposals.py` has those of others.
+                mine = replace(mine, proposal=proposed(clients[role], mine.id, "mine"))
                 asked = request_of(operation, mine, "wombat") or asked
             answer = send(clients[role], operation, asked)
             unfit = any(operation.name.startswith(word) for word in UNFIT)

@@ -294,3 +294,26 @@ def test_notes_of_an_edit_are_told(run: Run, walk: str) -> None:
     told = run("frames", walk, "unroll", "--dry-run")
     assert "revision 1" in told
     assert "rotations have other angles" in told
+
+
+def test_proposals(run: Run, walk: str) -> None:
+    made = json.loads(run("frames", walk, "smooth", "2-20", "--propose", "-m", "calmer", "--json"))
+    assert (made["number"], made["summary"], made["revision"]) == (1, "smooth 2-20", 1)
+    assert "smooth 2-20" in run("proposal", "list", walk, "--state", "pending")
+    run("comment", "add", walk, "here?", "--first", "3", "--proposal", "1")
+    assert json.loads(run("proposal", "show", walk, "1", "--json"))["comments"] == 1
+    assert json.loads(run("proposal", "preview", walk, "1", "--json"))["kept"] == [
+        {"before": 1, "after": 1, "count": 30}
+    ]
+    Path("named.json").write_text(json.dumps({"changes": {"document": {"description": "a walk"}}}))
+    assert json.loads(run("proposal", "create", walk, "named.json", "--json"))["number"] == 2
+    assert "requires a review" in run("project", "review", "default", "--required")
+    assert "need a review" in run("frames", walk, "delete", "1-2", code=1)
+    assert "your own" in run("proposal", "approve", walk, "1", code=1)
+    assert "no approval by another" in run("proposal", "apply", walk, "1", code=1)
+    assert "does not require" in run("project", "review", "default", "--optional")
+    assert json.loads(run("proposal", "approve", walk, "1", "--json"))["state"] == "approved"
+    assert json.loads(run("proposal", "apply", walk, "1", "--json"))["applied"] == 2
+    assert json.loads(run("proposal", "rebase", walk, "2", "--json"))["revision"] == 2
+    assert json.loads(run("proposal", "close", walk, "2", "--json"))["state"] == "closed"
+    assert "calmer (proposal 1 by" in run("history", walk)

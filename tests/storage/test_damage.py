@@ -148,7 +148,7 @@ def as_before_checksums(database: Database) -> None:
                     tx.connection.execute(text(f'ALTER TABLE "{table.name}" DROP COLUMN {column.name}'))
         for later in (
             *("store", "joint_alias", "session", "request", "thumbnail", "saved", "document_media", "body"),
-            *("project_terms", "shared_document", "share", "identity", "comment", "event"),
+            *("project_terms", "shared_document", "share", "identity", "proposal", "comment", "event"),
             *("webhook_delivery", "webhook", "attempt", "presence"),
             *("membership", "token_project", "token_grant", "invitation", "account"),
         ):

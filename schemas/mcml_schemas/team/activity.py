@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from mcml_schemas.examples import CURSOR, DOCUMENT, PROJECT, TIME, shown
 
 ActivityKind: TypeAlias = Literal[
-    "document", "comment", "project", "job", "member", "share", "webhook", "account", "token"
+    "document", "comment", "proposal", "project", "job", "member", "share", "webhook", "account", "token"
 ]
 
 _EVENT = {
@@ -28,7 +28,7 @@ _EVENT = {
 
 
 class ActivityEvent(BaseModel):
-    """Something that was done; the data of events `comment`."""
+    """Something that was done; the data of events `comment` and `proposal`."""
 
     model_config = ConfigDict(json_schema_extra=shown(_EVENT))
 
@@ -42,7 +42,9 @@ class ActivityEvent(BaseModel):
     document: str | None
     name: str | None = Field(description="Current name of the document")
     revision: int | None
-    subject: str = Field(description="Other object of the event: a person, token, link, job, or number of a comment")
+    subject: str = Field(
+        description="Other object of the event: a person, token, link, job, or number of a comment or proposal"
+    )
 
 
 class ActivityPage(BaseModel):

@@ -39,6 +39,7 @@ class CommentRequest(RequestBody):
     last: int | None = Field(None, ge=1, le=2**31 - 1, description="Last frame, included; default the first one")
     bone: str | None = Field(None, min_length=1, max_length=1024, description="Name of a joint")
     revision: int | None = Field(None, ge=1, le=2**31 - 1, description="That was looked at; default the current one")
+    proposal: int | None = Field(None, ge=1, le=2**31 - 1, description="Number of the proposal that it is about")
 
     @model_validator(mode="after")
     def _in_order(self) -> CommentRequest:
@@ -54,8 +55,10 @@ class CommentChange(RequestBody):
 
 
 class CommentView(BaseModel):
-    """revision: that was looked at; first, last: frames there, None for all. edited, resolved: when, None for never.
-    mentions: people of the project whom the text names."""
+    """revision: that was looked at; first, last: frames there, None for all. proposal: number of the proposal that it
+    is about, None for the document itself. edited, resolved: when, None for never. mentions: people of the project whom
+    the text names.
+    """
 
     model_config = ConfigDict(json_schema_extra=shown(_COMMENT))
 
@@ -68,6 +71,7 @@ class CommentView(BaseModel):
     first: int | None = None
     last: int | None = None
     bone: str | None = None
+    proposal: int | None = None
     edited: str | None = None
     resolved: str | None = None
 

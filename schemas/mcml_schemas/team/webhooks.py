@@ -38,7 +38,7 @@ class WebhookRequest(RequestBody):
 
     url: str = Field(min_length=8, max_length=2000, description="Where messages are sent, with https")
     project: str | None = Field(None, max_length=256, description="Tell of this one alone; default all")
-    kinds: list[ActivityKind] = Field([], max_length=8, description="Tell of these kinds of events; default all")
+    kinds: list[ActivityKind] = Field([], max_length=10, description="Tell of these kinds of events; default all")
 
 
 class WebhookView(BaseModel):

@@ -73,11 +73,12 @@ async def follow_job(
     return StreamingResponse(events(), media_type="text/event-stream", headers={"cache-control": "no-store"})
 
 
-EventKind = Literal["job", "document", "label", "comment"]
+EventKind = Literal["job", "document", "label", "comment", "proposal"]
 _MARK = re.compile(r"(\d{1,18})@([0-9T:.Z-]{1,32})(?:@(\d{1,18}))?")
 _NEWS: dict[int | str, dict[str, Any]] = {
     200: {
-        "description": "Events `document`, `label` (a revision), `job` (a job) and `comment` (what was done), as JSON",
+        "description": "Events as JSON: `document`, `label` (revisions), `job` (a job), `comment`, `proposal` (what "
+        "was done)",
         "content": {"text/event-stream": {"schema": {"type": "string"}}},
     }
 }
@@ -108,10 +109,10 @@ async def follow_events(
 ) -> StreamingResponse:
     """Stream events of the store as server-sent events, from now on or since an event.
 
-    `document` and `label` have a new revision, `job` the progress of a job, `comment` a change of a comment. `ready`
-    comes first. `reset` means that too many events were missed and lists must be read again. A stream ends after five
-    minutes, and soon after the rights of its client change: reconnect with the id of the last event, as browsers do
-    automatically.
+    `document` and `label` have a new revision, `job` the progress of a job, `comment` and `proposal` a change of one.
+    `ready` comes first. `reset` means that too many events were missed and lists must be read again. A stream ends
+    after five minutes, and soon after the rights of its client change: reconnect with the id of the last event, as
+    browsers do automatically.
     """
     database, stay = _follow(http), Stay(http)
     mark = last_event_id or since
@@ -205,9 +206,9 @@ def _look(
             here = project in (None, event.project) and document in (None, event.document)
             if kind in wanted and here:
                 texts.append(_write_event(kind, event.model_dump_json(), news))
-        for told in news.comments(tx):
-            if "comment" in wanted and project in (None, told.project) and document in (None, told.document):
-                texts.append(_write_event("comment", told.model_dump_json(), news))
+        for told in news.discussions(tx):
+            if told.kind in wanted and project in (None, told.project) and document in (None, told.document):
+                texts.append(_write_event(told.kind, told.model_dump_json(), news))
         if news.missed:
             texts.append(_write_event("reset", "{}", news))
         if "job" in wanted and document is None:

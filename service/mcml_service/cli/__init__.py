@@ -65,6 +65,7 @@ BY_HAND = {
     "project archive": "moving:archive",
     "project open": "moving:open_",
     "project quota": "moving:quota",
+    "project review": "moving:review",
     "project export": "moving:export",
     "project import": "moving:import_",
     "project vocabulary": "edits.names:vocabulary",
@@ -80,6 +81,7 @@ BY_HAND = {
 GROUPS = {
     "labels": "Labels of documents, by query, as tables; and from the motion.",
     "comment": "Comments on documents, their frames and joints.",
+    "proposal": "Proposed changes of documents: create, review, apply.",
     "element": "Elements of a document, addressed by XPath. An edit is a revision.",
     "mapping": "Saved joint mappings between rigs, and the joint names of projects.",
     "names": "Names of joints of documents that exist.",

@@ -1,4 +1,4 @@
-"""`mcml project`: archives, quotas, and whole projects as files."""
+"""`mcml project`: archives, quotas, reviews, and whole projects as files."""
 
 from __future__ import annotations
 
@@ -47,6 +47,17 @@ def quota(
         told = client.call("change_project", project=project, change=change)
     of = [f" of {most:,}" if most else "" for most in (told.most_documents, (told.most_bytes or 0) // 1_000_000)]
     console.print(f"{told.documents:,}{of[0]} documents, {told.bytes / 1e6:,.1f}{of[1]} MB")
+
+
+def review(
+    project: Project,
+    required: Annotated[bool, typer.Option("--required/--optional", help="Whether changes need a review")] = True,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Require a review: documents change by proposals only, which another editor has approved."""
+    open_client(database, server).call("change_project", project=project, change={"review_required": required})
+    console.print(f"{project} {'requires' if required else 'does not require'} a review of changes")
 
 
 def copy(

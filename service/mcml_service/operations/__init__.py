@@ -1,4 +1,4 @@
-"""OPERATIONS: all operations of the repository, readable from top to bottom.
+"""OPERATIONS: all operations of the repository, readable from top to bottom; `people` has the last of them.
 
 A row has the name, the path below /api/v1, the effect on the store, the required right, the description, the module in
 this package with the function of that name, and the command with its positional arguments in capitals. A row without a
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from mcml.errors import NotFoundError
 from mcml_service.operations.operation import Effect, Operation, Right
+from mcml_service.operations.people import PEOPLE
 
 READS, STREAMS, WRITES, STARTS = Effect.READS, Effect.STREAMS, Effect.WRITES, Effect.STARTS
 READ, EDIT, OWN, OPERATE = Right.READ, Right.EDIT, Right.OWN, Right.OPERATE
@@ -135,6 +136,29 @@ _ROWS = [
     Operation("end_presence", "DELETE /documents/{id}/presence", WRITES, READ,
               "Announce that you have closed a document.", "team.presence", status=204),
 
+    # proposals
+    Operation("list_proposals", "GET /documents/{id}/proposals", READS, READ,
+              "List the proposed changes of a document.", "team.proposals", "proposal list ID"),
+    Operation("create_proposal", "POST /documents/{id}/proposals", WRITES, READ,
+              "Propose a change of a document.", "team.proposals", "proposal create ID FILE", status=201, queued=True),
+    Operation("preview_changes", "POST /documents/{id}/proposals/preview", READS, READ,
+              "Preview a change of a document before proposing it: notes, curves, positions.", "team.proposals",
+              queued=True),
+    Operation("get_proposal", "GET /documents/{id}/proposals/{proposal}", READS, READ,
+              "Get a proposal with its change.", "team.proposals", "proposal show ID PROPOSAL", omit_null=True),
+    Operation("preview_proposal", "GET /documents/{id}/proposals/{proposal}/preview", READS, READ,
+              "Preview the effect of a proposal: notes, curves, positions.", "team.proposals",
+              "proposal preview ID PROPOSAL", queued=True),
+    Operation("approve_proposal", "PUT /documents/{id}/proposals/{proposal}/approval", WRITES, EDIT,
+              "Approve a proposal.", "team.proposals", "proposal approve ID PROPOSAL"),
+    Operation("apply_proposal", "POST /documents/{id}/proposals/{proposal}/apply", WRITES, EDIT,
+              "Apply a proposal to its document, as one revision.", "team.proposals", "proposal apply ID PROPOSAL"),
+    Operation("rebase_proposal", "POST /documents/{id}/proposals/{proposal}/rebase", WRITES, READ,
+              "Rebase a proposal: make it one for the current revision.", "team.proposals",
+              "proposal rebase ID PROPOSAL", queued=True),
+    Operation("close_proposal", "POST /documents/{id}/proposals/{proposal}/close", WRITES, READ,
+              "Close a proposal without applying it.", "team.proposals", "proposal close ID PROPOSAL"),
+
     # frames
     Operation("get_frames", "GET /documents/{id}/frames", STREAMS, READ,
               "Get frames of a document as numbers in the source's units.", "edits.frames", open_to_links=True),
@@ -192,9 +216,8 @@ _ROWS = [
     Operation("get_query", "GET /xpath", STREAMS, READ,
               "Evaluate an XPath expression over documents, such as `//frame[motion_name='left-arm-abduction']`.",
               "queries", omit_null=True, cancel_on_disconnect=True, queued=True),
-    Operation("post_query", "POST /xpath", STREAMS, READ,
-              "Evaluate a long XPath expression, or one with variables.", "queries", omit_null=True,
-              cancel_on_disconnect=True, queued=True),
+    Operation("post_query", "POST /xpath", STREAMS, READ, "Evaluate a long XPath expression, or one with variables.",
+              "queries", omit_null=True, cancel_on_disconnect=True, queued=True),
     Operation("complete_query", "GET /xpath/complete", READS, READ,
               "Complete an expression: elements, attributes, axes, functions, and names in use.", "queries"),
     Operation("get_query_examples", "GET /xpath/examples", READS, READ,
@@ -246,19 +269,16 @@ _ROWS = [
     Operation("list_saved_queries", "GET /queries", READS, READ,
               "List saved queries, by project and name.", "saved", "queries"),
     Operation("get_saved_query", "GET /queries/{name}", READS, READ, "Get a saved query.", "saved"),
-    Operation("save_query", "PUT /queries/{name}", WRITES, EDIT,
-              "Save an XPath expression under a name.", "saved", status=201,
-              ok_description="An existing query, changed"),
+    Operation("save_query", "PUT /queries/{name}", WRITES, EDIT, "Save an XPath expression under a name.", "saved",
+              status=201, ok_description="An existing query, changed"),
     Operation("delete_query", "DELETE /queries/{name}", WRITES, EDIT, "Delete a saved query.", "saved", status=204),
     Operation("get_colours", "GET /colours", READS, READ, "Get the colours of labels in a project.", "saved"),
-    Operation("save_colours", "PUT /colours", WRITES, EDIT,
-              "Set all colours of labels in a project.", "saved", status=201,
-              ok_description="Existing colours, changed"),
+    Operation("save_colours", "PUT /colours", WRITES, EDIT, "Set all colours of labels in a project.", "saved",
+              status=201, ok_description="Existing colours, changed"),
     Operation("get_vocabulary", "GET /vocabulary", READS, READ,
               "Get the label vocabulary of a project.", "saved", omit_null=True),
-    Operation("save_vocabulary", "PUT /vocabulary", WRITES, EDIT,
-              "Set the label vocabulary of a project.", "saved", status=201, omit_null=True,
-              ok_description="An existing vocabulary, changed"),
+    Operation("save_vocabulary", "PUT /vocabulary", WRITES, EDIT, "Set the label vocabulary of a project.", "saved",
+              status=201, omit_null=True, ok_description="An existing vocabulary, changed"),
     Operation("delete_vocabulary", "DELETE /vocabulary", WRITES, EDIT,
               "Delete the label vocabulary of a project.", "saved", status=204),
 
@@ -267,9 +287,8 @@ _ROWS = [
               "List saved joint mappings, by project and name.", "edits.names", "mapping list", omit_null=True),
     Operation("get_mapping", "GET /mappings/{name:path}", READS, READ,
               "Get a saved joint mapping.", "edits.names", "mapping show NAME"),
-    Operation("save_mapping", "PUT /mappings/{name:path}", WRITES, EDIT,
-              "Save a joint mapping under a name.", "edits.names", status=201,
-              ok_description="An existing mapping, changed"),
+    Operation("save_mapping", "PUT /mappings/{name:path}", WRITES, EDIT, "Save a joint mapping under a name.",
+              "edits.names", status=201, ok_description="An existing mapping, changed"),
     Operation("delete_mapping", "DELETE /mappings/{name:path}", WRITES, EDIT,
               "Delete a saved joint mapping.", "edits.names", "mapping delete NAME", status=204),
     Operation("get_aliases", "GET /aliases", READS, READ,
@@ -334,49 +353,7 @@ _ROWS = [
     Operation("import_project", "POST /projects", WRITES, OPERATE,
               "Import a project from an exported file.", "projects", status=201, queued=True),
 
-    # accounts and sharing
-    Operation("get_account", "GET /account", READS, READ,
-              "Get your account: name, role and permissions.", "team.accounts", "account me"),
-    Operation("change_password", "PUT /account/password", WRITES, READ,
-              "Change your own password.", "team.accounts", status=204),
-    Operation("list_accounts", "GET /accounts", READS, OPERATE, "List accounts.", "team.accounts", "account list"),
-    Operation("add_owner", "POST /accounts", WRITES, OPERATE,
-              "Create the first account, an owner's.", "team.accounts", status=201),
-    Operation("change_account", "PATCH /accounts/{name}", WRITES, OPERATE,
-              "Change the role of an account, or close it.", "team.accounts"),
-    Operation("list_invitations", "GET /invitations", READS, OWN,
-              "List open invitations.", "team.accounts", "account invitations"),
-    Operation("invite", "POST /invitations", WRITES, OWN,
-              "Invite a person to create an account with a role, in the repository or in one project.", "team.accounts",
-              status=201),
-    Operation("revoke_invitation", "DELETE /invitations/{number}", WRITES, OWN,
-              "Revoke an invitation.", "team.accounts", "account uninvite NUMBER", status=204),
-    Operation("list_members", "GET /members", READS, READ,
-              "List the members of a project with their roles.", "team.accounts", "project members PROJECT"),
-    Operation("set_member", "PUT /members/{name}", WRITES, OWN,
-              "Add a member to a project, or change their role.", "team.accounts"),
-    Operation("remove_member", "DELETE /members/{name}", WRITES, OWN,
-              "Remove a member from a project.", "team.accounts", "project remove PROJECT NAME", status=204),
-    Operation("list_shares", "GET /shares", READS, EDIT, "List share links.", "team.sharing", "share list [PROJECT]"),
-    Operation("add_share", "POST /shares", WRITES, EDIT,
-              "Create a share link, with which people without an account can view documents.", "team.sharing",
-              status=201),
-    Operation("revoke_share", "DELETE /shares/{number}", WRITES, EDIT,
-              "Revoke a share link.", "team.sharing", "share revoke NUMBER", status=204),
-    Operation("list_webhooks", "GET /webhooks", READS, OWN,
-              "List webhooks.", "team.webhooks", "webhook list [PROJECT]"),
-    Operation("add_webhook", "POST /webhooks", WRITES, OWN,
-              "Add a webhook, which receives events at a URL.", "team.webhooks", status=201),
-    Operation("remove_webhook", "DELETE /webhooks/{number}", WRITES, OWN,
-              "Delete a webhook.", "team.webhooks", "webhook remove NUMBER", status=204),
-    Operation("list_deliveries", "GET /webhooks/{number}/messages", READS, OWN,
-              "List sent and waiting messages of a webhook.", "team.webhooks", "webhook log NUMBER"),
-    Operation("redeliver", "POST /webhooks/{number}/messages/{message}", WRITES, OWN,
-              "Send a message of a webhook again.", "team.webhooks", "webhook redeliver NUMBER MESSAGE", status=202),
-    Operation("list_tokens", "GET /tokens", READS, READ, "List your tokens: names, scopes, dates.", "team.accounts"),
-    Operation("add_token", "POST /tokens", WRITES, READ, "Create a token for a program.", "team.accounts", status=201),
-    Operation("revoke_token", "DELETE /tokens/{name}", WRITES, READ,
-              "Revoke a token immediately.", "team.accounts", status=204),
+    *PEOPLE,
 ]
 # fmt: on
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field
 
@@ -58,14 +58,15 @@ def get_project(call: Call, project: ProjectName) -> ProjectView:
 def change_project(call: Call, change: ProjectChange, project: ProjectName) -> ProjectView:
     """An archived project is read-only until it is opened again; reading and exporting still work.
 
-    New data over a quota is refused. Existing data is kept.
+    New data over a quota is refused. Existing data is kept. With `review_required`, direct changes of documents are
+    refused: editors propose them, and another editor approves them.
     """
     with call.database.write(call.author) as tx:
         tx.order()
         key = tx.projects.get(project)
         tx.quotas.require(key, "own")
         bounds = {name: getattr(change, name) for name in ("most_documents", "most_bytes")}
-        changes = {name: bound or None for name, bound in bounds.items() if bound is not None}
+        changes: dict[str, Any] = {name: bound or None for name, bound in bounds.items() if bound is not None}
         if changes and not may(call.view.everywhere, "operate"):
             raise AccessError(
                 "Owners of the repository say how much a project may hold.", remedy="Ask one of them for more room."
@@ -74,6 +75,8 @@ def change_project(call: Call, change: ProjectChange, project: ProjectName) -> P
         if change.archived is not None:
             since = chosen.archived or now()
             chosen = replace(chosen, archived=since if change.archived else None)
+        if change.review_required is not None:
+            chosen = replace(chosen, review_required=change.review_required)
         tx.quotas.put(key, chosen)
         tx.activity.note("project", "change", project_key=key, subject=project)
         return _view(tx, key)

@@ -39,6 +39,10 @@ Mend: TypeAlias = Callable[[str, Transaction], None]
 """Given the version that a store had, and a transaction on it with today's tables."""
 
 
+class _RollBackError(Exception):
+    """A signal: nothing of a transaction is to stay."""
+
+
 class Database:
     """A store by its SQLAlchemy URL: `sqlite:///path` or `postgresql+psycopg://…`. read_url: of a replica of it."""
 
@@ -122,6 +126,17 @@ class Database:
         with translate(self.dialect), self.dialect.writing() as connection:
             yield Transaction(connection, self.dialect, author=author, view=self.view, origin=self.origin)
         self.writes += 1
+
+    @contextmanager
+    def trial(self, author: str = "local") -> Iterator[Transaction]:
+        """A write transaction that is always rolled back: changes are tried in it, also by users who may only read."""
+        try:
+            with self.write(author) as tx:
+                tx.is_trial = True
+                yield tx
+                raise _RollBackError
+        except _RollBackError:
+            return
 
     def migrate(self, mend: Mend | None = None) -> None:
         """Bring the schema to this program's version (a new store gets it whole).

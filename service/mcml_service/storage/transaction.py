@@ -35,6 +35,7 @@ from mcml_service.storage.team.comments import Comments
 from mcml_service.storage.team.idempotency import Requests
 from mcml_service.storage.team.members import Members
 from mcml_service.storage.team.presence import Presence
+from mcml_service.storage.team.proposals import Proposals
 from mcml_service.storage.team.sessions import Sessions
 from mcml_service.storage.team.shares import Shares
 from mcml_service.storage.team.tokens import Tokens
@@ -129,6 +130,10 @@ class Transaction(BaseTransaction):
     @cached_property
     def comments(self) -> Comments:
         return Comments(self, self.activity, self.members, self.quotas)
+
+    @cached_property
+    def proposals(self) -> Proposals:
+        return Proposals(self, self.activity, self.documents, self.quotas)
 
     @cached_property
     def presence(self) -> Presence:

@@ -10,6 +10,9 @@ import numpy as np
 from mcml.motion.clip import FrameBlock
 from mcml.motion.skeleton import CHANNELS
 from mcml.numerics.runs import find_true
+from mcml_service.storage.documents.tracks import Piece
+from mcml_service.storage.undo.differences import Run
+from mcml_service.storage.undo.frame_pairs import compose_pairs, pair_frames
 
 
 @dataclass
@@ -34,12 +37,24 @@ class Replacement:
 @dataclass
 class EditReport:
     """notes: sentences, such as a chosen cut-off. replaced: of filled or despiked bones, by name. first_kept: frame of
-    the document before that is frame 1 after `keep` or `loop`; None after other edits.
+    the document before that is frame 1 after `keep` or `loop`; None after other edits. kept: frames that the document
+    has before and after the edits; None: they are not followed.
     """
 
     notes: list[str] = field(default_factory=list)
     replaced: dict[str, Replacement] = field(default_factory=dict)
     first_kept: int | None = None
+    kept: list[Run] | None = None
+
+    def follow(self, before: list[Piece], after: list[Piece], *, loop: bool = False) -> None:
+        """Follow frames over one more edit. before, after: the timelines. loop: all frames are new, from `first_kept`
+        on."""
+        if self.kept is None:
+            return
+        step = pair_frames(before, after)
+        if loop and self.first_kept is not None:
+            step = [Run(self.first_kept, 1, sum(piece.count for piece in after))]
+        self.kept = compose_pairs(self.kept, step)
 
     def add_replaced(self, names: Sequence[str], before: FrameBlock, after: FrameBlock, first: int) -> None:
         """Add the samples that differ.

@@ -60,6 +60,7 @@ def edit_frames(
     report = EditReport() if report is None else report
     for edit in request.edits:
         current = tx.documents.get(stored.uuid)
+        pieces = [] if report.kept is None else tx.tracks.pieces(stored.key, 1, current.frames)
         if isinstance(edit, DeleteFrames):
             delete_frames(tx, current, edit.first, edit.last, renumber=request.renumber)
         elif isinstance(edit, KeepFrames):
@@ -76,6 +77,9 @@ def edit_frames(
             loop_frames(tx, current, edit, report, renumber=request.renumber)
         else:
             reshape(tx, current, edit, report)
+        if report.kept is not None:
+            frames = tx.documents.get(stored.uuid).frames
+            report.follow(pieces, tx.tracks.pieces(stored.key, 1, frames), loop=isinstance(edit, LoopFrames))
         done.append(_summarise(edit))
     if len(request.edits) > 1:
         report.first_kept = None

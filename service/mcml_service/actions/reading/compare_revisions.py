@@ -25,6 +25,7 @@ from mcml_service.clips.read_clip import read_clip
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 from mcml_service.storage.undo.differences import Run, common_frames, find_changed_chunks, missing, within_chunks
+from mcml_service.storage.undo.frame_pairs import join_runs
 
 MOST_HEAD = 1000
 """Limit of differing elements of the head that are listed."""
@@ -58,18 +59,6 @@ def compare_revisions(
         labels_added=[_label(item) for item in sorted(spans[1] - spans[0], key=lambda item: item[1:])],
         bones=_bones(before, one, after, other, changed),
     )
-
-
-def join_runs(runs: list[Run]) -> list[Run]:
-    """Runs with those joined that follow each other in both revisions."""
-    runs_joined: list[Run] = []
-    for run in runs:
-        last = runs_joined[-1] if runs_joined else None
-        if last and (last.before + last.count, last.after + last.count) == (run.before, run.after):
-            runs_joined[-1] = Run(last.before, last.after, last.count + run.count)
-        else:
-            runs_joined.append(run)
-    return runs_joined
 
 
 def _label(item: tuple[str, int, int]) -> LabelDifference:

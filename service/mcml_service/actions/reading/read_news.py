@@ -1,4 +1,4 @@
-"""Read news since the last read: new revisions, comments, progress of jobs."""
+"""Read news since the last read: new revisions, comments, proposals, progress of jobs."""
 
 from __future__ import annotations
 
@@ -60,12 +60,12 @@ class News:
             for _, (uuid, item) in news
         ]
 
-    def comments(self, tx: Transaction) -> list[ActivityEvent]:
-        """Return events of comments since then, the oldest first, some hundred at a time."""
+    def discussions(self, tx: Transaction) -> list[ActivityEvent]:
+        """Return events of comments and proposals since then, the oldest first, some hundred at a time."""
         newest = tx.activity.newest()
         if newest <= self.event:
             return []
-        news = tx.activity.after(self.event, AT_A_TIME, kind="comment")
+        news = tx.activity.after(self.event, AT_A_TIME, kinds=("comment", "proposal"))
         self.event = news[-1].number if len(news) == AT_A_TIME else newest
         return [tell_event(event) for event in news]
 

@@ -9,6 +9,7 @@ import typer
 
 from mcml.client.choosing import id_of
 from mcml_schemas.frames import FrameEdit, FrameEdits
+from mcml_schemas.team.proposals import ProposalRequest
 from mcml_service.cli.terminal.opening import (
     DatabaseOption,
     JsonOption,
@@ -70,6 +71,9 @@ def frames(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Preview the notes and curves without changing anything")
     ] = False,
+    propose: Annotated[
+        bool, typer.Option("--propose", help="Propose the edit instead of making it; others review it")
+    ] = False,
     columns: Annotated[
         list[str] | None, typer.Option("--column", help="--dry-run: compare BONE.CHANNEL; may be repeated")
     ] = None,
@@ -125,6 +129,11 @@ def frames(
     if source is not None:
         edit["document"] = id_of(client, source)
     request = FrameEdits.model_validate({"edits": [{"do": do} | edit], "renumber": renumber, "message": message})
+    if propose and not dry_run:
+        body = ProposalRequest(edits=request)
+        made = client.call("create_proposal", id=id_of(client, id), proposal=body, if_match=match_of(revision))
+        present(OPERATIONS["create_proposal"], made, as_json)
+        return
     done = client.call(
         "edit_frames",
         id=id_of(client, id),

@@ -29,12 +29,8 @@ MOST_TRIED = 200
 Part = Literal["elements", "frames", "labels", "document", "all"]
 
 
-class UndoneError(Exception):
-    """A signal: nothing of a transaction is to stay."""
-
-
 @dataclass
-class _Wanted:
+class Wanted:
     """A decoded request, and its unreadable parts."""
 
     elements: list[tuple[int, list[ElementEdit]]] = field(default_factory=list)
@@ -75,29 +71,30 @@ def make_changes(
     value (`details.conflicts`); `details.mergeable` lists the other changes.
     """
     edit = Edit(merge=merge, if_match=if_match)
-    wanted = _read(call, id, changes, edit.base, tell=dry_run)
-    try:
-        with call.database.write(call.author) as tx:
-            stored, base = edit.check(tx, id)
-            merging = None if base is None else Merge(*_states(tx, id, base, stored))
-            todo = wanted.changes if merging is None else merging.carry_over(wanted.changes)
-            if dry_run:
-                answer = _try(wanted, merging, stored, lambda: _apply(tx, stored, todo, changes.message))
-                raise UndoneError
-            if merging is not None and merging.conflicts:
-                raise _refuse(merging, stored)
-            changed = _apply(tx, stored, todo, changes.message)
-    except UndoneError:
-        if answer.faults:
-            answer.faults = wanted.faults + (_each(call, id, wanted, edit) or answer.faults)
-        answer.faults = answer.faults or wanted.faults
-        return answer
+    wanted = read_changes(call, id, changes, edit.base, tell=dry_run)
+    if dry_run:
+        return _preview(call, id, wanted, edit, changes.message)
+    with call.database.write(call.author) as tx:
+        stored, base = edit.check(tx, id)
+        merging = None if base is None else Merge(*_states(tx, id, base, stored))
+        todo = wanted.changes if merging is None else merging.carry_over(wanted.changes)
+        if merging is not None and merging.conflicts:
+            raise _refuse(merging, stored)
+        changed = apply_changes(tx, stored, todo, changes.message)
     call.tag = tag(changed)
     return ChangesMade(revision=changed.revision, frames=changed.frames, merged=merging is not None)
 
 
-def _apply(tx: Transaction, stored: StoredDocument, changes: Changes, message: str) -> StoredDocument:
-    return apply_changes(tx, stored, changes, message)
+def _preview(call: Call, uuid: str, wanted: Wanted, edit: Edit, message: str) -> ChangesMade:
+    with call.database.trial(call.author) as tx:
+        stored, base = edit.check(tx, uuid)
+        merging = None if base is None else Merge(*_states(tx, uuid, base, stored))
+        todo = wanted.changes if merging is None else merging.carry_over(wanted.changes)
+        answer = _try(wanted, merging, stored, lambda: apply_changes(tx, stored, todo, message))
+    if answer.faults:
+        answer.faults = wanted.faults + (_each(call, uuid, wanted, edit) or answer.faults)
+    answer.faults = answer.faults or wanted.faults
+    return answer
 
 
 def _states(
@@ -106,9 +103,13 @@ def _states(
     return *at_revision(tx, uuid, base), tx, stored
 
 
-def _read(call: Call, uuid: str, changes: ChangeSet, base: int | None, *, tell: bool) -> _Wanted:
-    """tell: faults are collected; else the first is raised."""
-    wanted = _Wanted()
+def read_changes(call: Call, uuid: str, changes: ChangeSet, base: int | None, *, tell: bool = False) -> Wanted:
+    """Decode a request and resolve its expressions.
+
+    base: the revision that they refer to; default the current one. tell: faults are collected; else the first is
+    raised.
+    """
+    wanted = Wanted()
     for number, item in enumerate(changes.elements):
         with _fault(wanted.faults if tell else None, "elements", number):
             edits = make_edits(call, uuid, item, base, many=changes.many, renumber=changes.renumber)
@@ -142,7 +143,7 @@ def _values(block: FrameBlock) -> Values:
 
 
 def _try(
-    wanted: _Wanted, merging: Merge | None, stored: StoredDocument, make: Callable[[], StoredDocument]
+    wanted: Wanted, merging: Merge | None, stored: StoredDocument, make: Callable[[], StoredDocument]
 ) -> ChangesMade:
     answer = ChangesMade(revision=stored.revision, frames=stored.frames, merged=merging is not None)
     if merging is not None:
@@ -153,21 +154,17 @@ def _try(
     return answer
 
 
-def _each(call: Call, uuid: str, wanted: _Wanted, edit: Edit) -> list[Fault]:
+def _each(call: Call, uuid: str, wanted: Wanted, edit: Edit) -> list[Fault]:
     """The faults of each part that cannot be made alone."""
     faults: list[Fault] = []
     for place, (part, number, changes) in enumerate(wanted.parts()):
         if place >= MOST_TRIED:
             break
-        try:
-            with call.database.write(call.author) as tx:
-                stored, base = edit.check(tx, uuid)
-                with _fault(faults, part, number):
-                    todo = changes if base is None else Merge(*_states(tx, uuid, base, stored)).carry_over(changes)
-                    apply_changes(tx, stored, todo)
-                raise UndoneError
-        except UndoneError:
-            continue
+        with call.database.trial(call.author) as tx:
+            stored, base = edit.check(tx, uuid)
+            with _fault(faults, part, number):
+                todo = changes if base is None else Merge(*_states(tx, uuid, base, stored)).carry_over(changes)
+                apply_changes(tx, stored, todo)
     return faults
 
 

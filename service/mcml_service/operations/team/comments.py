@@ -17,12 +17,19 @@ from mcml_service.storage.transaction import Transaction
 CommentId = Annotated[int, Field(ge=1, le=MOST, description="Number of the comment", examples=[7])]
 
 
-def list_comments(call: Call, id: DocumentId, page: Page) -> CommentPage:
+def list_comments(
+    call: Call,
+    id: DocumentId,
+    page: Page,
+    proposal: Annotated[
+        int | None, Field(ge=1, le=MOST, description="Only comments on this proposal", examples=[3])
+    ] = None,
+) -> CommentPage:
     """Lists the oldest first, including resolved ones."""
     after = page.after(int)
     with call.database.read() as tx:
         stored = tx.documents.get(id)
-        comments = tx.comments.of(stored, 0 if after is None else after[0], page.most(call) + 1)
+        comments = tx.comments.of(stored, 0 if after is None else after[0], page.most(call) + 1, proposal)
         shown, more = page.cut(call, comments, lambda comment: (comment.number,))
         return CommentPage(items=[_view(tx, stored, comment) for comment in shown], next_cursor=more)
 
@@ -39,7 +46,10 @@ def add_comment(call: Call, id: DocumentId, comment: CommentRequest) -> CommentV
             raise NotFoundError(f"There is no frame {last}.", remedy=f"The document has {looked_at.frames:,} frames.")
         if comment.bone is not None and comment.bone not in then.heads.bone_names(stored.key).values():
             raise NotFoundError(f"There is no joint {comment.bone!r}.", remedy="Name one as its skeleton does.")
-        made = tx.comments.add(stored, looked_at.revision, comment.text, comment.first, last, comment.bone)
+        if comment.proposal is not None:
+            tx.proposals.get(stored, comment.proposal)
+        place = (comment.first, last, comment.bone, comment.proposal)
+        made = tx.comments.add(stored, looked_at.revision, comment.text, *place)
         return _view(tx, stored, made)
 
 

@@ -32,10 +32,11 @@ def checksum(name: str = "checksum") -> Column[int]:
 COVERED = "covered"
 
 
-def cover(*columns: str, last: type[bytes | bool] | None = None) -> dict[str, Any]:
+def cover(*columns: str, last: type[bytes | bool | int] | None = None) -> dict[str, Any]:
     """Return the metadata of a table: the columns that the checksum of a row covers, in order.
 
-    last: the type of the last column's values, if JSON has none for them, or databases have several.
+    last: the type of the last column's values, if JSON has none for them, or databases have several; int for a column
+    that rows of older stores lack.
     """
     return {COVERED: (columns, last)}
 

@@ -43,12 +43,13 @@ TRACK_FACTS = ("document", "chunk", "bone", "count", "channels", "has_missing", 
 class Seal:
     """The columns that the checksum of a table's rows covers, in this order.
 
-    last: the type of the last column's values, if JSON has none for them, or databases have several.
+    last: the type of the last column's values, if JSON has none for them, or databases have several; int for a column
+    that was added later: null counts for nothing, so sums of rows from before hold.
     """
 
     table: Table
     columns: tuple[str, ...]
-    last: type[bytes | bool] | None = None
+    last: type[bytes | bool | int] | None = None
 
     @cached_property
     def is_revisioned(self) -> bool:
@@ -69,6 +70,8 @@ class Seal:
             return xxh3_64_intdigest(values[-1], xxh3_64_intdigest(orjson.dumps(values[:-1]))) >> SPARE
         if self.last is bool:
             values = (*values[:-1], int(values[-1]))
+        if self.last is int and values[-1] is None:
+            values = values[:-1]
         return xxh3_64_intdigest(orjson.dumps(values)) >> SPARE
 
     def holds(self, row: Row) -> bool:

@@ -33,7 +33,8 @@ class BaseTransaction(Statements):
     """A read or write transaction on one connection.
 
     at: the commit whose state is read; `LATEST` by default, and always in write transactions. view: the visible
-    documents and rights of the user. author: author of changes. origin: address of the client.
+    documents and rights of the user. author: author of changes. origin: address of the client. is_trial: whether all
+    writes are rolled back at the end, so that they need no right.
     """
 
     def __init__(
@@ -50,6 +51,7 @@ class BaseTransaction(Statements):
         self.at = at
         self.view = view
         self.origin = origin
+        self.is_trial = False
         self._author = author
         self._commit: int | None = None
         self._newest: int | None = None

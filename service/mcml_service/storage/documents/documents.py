@@ -99,6 +99,7 @@ class Documents:
         self._tx = tx
         self._activity = activity
         self._quotas = quotas
+        self._reviewed: set[int] = set()
 
     def at(self, commit: int) -> Documents:
         """Return the documents at an earlier commit."""
@@ -172,16 +173,25 @@ class Documents:
     def add_revision(self, stored: StoredDocument, operation: str, message: str = "") -> int:
         """Record a revision made by this transaction; return its number.
 
-        The caller has checked that `stored` is the newest. Raises AccessError without the right to change the document.
+        The caller has checked that `stored` is the newest. Raises AccessError without the right to change the document,
+        ConflictError where changes need a review and this is none that `allow_reviewed` has announced.
         """
-        self.require(stored.key)
+        (named,) = self._tx.fetch_all(_NAMED, {"key": stored.key})
+        self._quotas.require(named[1])
+        if stored.key not in self._reviewed:
+            # A document that moves away changes in the project that it leaves.
+            for project in {stored.project_key, named[1]}:
+                self._quotas.require_direct(project, operation)
         number = stored.revision + 1
         values = (stored.key, number, self._tx.commit, stored.revision, operation, message)
-        (named,) = self._tx.fetch_all(_NAMED, {"key": stored.key})
         self._tx.insert_tuples(revision, (*_MADE, "name", "project"), [(*values, *named)])
         about = {"project_key": named[1], "document": stored.uuid, "revision": number}
         self._activity.note("document", operation, **about)
         return number
+
+    def allow_reviewed(self, key: int) -> None:
+        """Let this transaction make a revision of a document whose changes need a review: it has been approved."""
+        self._reviewed.add(key)
 
     def require(self, key: int) -> None:
         """Check the right to change a document. Raises AccessError."""

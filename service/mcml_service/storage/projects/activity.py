@@ -6,6 +6,7 @@ visibility: a reader that has seen one event has missed none before it.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -141,11 +142,13 @@ class Activity:
         """Return the number of the last event, 0 without events."""
         return int(self._tx.fetch_value(_NEWEST))
 
-    def after(self, number: int, limit: int, *, kind: str | None = None, project_key: int | None = None) -> list[Event]:
-        """Those behind a number, the oldest first; of a kind, of a project."""
+    def after(
+        self, number: int, limit: int, *, kinds: Collection[str] | None = None, project_key: int | None = None
+    ) -> list[Event]:
+        """Those behind a number, the oldest first; of some kinds, of a project."""
         query = _TOLD.where(_is_shown(self._tx.view), event.c.id > number).order_by(event.c.id).limit(limit)
-        if kind is not None:
-            query = query.where(event.c.kind == kind)
+        if kinds is not None:
+            query = query.where(event.c.kind.in_(kinds))
         if project_key is not None:
             query = query.where(_PLACE.in_([project_key]))
         return self._read(query)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import BigInteger, Column, ForeignKey, String, Table, bindparam, delete, func, insert, select
+from sqlalchemy import BigInteger, Boolean, Column, ForeignKey, String, Table, bindparam, delete, func, insert, select
 
 from mcml.errors import AccessError, ConflictError
 from mcml_service.storage.core.schema import metadata
@@ -22,24 +22,32 @@ project_terms = Table(
     Column("archived", String(32)),
     Column("most_documents", BigInteger),
     Column("most_bytes", BigInteger),
+    Column("review_required", Boolean),
 )
 """`archived`: since when nothing in it changes. `most_bytes`: of the files that its documents came of, and their media,
-each counted once."""
+each counted once. `review_required`: whether documents change by approved proposals only; null in older rows."""
 
 _OF = Prepared(
-    select(project_terms.c.archived, project_terms.c.most_documents, project_terms.c.most_bytes).where(
-        project_terms.c.project == bindparam("project")
-    )
+    select(
+        *(project_terms.c.archived, project_terms.c.most_documents, project_terms.c.most_bytes),
+        project_terms.c.review_required,
+    ).where(project_terms.c.project == bindparam("project"))
 )
+
+_UNPROPOSED = frozenset({"delete", "restore", "undo", "names"})
+"""Operations that no proposal can hold: owners of a project may do them where changes need a review."""
 
 
 @dataclass(frozen=True)
 class Quota:
-    """archived: since when, None where it is not. most_documents, most_bytes: None for no bound."""
+    """archived: since when, None where it is not. most_documents, most_bytes: None for no bound. review_required:
+    whether documents change by approved proposals only.
+    """
 
     archived: str | None = None
     most_documents: int | None = None
     most_bytes: int | None = None
+    review_required: bool = False
 
 
 class Quotas:
@@ -52,7 +60,8 @@ class Quotas:
     def of(self, project: int) -> Quota:
         if project not in self._known:
             rows = self._tx.fetch_all(_OF, {"project": project})
-            self._known[project] = Quota(*rows[0]) if rows else Quota()
+            archived, documents, size, review = rows[0] if rows else (None, None, None, None)
+            self._known[project] = Quota(archived, documents, size, bool(review))
         return self._known[project]
 
     def put(self, project: int, chosen: Quota) -> None:
@@ -75,8 +84,10 @@ class Quotas:
     def require(self, project: int, scope: str = "edit") -> None:
         """Check the right of the transaction's user in a project.
 
-        Raises AccessError without it, ConflictError for changes in an archived project.
+        Raises AccessError without it, ConflictError for changes in an archived project. A trial needs no right.
         """
+        if self._tx.is_trial:
+            return
         if not may(self._tx.view.scope(project), scope):
             raise AccessError(
                 f"This needs the right to {scope} in the project {self._name(project)!r}.",
@@ -92,6 +103,26 @@ class Quotas:
             raise ConflictError(
                 f"The project {self._name(project)!r} is archived since {since[:10]}.",
                 remedy="An owner of it may open it again: mcml project open.",
+            )
+
+    def require_direct(self, project: int, operation: str) -> None:
+        """Check that documents of a project may change without a review. Raises ConflictError.
+
+        operation: as histories name it.
+        """
+        if self._tx.is_trial or not self.of(project).review_required:
+            return
+        if operation not in _UNPROPOSED:
+            raise ConflictError(
+                f"Changes in the project {self._name(project)!r} need a review.",
+                remedy="Propose the change (POST /documents/{id}/proposals); another editor approves it.",
+                code="review-required",
+            )
+        if not may(self._tx.view.scope(project), "own"):
+            raise ConflictError(
+                f"Changes in the project {self._name(project)!r} need a review, and no proposal can {operation}.",
+                remedy="Ask an owner of the project to do it.",
+                code="review-required",
             )
 
     def require_room(self, project: int) -> None:

@@ -25,7 +25,8 @@ _COLUMNS = SEALS[comment].columns
 @dataclass(frozen=True)
 class Comment:
     """number: in the store. revision: that was looked at. first, last: positions of frames there, None for all of the
-    document. bone: name of a joint. edited, resolved: when, None for never."""
+    document. bone: name of a joint. edited, resolved: when, None for never. proposal: number of the proposal that it is
+    about, None for the document itself."""
 
     number: int
     revision: int
@@ -37,6 +38,7 @@ class Comment:
     text: str
     edited: str | None
     resolved: str | None
+    proposal: int | None
 
 
 class Comments:
@@ -48,10 +50,12 @@ class Comments:
         self._members = members
         self._quotas = quotas
 
-    def of(self, stored: StoredDocument, after: int, limit: int) -> list[Comment]:
-        """The oldest first, those with numbers above `after`."""
+    def of(self, stored: StoredDocument, after: int, limit: int, proposal: int | None = None) -> list[Comment]:
+        """The oldest first, those with numbers above `after`; on one proposal, None for all."""
         its = (comment.c.document == stored.key, comment.c.deleted.is_(None), comment.c.id > after)
         query = select(*_TOLD).where(*its).order_by(comment.c.id).limit(limit)
+        if proposal is not None:
+            query = query.where(comment.c.proposal == proposal)
         return [Comment(*row) for row in self._tx.fetch_all(verify(query, comment))]
 
     def get(self, stored: StoredDocument, number: int) -> Comment:
@@ -63,9 +67,17 @@ class Comments:
         return Comment(*rows[0])
 
     def add(
-        self, stored: StoredDocument, revision: int, text: str, first: int | None, last: int | None, bone: str | None
+        self,
+        stored: StoredDocument,
+        revision: int,
+        text: str,
+        first: int | None,
+        last: int | None,
+        bone: str | None,
+        proposal: int | None = None,
     ) -> Comment:
         place = {"document": stored.key, "revision": revision, "first": first, "last": last, "bone": bone}
+        place["proposal"] = proposal
         about = {"author": self._tx.author, "created": now(), "text": text}
         return self._to_comment(stored, self._tx.insert_row(comment, **place, **about), "add")
 
@@ -129,6 +141,6 @@ class Comments:
 
 _TOLD = (
     *(comment.c.id, comment.c.revision, comment.c.first, comment.c.last, comment.c.bone, comment.c.author),
-    *(comment.c.created, comment.c.text, comment.c.edited, comment.c.resolved),
+    *(comment.c.created, comment.c.text, comment.c.edited, comment.c.resolved, comment.c.proposal),
 )
 """The columns of a Comment."""

@@ -33,7 +33,7 @@ ROWS = 1000
 _OF_DOCUMENTS = (
     *(tables.revision, tables.content, tables.header, tables.property_, tables.bone, tables.timeline, tables.frame_run),
     *(tables.shape, tables.shape_run, tables.span, tables.track, tables.document_upload, tables.document_media),
-    work_tables.comment,
+    *(work_tables.comment, work_tables.proposal),
 )
 _OF_PROJECTS = (work_tables.joint_mapping, work_tables.joint_alias, work_tables.saved)
 _OF_RESULTS = (work_tables.result_part, work_tables.result_block)
@@ -56,7 +56,9 @@ _FIXED = (0, CURRENT, None)
 """Values in commit columns that are not commits."""
 _NO_ZONES: Row = dict.fromkeys(CHANNEL_ENDS)
 """Of channels that the program which wrote a track did not know; its checksum counts all others."""
-_REFERRING = {"result": ("inputs", "parameters"), "saved": ("content",)}
+_ADDED: Mapping[str, Row] = {tables.track.name: _NO_ZONES, work_tables.comment.name: {"proposal": None}}
+"""Values of columns that rows of older programs lack."""
+_REFERRING = {"result": ("inputs", "parameters"), "saved": ("content",), "proposal": ("content", "inputs")}
 """Columns whose texts name documents by their ids."""
 
 
@@ -237,8 +239,7 @@ class ProjectWriter:
         count = 0
         block: list[Row] = []
         for row in rows:
-            if table is tables.track:
-                row = _NO_ZONES | row
+            row = {**_ADDED.get(table.name, {}), **row}
             if set(row) != set(_columns(table)):
                 raise FormatError(f"This is no row of {table.name}: {', '.join(sorted(row))[:200]}.")
             count += 1

@@ -75,12 +75,48 @@ comment = Table(
     Column("edited", String(32)),
     Column("resolved", String(32)),
     Column("deleted", String(32)),
+    Column("proposal", Integer),
     checksum(),
     info=cover(
-        "document", "revision", "first", "last", "bone", "author", "created", "text", "edited", "resolved", "deleted"
+        *("document", "revision", "first", "last", "bone", "author", "created", "text", "edited", "resolved"),
+        *("deleted", "proposal"),
+        last=int,
     ),
 )
-"""`revision`: that was looked at. `first`, `last`: positions of frames there. The text of a deleted one is empty."""
+"""`revision`: that was looked at. `first`, `last`: positions of frames there. The text of a deleted one is empty.
+`proposal`: number of the proposal that it is about, null for the document itself."""
+
+proposal = Table(
+    "proposal",
+    metadata,
+    Column("document", ForeignKey("document.id"), primary_key=True),
+    Column("number", Integer, primary_key=True),
+    Column("revision", Integer, nullable=False),
+    Column("kind", String(16), nullable=False),
+    Column("content", Text, nullable=False),
+    Column("inputs", Text, nullable=False),
+    Column("summary", Text, nullable=False),
+    Column("message", Text, nullable=False),
+    Column("author", NAME, nullable=False),
+    Column("created", String(32), nullable=False),
+    Column("state", String(16), nullable=False),
+    Column("reviewer", NAME),
+    Column("reviewed", String(32)),
+    Column("closer", NAME),
+    Column("closed", String(32)),
+    Column("applied", Integer),
+    checksum(),
+    info=cover(
+        *("document", "number", "revision", "kind", "content", "inputs", "summary", "message", "author", "created"),
+        *("state", "reviewer", "reviewed", "closer", "closed", "applied"),
+    ),
+)
+"""Proposed changes of documents. `number`: counts up in each document. `revision`: that the change was made for.
+
+`kind`: frames, changes: the request in `content`, as JSON. `inputs`: JSON, revisions of other documents whose frames it
+inserts, by id. `state`: open, approved, applied, closed. `closer`, `closed`: person and time of closing or applying it.
+`applied`: the revision that it became.
+"""
 
 job = Table(
     "job",

@@ -532,6 +532,134 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/documents/{id}/proposals": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["list_proposals"];
+        put?: never;
+        post: operations["create_proposal"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/documents/{id}/proposals/preview": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["preview_changes"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/documents/{id}/proposals/{proposal}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_proposal"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/documents/{id}/proposals/{proposal}/preview": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["preview_proposal"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/documents/{id}/proposals/{proposal}/approval": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put: operations["approve_proposal"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/documents/{id}/proposals/{proposal}/apply": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["apply_proposal"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/documents/{id}/proposals/{proposal}/rebase": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["rebase_proposal"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/documents/{id}/proposals/{proposal}/close": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["close_proposal"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/documents/{id}/frames": {
         parameters: {
             query?: never;
@@ -2026,7 +2154,7 @@ export interface components {
             id: number;
             time: string;
             /** @enum {string} */
-            kind: "document" | "comment" | "project" | "job" | "member" | "share" | "webhook" | "account" | "token";
+            kind: "document" | "comment" | "proposal" | "project" | "job" | "member" | "share" | "webhook" | "account" | "token";
             what: string;
             author: string;
             origin: string | null;
@@ -2503,6 +2631,7 @@ export interface components {
             last?: number | null;
             bone?: string | null;
             revision?: number | null;
+            proposal?: number | null;
         };
         CommentView: {
             id: number;
@@ -2514,6 +2643,7 @@ export interface components {
             first?: number | null;
             last?: number | null;
             bone?: string | null;
+            proposal?: number | null;
             edited?: string | null;
             resolved?: string | null;
         };
@@ -3324,6 +3454,8 @@ export interface components {
             replaced: components["schemas"]["ReplacedSamples"][];
             first_kept?: number | null;
             motion?: components["schemas"]["PreviewMotion"] | null;
+            /** @default [] */
+            kept: components["schemas"]["KeptFrames"][];
         };
         GaitBelt: {
             is_belt: boolean;
@@ -4314,6 +4446,7 @@ export interface components {
             archived?: boolean | null;
             most_documents?: number | null;
             most_bytes?: number | null;
+            review_required?: boolean | null;
         };
         ProjectImported: {
             project: string;
@@ -4329,6 +4462,8 @@ export interface components {
             archived?: string | null;
             most_documents?: number | null;
             most_bytes?: number | null;
+            /** @default false */
+            review_required: boolean;
         };
         Property: {
             name: string;
@@ -4341,6 +4476,54 @@ export interface components {
             documents: number;
             numbers?: components["schemas"]["Histogram"] | null;
             texts: components["schemas"]["Count"][];
+        };
+        ProposalDetail: {
+            number: number;
+            /** @enum {string} */
+            state: "open" | "approved" | "applied" | "closed";
+            /** @enum {string} */
+            kind: "frames" | "changes";
+            summary: string;
+            message: string;
+            author: string;
+            created: string;
+            revision: number;
+            outdated: boolean;
+            comments: number;
+            reviewer?: string | null;
+            reviewed?: string | null;
+            closer?: string | null;
+            closed?: string | null;
+            applied?: number | null;
+            edits?: components["schemas"]["FrameEdits"] | null;
+            changes?: components["schemas"]["ChangeSet"] | null;
+        };
+        ProposalPage: {
+            items: components["schemas"]["ProposalView"][];
+            next_cursor?: string | null;
+        };
+        ProposalRequest: {
+            edits?: components["schemas"]["FrameEdits"] | null;
+            changes?: components["schemas"]["ChangeSet"] | null;
+        };
+        ProposalView: {
+            number: number;
+            /** @enum {string} */
+            state: "open" | "approved" | "applied" | "closed";
+            /** @enum {string} */
+            kind: "frames" | "changes";
+            summary: string;
+            message: string;
+            author: string;
+            created: string;
+            revision: number;
+            outdated: boolean;
+            comments: number;
+            reviewer?: string | null;
+            reviewed?: string | null;
+            closer?: string | null;
+            closed?: string | null;
+            applied?: number | null;
         };
         QuantityRange: {
             quantity: string;
@@ -5243,7 +5426,7 @@ export interface components {
         WebhookMade: {
             number: number;
             url: string;
-            kinds: ("document" | "comment" | "project" | "job" | "member" | "share" | "webhook" | "account" | "token")[];
+            kinds: ("document" | "comment" | "proposal" | "project" | "job" | "member" | "share" | "webhook" | "account" | "token")[];
             author: string;
             created: string;
             project?: string | null;
@@ -5254,12 +5437,12 @@ export interface components {
             url: string;
             project?: string | null;
             /** @default [] */
-            kinds: ("document" | "comment" | "project" | "job" | "member" | "share" | "webhook" | "account" | "token")[];
+            kinds: ("document" | "comment" | "proposal" | "project" | "job" | "member" | "share" | "webhook" | "account" | "token")[];
         };
         WebhookView: {
             number: number;
             url: string;
-            kinds: ("document" | "comment" | "project" | "job" | "member" | "share" | "webhook" | "account" | "token")[];
+            kinds: ("document" | "comment" | "proposal" | "project" | "job" | "member" | "share" | "webhook" | "account" | "token")[];
             author: string;
             created: string;
             project?: string | null;
@@ -7085,6 +7268,7 @@ export interface operations {
             query?: {
                 limit?: number;
                 cursor?: string | null;
+                proposal?: number | null;
             };
             header?: never;
             path: {
@@ -7504,6 +7688,452 @@ export interface operations {
             };
         };
     };
+    list_proposals: {
+        parameters: {
+            query?: {
+                limit?: number;
+                cursor?: string | null;
+                state?: ("pending" | "open" | "approved" | "applied" | "closed") | null;
+            };
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProposalPage"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    create_proposal: {
+        parameters: {
+            query?: never;
+            header?: {
+                "if-match"?: string | null;
+                "idempotency-key"?: string | null;
+            };
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ProposalRequest"];
+            };
+        };
+        responses: {
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProposalView"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    preview_changes: {
+        parameters: {
+            query?: {
+                positions?: "f4" | null;
+                first?: number;
+                last?: number | null;
+                step?: number;
+                column?: string[] | null;
+                quantity?: string[] | null;
+                pixels?: number;
+            };
+            header?: {
+                "if-match"?: string | null;
+            };
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ProposalRequest"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FramesEdited"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_proposal: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+                proposal: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProposalDetail"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    preview_proposal: {
+        parameters: {
+            query?: {
+                positions?: "f4" | null;
+                first?: number;
+                last?: number | null;
+                step?: number;
+                column?: string[] | null;
+                quantity?: string[] | null;
+                pixels?: number;
+            };
+            header?: never;
+            path: {
+                id: string;
+                proposal: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FramesEdited"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    approve_proposal: {
+        parameters: {
+            query?: {
+                revision?: number | null;
+            };
+            header?: never;
+            path: {
+                id: string;
+                proposal: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProposalView"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    apply_proposal: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+                proposal: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProposalView"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    rebase_proposal: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+                proposal: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProposalView"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    close_proposal: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+                proposal: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProposalView"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     get_frames: {
         parameters: {
             query?: {
@@ -7640,10 +8270,10 @@ export interface operations {
                 first?: number;
                 last?: number | null;
                 step?: number;
-                dry_run?: boolean;
                 column?: string[] | null;
                 quantity?: string[] | null;
                 pixels?: number;
+                dry_run?: boolean;
             };
             header?: {
                 "if-match"?: string | null;
@@ -11339,7 +11969,7 @@ export interface operations {
                 project?: string | null;
                 document?: string | null;
                 author?: string | null;
-                kind?: ("document" | "comment" | "project" | "job" | "member" | "share" | "webhook" | "account" | "token") | null;
+                kind?: ("document" | "comment" | "proposal" | "project" | "job" | "member" | "share" | "webhook" | "account" | "token") | null;
                 since?: string | null;
             };
             header?: never;
@@ -13401,7 +14031,7 @@ export interface operations {
     follow_events: {
         parameters: {
             query?: {
-                kind?: ("job" | "document" | "label" | "comment")[] | null;
+                kind?: ("job" | "document" | "label" | "comment" | "proposal")[] | null;
                 project?: string | null;
                 document?: string | null;
                 since?: string | null;

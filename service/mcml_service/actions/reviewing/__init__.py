@@ -1,0 +1,1 @@
+"""Apply proposed changes, and carry them over to other revisions."""
