@@ -54,6 +54,6 @@ def test_tabs_that_do_not_fit_are_in_a_menu(visit: Visit, studio: Served) -> Non
     expect(tabs.get_by_role("tab", name="Comments")).to_be_focused()
     page.set_viewport_size({"width": 1920, "height": 1080})
     page.get_by_role("separator", name="Panels").focus()
-    for _ in range(12):
+    for _ in range(24):
         page.keyboard.press("ArrowLeft")
-    expect(tabs.get_by_role("tab")).to_have_count(9)
+    expect(tabs.get_by_role("tab")).to_have_count(10)

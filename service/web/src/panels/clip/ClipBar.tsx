@@ -13,7 +13,10 @@ import { CompareButton } from "./viewer/Compare";
 import { ExportMenu } from "./ExportMenu";
 import { OthersEdit, People } from "./People";
 import { ConflictBanner } from "./ConflictBanner";
-import { saveClip } from "./keys";
+import { proposeClip, saveClip } from "./keys";
+import { PendingProposals } from "./review/PendingProposals";
+import { r } from "./words";
+import { mustPropose } from "../../state/clip/review";
 import { copyText, note, refuse } from "../../state/session/notes";
 
 export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
@@ -54,13 +57,24 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
             <span class="draft-words" role="status">
               {w("label.draft", { n: clip.draft.value.steps })}
             </span>
+            {!mustPropose() && (
+              <button
+                type="button"
+                class="button primary"
+                disabled={clip.saving.value}
+                onClick={() => void saveClip(clip, reload)}
+              >
+                {w("button.save")}
+              </button>
+            )}
             <button
               type="button"
-              class="button primary"
+              class={mustPropose() ? "button primary" : "button"}
+              title={r("help.propose")}
               disabled={clip.saving.value}
-              onClick={() => void saveClip(clip, reload)}
+              onClick={() => void proposeClip(clip)}
             >
-              {w("button.save")}
+              {r("button.propose")}
             </button>
             <button type="button" class="button quiet" onClick={() => clip.discard()}>
               {w("button.discard")}
@@ -68,6 +82,7 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
           </>
         ) : null}
         <span class="grow" />
+        <PendingProposals />
         <People />
         <button
           type="button"

@@ -9,6 +9,7 @@ import { bePresent, editing } from "../../state/clip/presence";
 import { dockWide, rightFolded, timelineTall } from "../../state/session/panes";
 import { param, route } from "../../state/session/route";
 import { followProject } from "../../state/library/vocabulary";
+import { followProposals, followTerms } from "../../state/clip/review";
 import { Splitter } from "../../ui/Splitter";
 import { Trouble } from "../../ui/Trouble";
 import { w } from "../../words";
@@ -67,8 +68,10 @@ function OpenedClip({ id, revision }: { id: string; revision: string | null }) {
   const project = clip?.detail.project ?? null;
   useEffect(() => {
     void followProject(project);
+    void followTerms(project);
     return () => void followProject(null);
   }, [project]);
+  useEffect(() => followProposals(id), [id]);
   if (error || !clip)
     return (
       <>

@@ -8,6 +8,8 @@ import { Body } from "./body/Body";
 import { Comments } from "./document/Comments";
 import { Graph } from "./timeline/Graph";
 import { History } from "./document/History";
+import { Proposals } from "./review/Proposals";
+import { r } from "./words";
 import { Info } from "./document/Info";
 import { Structure } from "./body/Structure";
 import { Tree } from "./document/Tree";
@@ -17,7 +19,7 @@ const Text = lazy(async () => (await import("./document/Text")).TextView);
 
 const Gait = lazy(async () => (await import("./gait/Gait")).Gait);
 
-const VIEWS: { id: string; word: Word }[] = [
+const VIEWS: { id: string; word: Word | null }[] = [
   { id: "tree", word: "label.tree" },
   { id: "graph", word: "label.graph" },
   { id: "body", word: "label.bodyTab" },
@@ -25,6 +27,7 @@ const VIEWS: { id: string; word: Word }[] = [
   { id: "structure", word: "label.structure" },
   { id: "text", word: "label.text" },
   { id: "history", word: "label.history" },
+  { id: "proposals", word: null },
   { id: "comments", word: "label.comments" },
   { id: "info", word: "label.info" },
 ];
@@ -35,7 +38,7 @@ export function Dock({ clip, reload }: { clip: Clip; reload: () => void }) {
     <>
       <Tabs
         label={w("label.dock")}
-        tabs={VIEWS.map((one) => ({ id: one.id, text: w(one.word) }))}
+        tabs={VIEWS.map((one) => ({ id: one.id, text: one.word ? w(one.word) : r("label.proposals") }))}
         open={open}
         onOpen={(id) => setParams({ tab: id === "tree" ? null : id })}
       />
@@ -48,6 +51,7 @@ export function Dock({ clip, reload }: { clip: Clip; reload: () => void }) {
         {open === "text" && <Text clip={clip} reload={reload} />}
         {open === "history" && <History clip={clip} reload={reload} />}
         {open === "comments" && <Comments clip={clip} />}
+        {open === "proposals" && <Proposals key={clip.detail.revision} clip={clip} reload={reload} />}
         {open === "info" && <Info clip={clip} reload={reload} />}
       </div>
     </>

@@ -3,13 +3,27 @@ import { useEffect } from "preact/hooks";
 import { ask } from "../../api/client";
 import type { Clip } from "../../state/clip/clip";
 import { besideIds, putBeside } from "../../state/clip/comparison";
+import { mustPropose } from "../../state/clip/review";
 import { offer, type Command } from "../../state/session/keys";
 import { note, refuse } from "../../state/session/notes";
 import { param, setParams } from "../../state/session/route";
 import { w } from "../../words";
 import { clipActions } from "./actions";
+import { r } from "./words";
+
+/** Tell of a new proposal, and lead to it. */
+export function noteProposal(n: number): void {
+  note(r("label.proposed", { n }), { action: { text: w("button.open"), run: () => setParams({ tab: "proposals" }) } });
+}
+
+/** Propose the draft, which others review. */
+export async function proposeClip(clip: Clip): Promise<void> {
+  const number = await clip.propose();
+  if (number !== null) noteProposal(number);
+}
 
 export async function saveClip(clip: Clip, reload: () => void, merge = false): Promise<void> {
+  if (mustPropose()) return proposeClip(clip);
   const revision = await clip.save("", merge);
   if (revision === null) return;
   note(w("label.saved", { n: revision }), {

@@ -8,7 +8,7 @@ import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when, type Word } from "../../words";
 import { FirstOwner } from "./FirstOwner";
-import { askOwned } from "./rights";
+import { askOwned } from "../../state/session/rights";
 import { day, ROLE_WORDS, Secret, Table } from "./tables";
 
 const ROLES = ["member", "reader", "editor", "owner"] as const;

@@ -6,7 +6,7 @@ import { note, refuse } from "../../state/session/notes";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when } from "../../words";
-import { askOwned } from "./rights";
+import { askOwned } from "../../state/session/rights";
 import { day, ROLE_WORDS, Secret, Table } from "./tables";
 import { s } from "./words";
 

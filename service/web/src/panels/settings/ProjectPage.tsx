@@ -11,7 +11,7 @@ import { useAsync } from "../../ui/useAsync";
 import { number, w } from "../../words";
 import { ImportProject } from "./ImportProject";
 import { Links, Members } from "./Members";
-import { editsIn, ownsIn } from "./rights";
+import { editsIn, ownsIn } from "../../state/session/rights";
 import { size, unitName, unitOf, UNITS, type Unit } from "./sizes";
 import { day } from "./tables";
 import { Vocabulary } from "./Vocabulary";
@@ -136,6 +136,7 @@ function Chosen({ me, project }: { me: Schemas["Me"]; project: string }) {
         )}
       </p>
       {decides && <p class="dim">{s("help.exportHelp")}</p>}
+      <ReviewRequired project={one} decides={decides} change={change} />
       <Vocabulary project={project} edits={one !== undefined && !one.archived && editsIn(me, project)} />
       <Members project={project} decides={decides} />
       {me.rights.includes("edit") && <Links project={project} />}
@@ -150,6 +151,34 @@ function Chosen({ me, project }: { me: Schemas["Me"]; project: string }) {
         />
       )}
     </>
+  );
+}
+
+function ReviewRequired({
+  project,
+  decides,
+  change,
+}: {
+  project: Project | undefined;
+  decides: boolean;
+  change: (body: Schemas["ProjectChange"], said: string) => Promise<void>;
+}) {
+  if (!project) return null;
+  const required = !project.review_required;
+  const turn = () => change({ review_required: required }, s(required ? "label.reviewOn" : "label.reviewOff"));
+  return (
+    <p>
+      <label class="row">
+        <input
+          type="checkbox"
+          checked={project.review_required}
+          disabled={!decides || Boolean(project.archived)}
+          onChange={() => void turn().catch(refuse)}
+        />
+        {s("label.reviewRequired")}
+      </label>
+      <span class="dim">{s("help.reviewRequired")}</span>
+    </p>
   );
 }
 

@@ -8,7 +8,7 @@ import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when } from "../../words";
 import { KINDS } from "./Activity";
-import { ownsIn } from "./rights";
+import { ownsIn } from "../../state/session/rights";
 import { day, Secret } from "./tables";
 import { s } from "./words";
 

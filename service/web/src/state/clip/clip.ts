@@ -12,6 +12,8 @@ import { reshaped, textsOf } from "../../motion/body/shape";
 import { skeletonOf, type Skeleton } from "../../motion/body/skeleton";
 import { w } from "../../words";
 import { compareRevisions, type Compared } from "./compared";
+import { compareProposal } from "./proposed";
+import { terms } from "./review";
 import * as drafts from "../editing/draft";
 import type { Draft, Span } from "../editing/draft";
 import { note, refuse } from "../session/notes";
@@ -192,6 +194,16 @@ export class Clip {
     if (!next || this.pinned !== null) return false;
     try {
       const base = drafts.isEmpty(before) ? this.detail.revision : this.base;
+      if (!terms.peek().edits) {
+        // It can be proposed alone: the repository tries it without the right to edit.
+        await ask("post", "/documents/{id}/proposals/preview", {
+          path: { id: this.id },
+          match: base,
+          body: { changes: drafts.asChanges(next) },
+        });
+        this.change(next);
+        return true;
+      }
       const answer = await ask("post", "/documents/{id}/changes", {
         path: { id: this.id },
         query: { dry_run: true, merge: true },
@@ -258,21 +270,36 @@ export class Clip {
 
   /** Make one revision of the draft. The caller opens it. */
   async save(message = "", merge = false): Promise<number | null> {
+    const answer = await this.send(
+      (changes, match) =>
+        ask("post", "/documents/{id}/changes", { path: { id: this.id }, query: { merge }, match, body: changes }),
+      message,
+    );
+    return answer?.revision ?? null;
+  }
+
+  /** Propose the draft instead of saving it. The number of the proposal. */
+  async propose(): Promise<number | null> {
+    const answer = await this.send((changes, match) =>
+      ask("post", "/documents/{id}/proposals", { path: { id: this.id }, match, body: { changes } }),
+    );
+    return answer?.number ?? null;
+  }
+
+  private async send<T>(
+    post: (changes: Schemas["ChangeSet"], match: number) => Promise<T>,
+    message = "",
+  ): Promise<T | null> {
     const draft = this.draft.peek();
     if (drafts.isEmpty(draft) || this.saving.peek()) return null;
     this.saving.value = true;
     try {
-      const answer = await ask("post", "/documents/{id}/changes", {
-        path: { id: this.id },
-        query: { merge },
-        match: this.base,
-        body: drafts.asChanges(draft, message),
-      });
+      const answer = await post(drafts.asChanges(draft, message), this.base);
       batch(() => {
         this.trouble.value = null;
         this.draft.value = drafts.EMPTY;
       });
-      return answer.revision;
+      return answer;
     } catch (error) {
       this.trouble.value = error;
       return null;
@@ -291,11 +318,20 @@ export class Clip {
   /** Show another revision of the same document as a ghost; null shows none. against: the revision that it is compared
    * with, instead of the one that is open. */
   async compare(revision: number | null, against: number | null = null): Promise<void> {
+    await this.showCompared(revision === null ? null : (signal) => compareRevisions(this, revision, against, signal));
+  }
+
+  /** Show the motion that a proposal would make as a ghost. */
+  async compareProposal(number: number): Promise<void> {
+    await this.showCompared((signal) => compareProposal(this, number, signal));
+  }
+
+  private async showCompared(find: ((signal: AbortSignal) => Promise<Compared | null>) | null): Promise<void> {
     this.forgetCompared();
-    if (revision === null) return;
+    if (!find) return;
     const stop = (this.comparing = new AbortController());
     try {
-      const found = await compareRevisions(this, revision, against, stop.signal);
+      const found = await find(stop.signal);
       if (found && !stop.signal.aborted) this.compared.value = found;
     } catch (error) {
       refuse(error);

@@ -7,7 +7,7 @@ import { w } from "../../words";
 import { note } from "../session/notes";
 
 /** The open clip, as far as another revision is compared with it. */
-interface Opened {
+export interface Opened {
   id: string;
   frames: number;
   blocks: Blocks;

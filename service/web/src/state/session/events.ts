@@ -15,20 +15,22 @@ export interface News {
   time: string;
 }
 
-/** What was done with a comment: the part of events `comment` that is looked at; schemas/mcml_schemas/activity.py. */
+/** What was done with a comment or a proposal: the part of these events that is looked at; schemas/mcml_schemas/activity.py. */
 export interface Commented {
   id: number;
   document: string | null;
 }
 
-/** The newest thing that was heard, and the newest of comments. */
+/** The newest thing that was heard, and the newest of comments and of proposals. */
 export const news = signal<News | null>(null);
 export const commented = signal<Commented | null>(null);
+export const proposed = signal<Commented | null>(null);
 
-type Heard = { news: News } | { commented: Commented };
+type Heard = { news: News } | { commented: Commented } | { proposed: Commented };
 const tell = (heard: Heard): void => {
   if ("news" in heard) news.value = heard.news;
-  else commented.value = heard.commented;
+  else if ("commented" in heard) commented.value = heard.commented;
+  else proposed.value = heard.proposed;
 };
 
 /** After so long a stream that was refused is asked for again. */
@@ -40,7 +42,7 @@ export function followEvents(): void {
   let last = "";
   const listen = () => {
     const source = new EventSource(`/api/v1/events${last && `?since=${encodeURIComponent(last)}`}`);
-    const hear = (kind: string, as: "news" | "commented") =>
+    const hear = (kind: string, as: "news" | "commented" | "proposed") =>
       source.addEventListener(kind, ((event: MessageEvent<string>) => {
         last = event.lastEventId;
         const heard = { [as]: JSON.parse(event.data) as unknown } as Heard;
@@ -50,6 +52,7 @@ export function followEvents(): void {
     hear("document", "news");
     hear("label", "news");
     hear("comment", "commented");
+    hear("proposal", "proposed");
     source.addEventListener("ready", ((event: MessageEvent<string>) => {
       last = event.lastEventId;
     }) as EventListener);

@@ -1,4 +1,4 @@
-/** What people say about the clip: a click goes to the frames and the joint that it is about. */
+/** What people say about the clip, or about one proposal: a click goes to the frames and the joint that it is about. */
 import { useEffect, useState } from "preact/hooks";
 import { ask, get, type Schemas } from "../../../api/client";
 import type { Clip } from "../../../state/clip/clip";
@@ -7,15 +7,21 @@ import { refuse } from "../../../state/session/notes";
 import { Trouble } from "../../../ui/Trouble";
 import { useAsync } from "../../../ui/useAsync";
 import { w, when } from "../../../words";
+import { r } from "../words";
 
 type Comment = Schemas["CommentView"];
 
-export function Comments({ clip }: { clip: Clip }) {
+export function Comments({ clip, proposal }: { clip: Clip; proposal?: number }) {
   const id = clip.id;
   const me = useAsync((signal) => get("/account", { signal }), []);
   const found = useAsync(
-    (signal) => get("/documents/{id}/comments", { path: { id }, query: { limit: 1000 }, signal }),
-    [id],
+    (signal) =>
+      get("/documents/{id}/comments", {
+        path: { id },
+        query: { limit: 1000, ...(proposal === undefined ? {} : { proposal }) },
+        signal,
+      }),
+    [id, proposal],
   );
   const [settled, setSettled] = useState(false);
   useEffect(
@@ -38,7 +44,13 @@ export function Comments({ clip }: { clip: Clip }) {
   return (
     <div class="comments">
       <Trouble error={found.error} retry={found.again} />
-      <Say clip={clip} say={(body) => doing(() => ask("post", "/documents/{id}/comments", { path: { id }, body }))} />
+      <Say
+        clip={clip}
+        say={(said) => {
+          const body = proposal === undefined ? said : { ...said, proposal };
+          return doing(() => ask("post", "/documents/{id}/comments", { path: { id }, body }));
+        }}
+      />
       {found.value && !all.length && <p class="dim">{w("help.noComments")}</p>}
       {done > 0 && (
         <label class="row">
@@ -58,6 +70,9 @@ export function Comments({ clip }: { clip: Clip }) {
                   {one.edited && ` · ${w("label.edited")}`}
                 </span>
               </div>
+              {one.proposal && proposal === undefined && (
+                <span class="chip">{r("label.proposalNumber", { n: one.proposal })}</span>
+              )}
               <p>{one.text}</p>
               <div class="row wrap">
                 <Place clip={clip} comment={one} />

@@ -10,7 +10,9 @@ import { Trouble } from "../../../ui/Trouble";
 import { useAsync } from "../../../ui/useAsync";
 import { w } from "../../../words";
 import { CurvePreview } from "./CurvePreview";
-import { editFrames, extractFrames, previewEdits, type Made } from "./editFrames";
+import { mustPropose, terms } from "../../../state/clip/review";
+import { r } from "../words";
+import { editFrames, extractFrames, previewEdits, proposeFrames, type Made } from "./editFrames";
 import { EditFields } from "./EditFields";
 import { editOf, isSeen, seenFrames, START, type Choices, type Edits, type Kind, type Seen } from "./edits";
 
@@ -87,7 +89,7 @@ export function CleanUp({
   const [choices, setChoices] = useState<Choices>({ ...START, selected: bones.length > 0 });
   // A loop leaves out all other frames: the clip stays unless that is wanted.
   const [name, setName] = useState<string | null>(
-    kind === "loop" ? w("label.loopOf", { name: clip.detail.name }) : null,
+    kind === "loop" && !mustPropose() ? w("label.loopOf", { name: clip.detail.name }) : null,
   );
   const span = range ?? ([1, clip.frames] as [number, number]);
   const count = span[1] - span[0] + 1;
@@ -99,6 +101,10 @@ export function CleanUp({
     onClose();
     if (name === null) void editFrames(clip, reload, edits);
     else extractFrames(clip, reload, span, name.trim(), editOf(kind, choices, bones, [1, count])).catch(refuse);
+  };
+  const propose = () => {
+    onClose();
+    void proposeFrames(clip, reload, edits);
   };
   return (
     <Dialog title={title} onClose={onClose}>
@@ -119,15 +125,36 @@ export function CleanUp({
         />
         <p>{kind === "unroll" ? w("label.cleanAll") : w("label.cleanRange", { first: span[0], last: span[1] })}</p>
         <Result clip={clip} edits={edits} seen={seen} onState={setReady} />
-        {seen && <Target clip={clip} title={w(TITLES[kind])} name={name} onName={setName} />}
-        <div class="row">
-          <span class="grow" />
-          <button type="submit" class="button primary" disabled={!ready || name?.trim() === ""}>
-            {w(name === null ? "button.apply" : "button.saveAsClip")}
-          </button>
-        </div>
+        {seen && !mustPropose() && <Target clip={clip} title={w(TITLES[kind])} name={name} onName={setName} />}
+        <Acts ready={ready} name={name} onPropose={propose} />
       </form>
     </Dialog>
+  );
+}
+
+/** The buttons of the dialog. name: of a new clip; null: this clip. */
+function Acts({ ready, name, onPropose }: { ready: boolean; name: string | null; onPropose: () => void }) {
+  if (mustPropose())
+    return (
+      <div class="row">
+        <span class="dim grow">{r(terms.value.edits ? "help.reviewRequired" : "help.viewersPropose")}</span>
+        <button type="submit" class="button primary" title={r("help.propose")} disabled={!ready}>
+          {r("button.propose")}
+        </button>
+      </div>
+    );
+  return (
+    <div class="row">
+      <span class="grow" />
+      {name === null && (
+        <button type="button" class="button" title={r("help.propose")} disabled={!ready} onClick={onPropose}>
+          {r("button.propose")}
+        </button>
+      )}
+      <button type="submit" class="button primary" disabled={!ready || name?.trim() === ""}>
+        {w(name === null ? "button.apply" : "button.saveAsClip")}
+      </button>
+    </div>
   );
 }
 

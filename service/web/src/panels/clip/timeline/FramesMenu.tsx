@@ -2,6 +2,7 @@
 import { useState } from "preact/hooks";
 import { holding } from "../../../motion/timeline/holding";
 import type { Clip } from "../../../state/clip/clip";
+import { terms } from "../../../state/clip/review";
 import { Dialog } from "../../../ui/Dialog";
 import { AskName } from "../../../ui/forms/AskName";
 import { Icon } from "../../../ui/icons";
@@ -47,7 +48,11 @@ export function FramesMenu({
               disabled: all,
               run: () => void editFrames(clip, reload, [{ do: "delete", ...of }]),
             },
-            { text: w("button.extractFrames", of), run: () => setExtracts(true) },
+            {
+              text: w("button.extractFrames", of),
+              disabled: !terms.value.edits,
+              run: () => setExtracts(true),
+            },
             {
               text: w("button.cropTo", of),
               disabled: all,

@@ -6,8 +6,9 @@ import type { Clip } from "../../../state/clip/clip";
 import { note, refuse } from "../../../state/session/notes";
 import { w } from "../../../words";
 import { go } from "../../../state/session/route";
+import { mustPropose } from "../../../state/clip/review";
 import { markReplaced } from "./replacedMarks";
-import { saveClip, undoSaved } from "../keys";
+import { noteProposal, saveClip, undoSaved } from "../keys";
 import type { Edits, Seen } from "./edits";
 
 /** Whether a draft has to be saved first, which is told: its frames are positions, which would mean others afterwards. */
@@ -18,6 +19,7 @@ function hasDraft(clip: Clip, reload: () => void): boolean {
 }
 
 export async function editFrames(clip: Clip, reload: () => void, edits: Edits): Promise<void> {
+  if (mustPropose()) return proposeFrames(clip, reload, edits);
   if (hasDraft(clip, reload)) return;
   try {
     const made = await ask("post", "/documents/{id}/frames", {
@@ -34,6 +36,21 @@ export async function editFrames(clip: Clip, reload: () => void, edits: Edits): 
       action: { text: w("button.undo"), run: () => void undoSaved(clip, made.revision, reload) },
     });
     reload();
+  } catch (error) {
+    refuse(error);
+  }
+}
+
+/** Propose edits, which others review. */
+export async function proposeFrames(clip: Clip, reload: () => void, edits: Edits): Promise<void> {
+  if (hasDraft(clip, reload)) return;
+  try {
+    const made = await ask("post", "/documents/{id}/proposals", {
+      path: { id: clip.id },
+      match: clip.detail.revision,
+      body: { edits: { edits, renumber: true, message: "" } },
+    });
+    noteProposal(made.number);
   } catch (error) {
     refuse(error);
   }
@@ -78,12 +95,11 @@ export async function previewEdits(
   { curve, seen }: { curve: CurveName | null; seen: Seen | null },
   signal: AbortSignal,
 ): Promise<Made> {
-  return ask("post", "/documents/{id}/frames", {
+  return ask("post", "/documents/{id}/proposals/preview", {
     path: { id: clip.id },
     match: clip.detail.revision,
-    body: { edits, renumber: true, message: "" },
+    body: { edits: { edits, renumber: true, message: "" } },
     query: {
-      dry_run: true,
       ...(curve ? { [curve.kind]: [curve.name] } : {}),
       ...(seen ? { positions: "f4" as const, ...seen } : {}),
     },
