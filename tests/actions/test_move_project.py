@@ -180,6 +180,31 @@ def test_a_file_of_a_program_with_fewer_channels_is_read(database: Database) -> 
     assert without_keys(histories(database, "again")) == without_keys(histories(database, "mine"))
 
 
+def test_a_file_of_a_program_without_proposals_is_read(database: Database) -> None:
+    uuid = store(database, {"a.bvh": bvh(30, 3)}, project="mine")[0]
+    with database.write("kim") as tx:
+        tx.comments.add(tx.documents.get(uuid), 1, "look", 3, 3, None)
+    changed = io.BytesIO()
+    with (
+        zipfile.ZipFile(io.BytesIO(exported(database))) as archive,
+        zipfile.ZipFile(changed, "w") as older,
+    ):
+        for name in archive.namelist():
+            content = archive.read(name)
+            if name == "rows/comment.jsonl":
+                row = json.loads(content)
+                assert row.pop("proposal") is None
+                content = json.dumps(row).encode() + b"\n"
+            if name == "manifest.json":
+                about = json.loads(content)
+                assert about["rows"].pop("proposal") == 0
+                content = json.dumps(about).encode()
+            if name != "rows/proposal.jsonl":
+                older.writestr(name, content)
+    assert brought(database, changed.getvalue(), "again") == ("again", 1)
+    assert database.check() == []
+
+
 def test_it_holds_what_people_can_read(database: Database) -> None:
     fill(database, 2)
     with zipfile.ZipFile(io.BytesIO(exported(database))) as archive:

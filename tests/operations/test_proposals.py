@@ -246,6 +246,11 @@ def test_no_way_round_a_review(people: dict[str, TestClient], uuid: str, databas
     changed = {"change": {"project": "lab"}, "selection": {"documents": [uuid]}}
     assert people["ed"].post(f"{API}/selections/change", json=changed).status_code == 409
     assert people["ed"].get(path).json()["project"] == "gait"
+    new = people["ed"].post(f"{API}/documents", files={"file": ("b.bvh", bvh(3, seed=4))}, data={"project": "lab"})
+    other = f"{API}/documents/{new.json()['documents'][0]['id']}"
+    moved = people["ed"].patch(other, json={"project": "gait"}, headers={"if-match": "*"})
+    assert moved.status_code == 200, "what comes in is new there, as an import"
+    assert people["ed"].patch(other, json={"name": "x"}, headers={"if-match": "*"}).status_code == 409
 
 
 @one_kind

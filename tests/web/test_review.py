@@ -113,6 +113,25 @@ def test_a_viewer_proposes_and_comments(visit: Visit, studio: Served, visit_of: 
     panel.get_by_role("button", name="Comment", exact=True).click()
     expect(panel.get_by_text("too short")).to_be_visible()
 
+    page.goto(f"{studio.url}/clips/{document}?f=5&sel=left_up_leg")
+    ready(page)
+    tree = page.get_by_role("tree", name="Tree")
+    tree.get_by_role("treeitem").filter(has_text=re.compile(r"^Rx")).dblclick()
+    field = tree.get_by_role("textbox", name="Rx")
+    field.fill("77.5")
+    field.press("Enter")
+    expect(page.get_by_text("Draft: 1 change")).to_be_visible()
+    expect(page.get_by_role("button", name="Save", exact=True)).to_have_count(0)
+    page.get_by_role("button", name="Propose", exact=True).click()
+    expect(page.get_by_text("Proposal 2 created for review")).to_be_visible()
+    expect(page.get_by_text("Draft: 1 change")).to_have_count(0)
+    expect(page.get_by_role("button", name="2 proposals")).to_be_visible()
+    made = studio.get(f"/documents/{document}/proposals/2")
+    assert (made["kind"], made["author"], made["changes"]["frames"][0]["columns"]) == (
+        "changes", "vic", ["left_up_leg.Rx"],
+    )  # fmt: skip
+    studio.client().post(f"/documents/{document}/proposals/2/close").raise_for_status()
+
     owner.goto(f"{studio.url}/clips/{document}?tab=proposals")
     ready(owner)
     expect(owner.get_by_text("too short")).to_be_visible()

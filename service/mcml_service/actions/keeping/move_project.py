@@ -29,7 +29,7 @@ from mcml_service.storage.documents.uploads import BLOCK_BYTES, compress_block
 from mcml_service.storage.layout import LAYOUT, is_readable
 from mcml_service.storage.transaction import Transaction
 from mcml_service.storage.upkeep.checks import document_faults
-from mcml_service.storage.upkeep.project_rows import MOVED, ProjectRows, ProjectWriter, Row
+from mcml_service.storage.upkeep.project_rows import ADDED_TABLES, MOVED, ProjectRows, ProjectWriter, Row
 
 FORMAT, VERSION = "mcml-project", 1
 MOST_LINE = 64 << 20
@@ -89,6 +89,8 @@ def import_project(
                 writer = ProjectWriter(tx, tx.projects.get_or_add(wanted))
                 writer.uploads = reading.keep_files(tx)
                 for table in MOVED.values():
+                    if table.name in ADDED_TABLES and table.name not in about["rows"]:
+                        continue
                     count = writer.write(table, reading.rows(table.name))
                     if count != about["rows"].get(table.name):
                         raise FormatError(

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, ValidationError
 
-from mcml.errors import ConflictError, RequestError, SizeError
+from mcml.errors import ConflictError, DocumentError, RequestError, SizeError
 from mcml_schemas.frames import FramesEdited
 from mcml_schemas.team.proposals import (
     ProposalDetail,
@@ -209,7 +209,12 @@ def _prepare(call: Call, uuid: str, request: ProposalRequest, base: int | None =
 
 
 def _read_content(found: StoredProposal) -> ProposalRequest:
-    return ProposalRequest.model_validate_json(found.content)
+    try:
+        return ProposalRequest.model_validate_json(found.content)
+    except ValidationError as error:
+        raise DocumentError(
+            f"The change of proposal {found.number} cannot be read.", remedy="Close it and propose the change again."
+        ) from error
 
 
 def _require_pending(found: StoredProposal) -> None:

@@ -179,9 +179,8 @@ class Documents:
         (named,) = self._tx.fetch_all(_NAMED, {"key": stored.key})
         self._quotas.require(named[1])
         if stored.key not in self._reviewed:
-            # A document that moves away changes in the project that it leaves.
-            for project in {stored.project_key, named[1]}:
-                self._quotas.require_direct(project, operation)
+            # A document that moves changes in the project that it leaves.
+            self._quotas.require_direct(stored.project_key, operation)
         number = stored.revision + 1
         values = (stored.key, number, self._tx.commit, stored.revision, operation, message)
         self._tx.insert_tuples(revision, (*_MADE, "name", "project"), [(*values, *named)])

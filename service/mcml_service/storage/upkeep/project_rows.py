@@ -47,6 +47,9 @@ MOVED: Final = {
 }
 """By their names, in an order in which what is referred to comes first."""
 
+ADDED_TABLES: Final = frozenset({"proposal"})
+"""Tables that files of older programs lack."""
+
 _KINDS: Mapping[str, Kind] = {
     **{name: name for name in ("document", "skeleton", "upload", "result")},
     **dict.fromkeys(("commit", "from_commit", "to_commit", "created_commit", "deleted_commit"), "commit"),

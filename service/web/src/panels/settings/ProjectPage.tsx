@@ -167,7 +167,7 @@ function ReviewRequired({
   const required = !project.review_required;
   const turn = () => change({ review_required: required }, s(required ? "label.reviewOn" : "label.reviewOff"));
   return (
-    <p>
+    <p class="review-required">
       <label class="row">
         <input
           type="checkbox"
