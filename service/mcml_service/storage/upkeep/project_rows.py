@@ -270,7 +270,7 @@ class ProjectWriter:
             self.tx.insert_rows(table, [{**row, "number": keys[number]}])
             return
         if table is tables.upload:
-            equal = self.uploads.get(row["sha256"])
+            equal = self.uploads.get(str(row["sha256"]))
             if equal is None:
                 raise FormatError(f"The file {row['sha256']} is missing.", remedy="Export the project again.")
             keys[number] = equal
