@@ -56,7 +56,7 @@ def frames_before_motion(
 
 def _end_of(farthest: Array, blended: int) -> int:
     """Where the last small steps of a blend end. farthest: (n,) of each step. blended: the frames that are known."""
-    while blended < _BLENDED:
+    while blended < min(_BLENDED, len(farthest) - _LAST):
         usual = float(np.median(farthest[blended + _LAST : blended + _LAST + _FOLLOWING]))
         if not float(farthest[blended : blended + _LAST].max()) > _USUAL * usual:
             break
