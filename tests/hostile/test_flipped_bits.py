@@ -160,7 +160,9 @@ def flips(sound: tuple[Path, dict[str, Any]], seeds: range, folder: Path) -> Cou
 
 
 def test_no_flipped_bit_is_silent(sound: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:
-    assert flips(sound, range(20), tmp_path)["checked"] > 10
+    found = flips(sound, range(20), tmp_path)
+    # Most flips matter: the check of the store tells them, or an error when they are read.
+    assert found["checked"] + found["told"] > 10
 
 
 @pytest.mark.fuzz(seeds=10)

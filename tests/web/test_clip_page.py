@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from typing import Any
+from urllib.parse import parse_qs, urlsplit
 
 import pytest
 
+from mcml.formats import FORMATS
+from mcml_service.demo.walks import walks
 from tests.actions.test_measurements import walkway
 from tests.builders import ASF, amc
 from tests.web.conftest import Served, Visit, one_door, walk
@@ -62,6 +66,19 @@ def test_in_a_low_window_nothing_lies_over_play(visit: Visit, studio: Served) ->
     page.goto(f"{studio.url}/xpath?q=//frame[motion_name='kick']")
     page.get_by_role("listbox", name="Results").get_by_role("option").first.click()
     page.get_by_role("button", name="Export all").click()
+
+
+@one_door
+def test_a_body_in_a_much_larger_unit_is_seen_as_a_whole(visit: Visit, studio: Served) -> None:
+    """A file in centimetres whose unit is stated as metres shows a body of 100 m and more."""
+    uuid = studio.upload("walk.bvh", b"".join(FORMATS["bvh"].write(walks()[0], "bvh")), unit="m")
+    page = visit.open(f"/clips/{uuid}")
+    ready(page)
+    page.locator(".viewer canvas").first.hover()
+    page.mouse.wheel(0, -10)
+    page.wait_for_url(re.compile("cam="))
+    numbers = [float(one) for one in parse_qs(urlsplit(page.url).query)["cam"][0].split(",")]
+    assert math.dist(numbers[:3], numbers[3:]) > 150_000  # mm, of a body of 160 m
 
 
 @one_door

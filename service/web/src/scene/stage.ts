@@ -87,8 +87,6 @@ export class Stage {
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.enableDamping = false;
     this.controls.zoomToCursor = true;
-    this.controls.maxDistance = 60;
-    this.controls.minDistance = 0.1;
     this.controls.addEventListener("change", () => {
       this.ask();
       this.onCamera();
@@ -154,10 +152,17 @@ export class Stage {
     const { direction, away } = viewOf(size, this.camera, view);
     this.controls.target.copy(middle);
     this.camera.position.copy(middle).addScaledVector(direction, away);
-    seeAsFarAs(this.camera, away);
+    this.letFar(away);
     this.followed.copy(this.root() ?? middle);
     this.controls.update();
     this.ask();
+  }
+
+  /** Let the camera see what is so far away, and go nearer and farther. */
+  private letFar(away: number): void {
+    seeAsFarAs(this.camera, away);
+    this.controls.minDistance = Math.min(0.1, away / 20);
+    this.controls.maxDistance = Math.max(60, away * 10);
   }
 
   /** The camera as text for an address: position and target, millimetres. */
@@ -173,7 +178,7 @@ export class Stage {
     this.camera.position.fromArray(numbers, 0);
     this.controls.target.fromArray(numbers, 3);
     const away = this.camera.position.distanceTo(this.controls.target);
-    seeAsFarAs(this.camera, away);
+    this.letFar(away);
     this.followed.copy(this.root() ?? this.controls.target);
     this.controls.update();
   }

@@ -19,6 +19,11 @@ describe("the height of a skeleton", () => {
     expect(skeletonOf(body(3)).height).toBe(0.1);
   });
 
+  it("is at most that of a giant, unless the whole body is far larger", () => {
+    expect(skeletonOf(body(300)).height).toBe(3);
+    expect(skeletonOf(body(7700)).height).toBeCloseTo(154);
+  });
+
   it("is the usual one where the rest pose has no lengths, so that bones are drawn as thick as others", () => {
     expect(skeletonOf(body(0)).height).toBe(1.7);
   });

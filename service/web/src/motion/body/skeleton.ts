@@ -27,6 +27,7 @@ export interface Skeleton {
 const SIDES: Record<string, Side> = { centre: 0, left: 1, right: 2 };
 const USUAL_HEIGHT = 1.7;
 const LEAST = 0.01; // metres
+const HUGE = 20;
 
 export function skeletonOf(answer: SkeletonView): Skeleton {
   // Browsers keep answers of a revision for ever: those of an earlier release lack newer lists.
@@ -75,11 +76,18 @@ export function skeletonOf(answer: SkeletonView): Skeleton {
     metres,
     unitKnown: Boolean(view.unit),
     zUp: view.likely_up.endsWith("Z"),
-    // A rest pose without lengths shows no height: places of joints come with the motion.
-    height: view.markers || extent * metres < LEAST ? USUAL_HEIGHT : Math.min(3, Math.max(0.1, extent * metres)),
+    height: view.markers ? USUAL_HEIGHT : drawnHeight(extent * metres),
     head: view.bones.findIndex((bone) => bone.name.toLowerCase() === "head"),
     byName: new Map(view.bones.map((bone, index) => [bone.name, index])),
   };
+}
+
+/** The height, metres, that bones are drawn as thick for. extent: of the rest pose, metres. */
+function drawnHeight(extent: number): number {
+  // A rest pose without lengths shows no height: places of joints come with the motion.
+  if (extent < LEAST) return USUAL_HEIGHT;
+  // One joint far away makes no giant; a body of more than that is in another unit than its file states.
+  return extent > HUGE ? extent : Math.min(3, Math.max(0.1, extent));
 }
 
 /** Points below a joint, itself included. Points stand after their parents. */
