@@ -43,7 +43,7 @@ def scale_values(properties: Properties, factor: float, *, resizes: bool) -> Pro
     resizes: the body changes its size; else the unit does, and so do the metres of a unit.
     """
 
-    def changed(name: str, value: Any) -> Any:
+    def change(name: str, value: Any) -> Any:
         if name == "pose":
             return ReferencePose(_tuples(np.array(value.positions) * factor), value.rotations)
         if isinstance(value, bool) or not isinstance(value, int | float):
@@ -52,7 +52,7 @@ def scale_values(properties: Properties, factor: float, *, resizes: bool) -> Pro
             return value / factor
         return value * factor if name in _LENGTHS else value
 
-    return _change(properties, changed)
+    return _change(properties, change)
 
 
 def turn_values(properties: Properties, turn: Array, axes: Mapping[str, str]) -> Properties:
@@ -61,13 +61,13 @@ def turn_values(properties: Properties, turn: Array, axes: Mapping[str, str]) ->
     turn: (4,) unit quaternion. axes: where each axis, such as "Y" or "-Z", points then.
     """
 
-    def changed(name: str, value: Any) -> Any:
+    def change(name: str, value: Any) -> Any:
         if name == "pose":
             rotations = multiply(multiply(turn, np.array(value.rotations)), inverse(turn))
             return ReferencePose(_tuples(rotate(turn, np.array(value.positions))), _tuples(rotations))
         return axes.get(value, value) if name == "up" and isinstance(value, str) else value
 
-    return _change(properties, changed)
+    return _change(properties, change)
 
 
 def _change(properties: Properties, change: Callable[[str, Any], Any]) -> Properties:
@@ -75,7 +75,7 @@ def _change(properties: Properties, change: Callable[[str, Any], Any]) -> Proper
 
 
 def _change_one(item: tuple[str, str, str], change: Callable[[str, Any], Any]) -> tuple[str, str, str]:
-    """The property; others than those of a calibration, and values without meaning, stay."""
+    """Change the value of a property of a calibration; leave other properties, and values that cannot be read."""
     if not item[0].startswith(OVERRIDES):
         return item
     name = item[0].removeprefix(OVERRIDES)

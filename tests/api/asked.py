@@ -61,7 +61,7 @@ def commented(client: TestClient, document: str, text: str) -> int:
     return int(made.json()["id"])
 
 
-def proposed(client: TestClient, document: str, message: str) -> int:
+def propose(client: TestClient, document: str, message: str) -> int:
     """The number of a new proposal."""
     body = {"edits": CHANGE["edits"] | {"message": message}}
     made = client.post(f"{API}/documents/{document}/proposals", json=body, headers={"if-match": "*"})
@@ -77,7 +77,7 @@ def filled(client: TestClient, database: Database, project: str, word: str) -> T
     stored = [item["id"] for item in made["documents"]]
     label = labelled(client, stored[0], word)
     comment = commented(client, stored[0], word)
-    proposal = proposed(client, stored[0], word)
+    proposal = propose(client, stored[0], word)
     for path, body in (
         (f"collections/{word}", {"documents": stored[:1]}),
         (f"queries/{word}", {"q": f"//frame[motion_name='{word}']"}),

@@ -20,7 +20,7 @@ from mcml_service.settings import Settings
 from mcml_service.storage.core.schema import metadata
 from mcml_service.storage.database import Database
 from mcml_service.storage.team.entries import PROJECT_ROLES
-from tests.api.asked import API, Things, commented, filled, labelled, proposed, request_of, send
+from tests.api.asked import API, Things, commented, filled, labelled, propose, request_of, send
 from tests.builders import SECRET, one_kind
 from tests.motion.bodies.made import person
 
@@ -185,7 +185,7 @@ def test_each_role_may_in_its_project_what_is_declared(
                 asked = request_of(operation, mine, "wombat") or asked
             if "{proposal}" in operation.path and operation.effect is Effect.WRITES:
                 # An applied or closed one is applied no more; `tests/operations/test_proposals.py` has those of others.
-                mine = replace(mine, proposal=proposed(clients[role], mine.id, "mine"))
+                mine = replace(mine, proposal=propose(clients[role], mine.id, "mine"))
                 asked = request_of(operation, mine, "wombat") or asked
             answer = send(clients[role], operation, asked)
             unfit = any(operation.name.startswith(word) for word in UNFIT)

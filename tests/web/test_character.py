@@ -46,7 +46,7 @@ def test_the_studio_moves_figures_as_python_does(tmp_path: Path) -> None:
     assert f"{4 + len(cases)} passed" in said
 
 
-def covered(page: Any) -> int:
+def count_figure_pixels(page: Any) -> int:
     """Pixels of the viewer that are not of its ground."""
     from PIL import Image
 
@@ -64,7 +64,7 @@ def test_a_body_is_drawn_instead_of_bones_and_stays_chosen(visit: Visit, studio:
     ready(page)
     body = page.locator(".viewer-tools").get_by_role("button", name="body", exact=True)
     expect(body).to_have_attribute("aria-pressed", "false")
-    bones = covered(page)
+    bones = count_figure_pixels(page)
     assert bones > 500
     with page.expect_response(lambda answer: "space=rotations" in answer.url):
         body.click()
@@ -85,7 +85,7 @@ def test_a_body_is_drawn_instead_of_bones_and_stays_chosen(visit: Visit, studio:
 def wait_until_larger(page: Any, least: int) -> int:
     """Pixels of the body, as soon as there are so many."""
     for _ in range(100):
-        found = covered(page)
+        found = count_figure_pixels(page)
         if found > least:
             return found
     raise AssertionError(f"{found} pixels are drawn, expected more than {least}")
@@ -100,6 +100,6 @@ def test_a_clip_without_the_joints_of_a_person_says_so(visit: Visit, studio: Ser
     said = page.locator(".why-sticks")
     expect(said).to_contain_text("No body.")
     expect(said).to_contain_text("A body needs joints that are not recognised: left_up_arm")
-    assert covered(page) > 100
+    assert count_figure_pixels(page) > 100
     page.locator(".viewer-tools").get_by_role("button", name="body", exact=True).click()
     expect(said).to_have_count(0)

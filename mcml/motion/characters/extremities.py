@@ -194,7 +194,7 @@ def _hand_axes(person: Person, side: str, chains: list[list[int]]) -> tuple[Arra
 
 
 def _middle_line(person: Person, side: str, wrist: int, chains: list[list[int]]) -> list[int]:
-    """The joints of the palm, from the wrist on; those of fingers too where all fingers have the same."""
+    """Return the joints of the palm, from the wrist on, and those of fingers that all fingers share."""
     if len(chains) >= _FEW:
         return [wrist]
     for name in (f"{side}_fingers", f"{side}_hand"):

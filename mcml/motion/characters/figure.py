@@ -64,7 +64,7 @@ _ABOVE_SHOULDERS = 0.062
 """How far the joint of a head is above the line between the shoulders at least: rigs without a neck have it lower."""
 _NECK = 0.0315, 0.0335
 _SHORT = 0.42
-"""Of the shorter bone at a joint: no more than this on either side changes over from one bone to the next."""
+"""Part of the shorter bone at a joint, on either side, whose weights change from one bone to the next at most."""
 
 
 @dataclass(frozen=True, eq=False)

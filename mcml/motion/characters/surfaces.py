@@ -118,7 +118,7 @@ def _largest(drive: Drive, weights: Array) -> tuple[NDArray[np.int64], Array]:
 
 
 def vertex_normals(points: Array, faces: NDArray[np.int64]) -> Array:
-    """(V, 3) unit normals: those of the faces around a vertex, by their areas."""
+    """Return (V, 3) unit normals of vertices: the mean of the faces around each, weighted by their areas."""
     a, b, c = (points[faces[:, corner]] for corner in range(3))
     across = np.cross(b - a, c - a)
     normals = np.zeros_like(points)
@@ -183,7 +183,7 @@ class Line:
 def axes_along(headings: Array, usual: Array, across: Array) -> tuple[Array, Array]:
     """The two half-axes (n, 3) each of rings along directions (n, 3).
 
-    They are those of a limb in a usual pose, carried by the smallest rotation from there: usual: (3,) its direction,
+    The half-axes of a limb in a usual pose, turned by the smallest rotation from it. usual: (3,) its direction,
     across: (3,) its first half-axis, which is across.
     """
     turns = np.stack([shortest_arc(usual, heading) for heading in headings])

@@ -50,7 +50,7 @@ def _is_below(tree: Tree, joint: int, above: int) -> bool:
     return joint == above
 
 
-def divided(skeleton: Skeleton, above: str, pieces: int) -> Skeleton:
+def divide(skeleton: Skeleton, above: str, pieces: int) -> Skeleton:
     """A rig with more joints on the bone that leads to one: a spine or a limb of many pieces. above: the upper one."""
     joints: list[Joint] = []
     place: dict[int, int] = {}
@@ -72,7 +72,7 @@ def divided(skeleton: Skeleton, above: str, pieces: int) -> Skeleton:
     return Skeleton(tuple(joints))
 
 
-def posed(skeleton: Skeleton, turns: Mapping[str, Rotation], frames: int = 1) -> tuple[Array, Array]:
+def pose_rig(skeleton: Skeleton, turns: Mapping[str, Rotation], frames: int = 1) -> tuple[Array, Array]:
     """Positions (n, J, 3) and rotations (n, J, 4) of a body whose joints are turned from rest, in their parents."""
     local = np.tile(IDENTITY, (frames, len(skeleton), 1))
     for name, turn in turns.items():

@@ -24,7 +24,7 @@ from tests.formats.scenes.clips import CLIPS
 from tests.motion.bodies.made import clip_of
 from tests.motion.bodies.made import person as walker
 from tests.motion.characters.checks import check_limbs, check_mesh, check_weights
-from tests.motion.characters.rigs import HANGING, REST, SLOPING, divided, posed, rig
+from tests.motion.characters.rigs import HANGING, REST, SLOPING, divide, pose_rig, rig
 from tests.motion.rigs.rig_builder import USUAL, mirrored
 
 FINGERS = USUAL | mirrored(
@@ -52,7 +52,7 @@ def size_of(skeleton: Skeleton) -> float:
 def random_pose(skeleton: Skeleton, seed: int, frames: int = 4) -> tuple[Array, Array]:
     rng = np.random.default_rng(seed)
     turns = {name: Rotation.from_rotvec(rng.uniform(-0.7, 0.7, (frames, 3))) for name in skeleton.names}
-    return posed(skeleton, turns, frames)
+    return pose_rig(skeleton, turns, frames)
 
 
 @pytest.mark.parametrize("bent", [{}, HANGING, SLOPING], ids=["T", "hanging", "A"])
@@ -68,7 +68,7 @@ def test_every_rest_pose_has_a_figure(bent: dict[str, Rotation], names: dict[str
 def test_in_the_pose_it_is_bound_in_nothing_moves() -> None:
     skeleton = rig()
     made = bind_character(skeleton, DEGREES, REST)
-    moved = made.move(*posed(skeleton, {}))[0]
+    moved = made.move(*pose_rig(skeleton, {}))[0]
     assert np.abs(moved - made.points).max() < 1e-9 * size_of(skeleton)
 
 
@@ -93,7 +93,7 @@ def test_arms_are_the_same_whatever_they_do_at_rest(bent: dict[str, Rotation], b
     expected = bind_character(straight, DEGREES, REST)
     made = bind_character(other, DEGREES, REST)
     raised = {name: turn.inv() for name, turn in bent.items()}
-    moved = made.move(*posed(other, raised))[0]
+    moved = made.move(*pose_rig(other, raised))[0]
     assert np.array_equal(made.faces, expected.faces)
     hands = [straight.names.index(f"{side}_hand") for side in ("left", "right")]
     own = np.isin(made.joints[:, 0], hands)
@@ -124,7 +124,7 @@ def test_joints_that_a_rig_lacks_are_not_needed(what: str, left_out: tuple[str, 
 def test_bones_of_several_pieces_are_one_limb(above: str, pieces: int, seed: int) -> None:
     """In a pose that leaves the pieces straight, the figure is nearly where it is without them."""
     plain = rig()
-    skeleton = divided(plain, above, pieces)
+    skeleton = divide(plain, above, pieces)
     made = bind_character(skeleton, DEGREES, REST)
     check_mesh(made)
     check_weights(made, skeleton)

@@ -33,11 +33,11 @@ def arithmetic(symbol: str) -> dict[str, Any]:
         return kind.get_operands(self, context, cls=cls)  # type: ignore[no-any-return]  # elementpath says Any
 
     def evaluate(self: Any, context: Any = None) -> Any:
-        found = _signed(self, context) if len(self) == 1 else evaluated(self, context)
+        found = _apply_sign(self, context) if len(self) == 1 else compute(self, context)
         nothing = isinstance(found, list) and not found
         return math.nan if nothing and self.parser.compatibility_mode else found
 
-    evaluated = {"div": _divide, "mod": _remainder, "idiv": _quotient}.get(symbol, kind.evaluate)
+    compute = {"div": _divide, "mod": _remainder, "idiv": _quotient}.get(symbol, kind.evaluate)
     return {"get_operands": get_operands, "evaluate": evaluate}
 
 
@@ -82,7 +82,7 @@ def _factor(self: Any, number: Any) -> Any:
     return Decimal(number)
 
 
-def _signed(self: Any, context: Any) -> Any:
+def _apply_sign(self: Any, context: Any) -> Any:
     value = _operand(self, 0, context)
     if value is None:
         return []

@@ -45,17 +45,17 @@ def distinct_values(self: Any, context: Any = None) -> Iterator[Any]:
 def sort(self: Any, context: Any = None) -> Any:
     """fn:sort: by the values of items, or by those of a function of each item."""
     context = self.context or context
-    return xlist(_sorted(self, context, self[0].select(context)))
+    return xlist(_sort_items(self, context, self[0].select(context)))
 
 
 def sort_array(self: Any, context: Any = None) -> XPathArray:
     """array:sort: as fn:sort, of the members of an array."""
     context = self.context or context
     array = self.get_argument(context, required=True, cls=XPathArray)
-    return XPathArray(self.parser, _sorted(self, context, array.items(context)))
+    return XPathArray(self.parser, _sort_items(self, context, array.items(context)))
 
 
-def _sorted(self: Any, context: Any, items: Iterable[Any]) -> list[Any]:
+def _sort_items(self: Any, context: Any, items: Iterable[Any]) -> list[Any]:
     value_of = None
     if len(self) == 3:
         value_of = self.get_argument(context, index=2, required=True, cls=XPathFunction)
