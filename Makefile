@@ -12,11 +12,12 @@ STAMP := $(VENV)/.installed
 # Of all systems and versions of Python at once, with sums of the files; where they come from is each machine's own.
 LOCK := $(BIN)/uv pip compile pyproject.toml --quiet --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
 	--custom-compile-command "make lock" $(if $(UPGRADE),--upgrade)
+PYTEST := $(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 # Tests and the programs that they start would compile all modules again.
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help install web run test check audit fix bench fuzz docs lock migration dist clean
+.PHONY: help install web run test slow check audit fix bench fuzz docs lock migration dist clean
 
 help: ## Print this list
 	@grep -E '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -36,9 +37,13 @@ web: $(STAMP) ## Build the studio, where its sources changed
 run: web ## Serve the repository on 127.0.0.1:8000, with a demo library on first start
 	$(BIN)/mcml serve --demo
 
-test: web ## Run all tests, on SQLite and PostgreSQL, and in the browser
+test: web ## Run the tests, on SQLite and PostgreSQL, and in the browser: ten minutes on two cores
 	@$(BIN)/python -m tests.web.keeper install
-	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
+	$(PYTEST) -m "not slow"
+
+slow: web ## Run the tests that take seconds each: several servers, killed processes, stories in the browser
+	@$(BIN)/python -m tests.web.keeper install
+	$(PYTEST) -m slow
 
 check: $(STAMP) ## Style, types, layers, spelling, plain English, the same of the studio, known faults of packages
 	$(BIN)/ruff check .

@@ -107,6 +107,7 @@ def edited_at_random(database: Database, seed: int, steps: int) -> None:
     assert database.check() == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "seed"), OTHER_SEEDS[:4], indirect=["kind"])
 def test_random_edits(database: Database, seed: int) -> None:
     edited_at_random(database, seed, 25)

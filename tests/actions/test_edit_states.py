@@ -161,6 +161,7 @@ def _run(kind: str, request: pytest.FixtureRequest, examples: int, steps: int, n
     run_state_machine_as_test(Told, settings=settings(max_examples=examples, stateful_step_count=steps))
 
 
+@pytest.mark.slow
 def test_stories_of_edits(kind: str, request: pytest.FixtureRequest) -> None:
     _run(kind, request, 8 if kind == "sqlite" else 4, 12)
 

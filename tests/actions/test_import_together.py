@@ -99,6 +99,7 @@ def test_what_was_read_before_the_import_was_stopped_is_stored(database: Databas
         assert sorted(stored(tx)) == ["clip00.bvh", "clip01.bvh"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("processes", [2], indirect=True)
 @pytest.mark.parametrize("point", fuzz.share([20, 5, 60, 40], 2))
 def test_killed_among_them_leaves_each_whole_or_absent(

@@ -115,6 +115,7 @@ def greatest(database: Database) -> dict[str, int]:
         }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("source", KINDS)
 @pytest.mark.parametrize("target", KINDS)
 def test_a_store_goes_into_every_kind(

@@ -92,6 +92,7 @@ def killed_at_seeded_points(database: Database, url: str, folder: Path, times: i
     assert database.check() == []
 
 
+@pytest.mark.slow
 def test_killed_importer_leaves_all_or_nothing(database: Database, database_url: str, tmp_path: Path) -> None:
     killed_at_seeded_points(database, database_url, tmp_path, 2, seed=20)
 

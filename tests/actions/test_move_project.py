@@ -118,6 +118,7 @@ def counts(database: Database) -> dict[str, int]:
         }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1])
 def test_a_project_goes_to_another_store_and_back(database: Database, tmp_path: Path, seed: int) -> None:
     fill(database, seed)
@@ -231,6 +232,7 @@ def test_what_is_damaged_is_not_moved(database: Database) -> None:
         exported(database)
 
 
+@pytest.mark.slow
 def test_copies_have_the_whole_history(database: Database) -> None:
     """Also where an equal skeleton is, and of many at once; the copy and what it is of go on by themselves."""
     fill(database, 6)
@@ -254,6 +256,7 @@ def test_copies_have_the_whole_history(database: Database) -> None:
     assert database.check(past=True) == []
 
 
+@pytest.mark.slow
 @one_kind
 def test_what_is_broken_or_taken_changes_nothing(database: Database) -> None:
     """Members that lack, are cut, hold other values or other types, one at a time at random."""

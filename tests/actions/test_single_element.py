@@ -86,6 +86,7 @@ def test_every_element_is_read_alone(database: Database, uuid: str) -> None:
                 assert read_element(tx, stored, f"{where}/@{name}").decode() == value
 
 
+@pytest.mark.slow
 @one_kind
 def test_every_element_is_deleted_alone_or_refused(database: Database, uuid: str) -> None:
     tree = serialised(database, uuid)

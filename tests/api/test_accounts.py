@@ -70,6 +70,7 @@ def filled(operation: Operation) -> str:
     return API + re.sub(r"\{(\w+)\}", "1", operation.path)
 
 
+@pytest.mark.slow
 @one_kind
 def test_every_operation_answers_each_role_as_is_declared(team: dict[str, TestClient]) -> None:
     """Who lacks the right gets 403 before anything else is looked at, who has it any other answer, nobody 401."""

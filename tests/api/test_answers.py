@@ -109,6 +109,7 @@ def test_no_body_has_fields_that_are_dropped() -> None:
     assert open_ones == set()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "path",
     ["/", "/docs", "/docs/problems", "/docs/assets/swagger-ui.css", "/mcml.dtd", "/healthz", "/api/v1/documents",

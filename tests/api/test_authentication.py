@@ -327,6 +327,7 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
+@pytest.mark.slow
 def test_a_server_that_was_not_told_where_it_listens_is_closed(run: Any, tmp_path: Path) -> None:
     port = free_port()
     words = ("uvicorn", "--factory", "mcml_service.app:app_from_environment", "--host", "0.0.0.0", "--port", str(port))
@@ -339,6 +340,7 @@ def test_a_server_that_was_not_told_where_it_listens_is_closed(run: Any, tmp_pat
     assert httpx.get(address, headers={"authorization": f"Bearer {secret}"}).status_code == 200
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_thorough", [False, pytest.param(True, marks=pytest.mark.fuzz)])
 def test_commands_of_this_machine_go_on_behind_the_first_token(run: Any, is_thorough: bool) -> None:
     """Some on the store, some on its server; in `make fuzz` each on both."""
@@ -362,6 +364,7 @@ def test_commands_of_this_machine_go_on_behind_the_first_token(run: Any, is_thor
     assert run("mcml_service.cli", "ls", "--server", address, MCML_TOKEN="mcml_wrong").wait(60) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", fuzz.share([{"MCML_LOGIN": "always"}, {"MCML_HOST": "0.0.0.0"}], 2))
 def test_a_closed_server_says_so_and_how_its_first_account_is_made(run: Any, how: dict[str, str]) -> None:
     port = free_port()

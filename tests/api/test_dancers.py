@@ -23,6 +23,7 @@ def dances(database: Database) -> str:
     return "dances"
 
 
+@pytest.mark.slow
 def test_three_dancers_are_one_clip(client: TestClient, dances: str) -> None:
     parameters = {"bpm": 116, "bars": 6, "stage": 5.0, "dancers": {"count": 3, "mode": "canon"}}
     body = {"inputs": {"project": dances}, "parameters": parameters}

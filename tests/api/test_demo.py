@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import pytest
 from fastapi.testclient import TestClient
 from typer.testing import CliRunner
 
@@ -26,6 +27,7 @@ def names(client: TestClient, project: str) -> list[str]:
     return sorted(item["name"] for item in answer["items"])
 
 
+@pytest.mark.slow
 @one_kind
 def test_a_second_load_stores_nothing(client: TestClient) -> None:
     first = load(client, part=["walks", "people"])
@@ -49,6 +51,7 @@ def test_only_missing_clips_are_stored(client: TestClient) -> None:
     assert lost["name"] in names(client, "demo-walk")
 
 
+@pytest.mark.slow
 @one_kind
 def test_a_project_of_its_own_and_another_seed(client: TestClient) -> None:
     load(client, part="people", project="mine")
@@ -60,6 +63,7 @@ def test_a_project_of_its_own_and_another_seed(client: TestClient) -> None:
     assert "part" in refused.text
 
 
+@pytest.mark.slow
 @one_kind
 def test_the_command_and_the_server_load_the_same(client: TestClient, tmp_path: Path) -> None:
     load(client, part="walks")

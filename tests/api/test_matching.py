@@ -111,6 +111,7 @@ def test_documents_that_are_left_out_are_told(client: TestClient, walks: list[st
     assert len(alone["left_out"]) == 4
 
 
+@pytest.mark.slow
 def test_an_end_that_is_not_reached_is_told(client: TestClient, walks: list[str]) -> None:
     made = follow(
         client,

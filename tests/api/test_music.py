@@ -63,6 +63,7 @@ def test_from_music_to_dance(client: TestClient, database: Database) -> None:
     assert client.get(f"{API}/documents/{document['id']}/export", params={"format": "bvh"}).status_code == 200
 
 
+@pytest.mark.slow
 def test_what_is_no_music_is_refused(client: TestClient) -> None:
     """By the process that reads it; what else is refused, tests of the analysis say."""
     answer = client.post(f"{API}/music", files={"file": ("cut.wav", clicks(120)[:40])})
@@ -71,6 +72,7 @@ def test_what_is_no_music_is_refused(client: TestClient) -> None:
     assert answer.json()["remedy"]
 
 
+@pytest.mark.slow
 def test_rivals_are_told_and_what_is_known_is_taken(client: TestClient) -> None:
     file = {"file": ("song.wav", clicks(116, 20.0))}
     found = client.post(f"{API}/music", files=file).json()

@@ -117,6 +117,7 @@ def test_times_that_are_none_are_refused(client: TestClient, time: str) -> None:
         assert client.get(f"{API}/documents").status_code == 200
 
 
+@pytest.mark.slow
 @one_kind
 def test_more_bones_than_the_limit_are_refused(client: TestClient) -> None:
     bones = "".join(f"<bone><name>b{number}</name></bone>" for number in range(Settings().max_joints))

@@ -66,6 +66,7 @@ ASKED = (
 )
 
 
+@pytest.mark.slow
 @one_kind
 @pytest.mark.parametrize("known", [True, False], ids=["by a reader", "by a stranger"])
 def test_no_cache_gives_an_answer_to_another(database: Database, asking: Asking, known: bool) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
+import pytest
 from fastapi.testclient import TestClient
 from sqlalchemy import func, select
 
@@ -38,6 +39,7 @@ def counts(database: Database) -> dict[str, int]:
         }
 
 
+@pytest.mark.slow
 @one_kind
 def test_nothing_changes_in_an_archived_project(database: Database) -> None:
     """Every operation that edits, by who keeps the repository, is refused and changes nothing; what reads goes on."""

@@ -116,6 +116,7 @@ def test_every_operation_is_asked() -> None:
         assert known or operation.name in OWN or operation.right in (Right.OPERATE, Right.OWN), operation.name
 
 
+@pytest.mark.slow
 @one_kind
 def test_what_is_not_seen_is_not_there(team: tuple[dict[str, TestClient], Things, Things], database: Database) -> None:
     """Whoever has no role in a project learns nothing of it and changes nothing there, whatever they may elsewhere."""
@@ -154,6 +155,7 @@ def test_what_is_not_seen_is_not_there(team: tuple[dict[str, TestClient], Things
     assert state(database) == before
 
 
+@pytest.mark.slow
 @one_kind
 def test_each_role_may_in_its_project_what_is_declared(
     team: tuple[dict[str, TestClient], Things, Things], database: Database

@@ -60,6 +60,7 @@ def scene(database: Database) -> Iterator[Scene]:
         yield Scene(keeper, visitor, things.stored, database)
 
 
+@pytest.mark.slow
 def test_a_link_shows_its_documents_and_nothing_else(scene: Scene) -> None:
     """Every operation, asked with the cookie of a link: below its prefix what is declared, above it nothing."""
     shown = scene.opened(formats=["bvh"])

@@ -97,6 +97,7 @@ def upload(at: httpx.Client, name: str, frames: int = 3, **headers: str) -> http
     return at.post("/documents", files={"file": (f"{name}.bvh", bvh(frames))}, data={"project": "lab"}, headers=headers)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [pytest.param("sqlite", marks=pytest.mark.fuzz), "postgresql"], indirect=True)
 def test_two_are_one(clients: list[httpx.Client], database: Database) -> None:
     first, second = clients
@@ -173,6 +174,7 @@ def links_open_once(clients: list[httpx.Client], database: Database) -> None:
         assert sorted(answers) == [201, 403, 403, 403]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["postgresql"], indirect=True)
 def test_workers_of_one_server_are_one(database: Database, database_url: str, token: str, tmp_path: Path) -> None:
     with serving(database_url, tmp_path, 1, "--workers", "2") as (address,):
@@ -180,6 +182,7 @@ def test_workers_of_one_server_are_one(database: Database, database_url: str, to
         seen_at_once([client(address, token, connection="close") for _ in range(2)])
 
 
+@pytest.mark.slow
 def test_an_upgrade_by_two_at_once_is_one(kind: str, request: Any, tmp_path: Path) -> None:
     def upgraded(url: str) -> None:
         command = [sys.executable, "-m", "mcml_service.cli", "db", "upgrade"]

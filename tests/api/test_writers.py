@@ -121,6 +121,7 @@ def times(number: int) -> Callable[[], bool]:
     return more
 
 
+@pytest.mark.slow
 def test_writers_on_one_document(client: TestClient, database: Database) -> None:
     assert check(client, database, lambda: times(2)) > WRITERS
 

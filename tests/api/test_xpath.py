@@ -170,6 +170,7 @@ def test_nth_counts_over_all_documents(library: tuple[TestClient, Trees]) -> Non
         assert all_items(client, 5, q=f"({inner})[{len(everything) + 1}]") == []
 
 
+@pytest.mark.slow
 def test_pages_stay_as_they_were_while_others_write(client: TestClient) -> None:
     filled(client)
     expression = {"q": "//frame[motion_name='left-arm-abduction']", "limit": 2}

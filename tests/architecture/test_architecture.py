@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
+import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
 
@@ -22,6 +23,7 @@ from mcml_service.storage.database import Database
 ROOT = Path(__file__).resolve().parents[2]
 LINES = 400
 MODULES = 25
+SLOW_TO_LOAD = {"interpolate", "ndimage", "optimize", "signal", "sparse", "spatial", "stats"}
 ATTICS = {"utils", "util", "helpers", "helper", "common", "manager", "misc", "shared", "tools", "stuff", "general"}
 
 
@@ -30,6 +32,13 @@ def sources() -> list[Path]:
     folders = ("service", "schemas", "mcml", "benchmarks", "tests")
     found = [path for folder in folders for path in (ROOT / folder).rglob("*.py")]
     return [path for path in found if not {"static", "node_modules"} & set(path.parts)]
+
+
+def test_a_start_loads_no_parts_of_scipy() -> None:
+    """They take longer to load than the program itself; `import scipy` loads a part where it is first used."""
+    script = "import sys, mcml_service.app; print([name for name in sys.modules if name.startswith('scipy.')])"
+    done = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert not set(ast.literal_eval(done.stdout)) & {f"scipy.{part}" for part in SLOW_TO_LOAD}
 
 
 def test_layers() -> None:
@@ -219,6 +228,7 @@ def unused(modules: dict[str, ast.Module]) -> list[str]:
     return [one for one in found if not one.endswith("__") and not one.startswith("migrations.")]
 
 
+@pytest.mark.slow
 def test_nothing_is_unused() -> None:
     """Every definition has a user that is no test; planted ones without users are found, also under a name in use."""
     text = "def order_commits(): pass\nclass Planted:\n    def nobody_calls_this(self): pass\n"

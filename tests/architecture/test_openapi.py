@@ -127,6 +127,7 @@ def test_answers_show_the_example_of_their_model(method: str, path: str, operati
             (models() | MADE)[name].model_validate(media["example"])
 
 
+@pytest.mark.slow
 @every_operation
 def test_requests_of_examples_are_understood(
     method: str, path: str, operation: dict[str, Any], store_of: StoreOf

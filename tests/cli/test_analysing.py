@@ -72,6 +72,7 @@ def fitted(mcml: Run, *where: str) -> str:
     return str(job["result"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", ["here", "server"])
 def test_reach_from_fit_to_file(mcml: Run, tmp_path: Path, place: str, request: pytest.FixtureRequest) -> None:
     where = ("--server", request.getfixturevalue("server")) if place == "server" else ()

@@ -143,6 +143,7 @@ def test_tokens(mcml: Mcml) -> None:
     assert "farm" not in mcml("token", "list")[1]
 
 
+@pytest.mark.slow
 def test_the_same_commands_on_a_server(mcml: Mcml, tmp_path: Path) -> None:
     import os
     import socket

@@ -107,6 +107,7 @@ def test_nobody_reads_the_output(mcml, tmp_path: Path, words: tuple[str, ...]) -
     assert (done.returncode, done.stderr) == (0, b"")
 
 
+@pytest.mark.slow
 def test_an_import_goes_on_where_nobody_reads_what_it_says(mcml: Mcml, tmp_path: Path) -> None:  # noqa: F811
     for number in range(6):
         (tmp_path / f"take{number}.bvh").write_bytes(bvh(3, seed=number))

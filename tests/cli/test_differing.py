@@ -122,6 +122,7 @@ def test_a_damaged_document_hides_no_other(database: Database) -> None:
     assert f"not looked at: {first}" in doctor(database)
 
 
+@pytest.mark.slow
 @one_kind
 def test_odd_documents_stop_nothing(database: Database) -> None:
     for name, files in ODD.items():

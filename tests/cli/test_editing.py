@@ -252,6 +252,7 @@ def test_frames(run: Run, walk: str) -> None:
     assert "not in a document" in run("frames", walk, "delete", "1-99999", code=1)
 
 
+@pytest.mark.slow
 def test_bodies(run: Run, tmp_path: Path) -> None:
     for height in (160, 184):
         clip = body.clip(f"walk_{height}", float(height), *body.walk(float(height), 1.0, 1.0, 6.0))

@@ -158,6 +158,7 @@ def test_one_sync_at_a_time(mcml: Mcml, takes: Path) -> None:  # noqa: F811
     assert mcml("sync", str(takes))[0] == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fatal", [1, 2])
 def test_a_killed_sync_continues(mcml: Mcml, takes: Path, tmp_path: Path, server: str, fatal: int) -> None:  # noqa: F811
     assert mcml("sync", str(takes), "--server", server)[0] == 0

@@ -242,6 +242,7 @@ def test_curves_of_a_dry_run(repo: mcml.Repository) -> None:
     assert repo.operations.get_document(id=clip.id) == clip
 
 
+@pytest.mark.slow
 def test_a_job_is_finished(repo: mcml.Repository) -> None:
     """Here it is run by the caller, on a server by the server."""
     stages: list[str] = []

@@ -34,6 +34,7 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     sys.path.remove(str(folder))
 
 
+@pytest.mark.slow
 def test_no_operation_is_left_out(generated: Path) -> None:
     names = {item["operationId"] for path in description()["paths"].values() for item in path.values()}
     modules = {path.stem for path in (generated / "api").rglob("*.py") if path.stem != "__init__"}

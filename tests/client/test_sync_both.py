@@ -122,6 +122,7 @@ class _Stop(BaseException):
     """An interruption."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("both", fuzz.share([True, False], 2))
 def test_a_sync_that_is_stopped_anywhere_continues(synced: Synced, monkeypatch: pytest.MonkeyPatch, both: bool) -> None:
     """Before and after each request and each write of the record."""

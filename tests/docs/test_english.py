@@ -7,6 +7,7 @@ import pytest
 from tests.docs.english import BUDGETS, check_areas, check_text
 
 
+@pytest.mark.slow
 def test_no_area_breaks_the_rules_more_often_than_its_budget_allows() -> None:
     for area, faults in check_areas().items():
         assert len(faults) <= BUDGETS[area], [(fault.place, fault.words) for fault in faults[:20]]

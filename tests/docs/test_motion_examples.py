@@ -145,6 +145,7 @@ def test_there_are_twenty_five() -> None:
     assert len(EXAMPLES) == len(TWINS) == 25
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", range(25), ids=[words for words, _ in EXAMPLES])
 def test_questions(place: int, library: tuple[Queries, list[Document]]) -> None:
     engine, documents = library

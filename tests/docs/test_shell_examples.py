@@ -82,6 +82,7 @@ def test_every_example_is_one_that_runs() -> None:
                 assert language == "sh", (page.name, text)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not (shutil.which("curl") and shutil.which("jq")), reason="curl or jq is not installed")
 @pytest.mark.parametrize(
     "page",

@@ -31,6 +31,7 @@ def test_migrations_know_nothing_of_the_program(path: Path) -> None:
     assert "environ" not in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("versions", [VERSIONS[::9], pytest.param(VERSIONS, marks=pytest.mark.fuzz)], ids=len)
 def test_every_table_takes_a_column(
     kind: str, tmp_path: Path, request: pytest.FixtureRequest, versions: list[str]
@@ -74,6 +75,7 @@ def _seal(database: Database) -> None:
                 connection.execute(update(table).where(*held).values(checksum=total))
 
 
+@pytest.mark.slow
 def test_a_store_of_today_takes_a_column(database: Database, database_url: str, tmp_path: Path) -> None:
     store(database, {"walk.bvh": bvh(300), "run.bvh": bvh(20)}, project="gait")
     database.close()

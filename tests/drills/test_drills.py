@@ -167,6 +167,7 @@ def try_drills(folder: Path, rows: Mapping[str, Drill]) -> None:
     copy.run("-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/docs/test_docs.py", "-k", "not links")
 
 
+@pytest.mark.slow
 def test_all_patches_work(tmp_path: Path) -> None:
     copy = patch_copy(tmp_path, DRILLS)
     (migration,) = filter(None, (drill.migration for drill in DRILLS.values()))

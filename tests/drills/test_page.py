@@ -59,6 +59,7 @@ def run_node(copy: PatchedCopy, *command: str) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("among_others", [False, pytest.param(True, marks=pytest.mark.fuzz)])
 def test_a_page_of_the_studio(copy: PatchedCopy, among_others: bool) -> None:
     """In `make fuzz` with its types, and beside the tests of all other pages."""

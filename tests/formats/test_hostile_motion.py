@@ -44,6 +44,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(20)
 @pytest.mark.parametrize("title", REFUSED)
 def test_refused_in_time_and_memory(title: str) -> None:

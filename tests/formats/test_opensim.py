@@ -134,6 +134,7 @@ def test_what_takes_the_up_axis_is_left_out_where_it_is_not_stated() -> None:
         np.testing.assert_array_equal(values[:, labels.index(label)], others[:, more.index(label)])
 
 
+@pytest.mark.slow
 def test_a_clip_that_comes_in_blocks_has_the_same_angles() -> None:
     parts, whole = (stating(clip, **UP) for clip in (CLIPS["many frames"](), clip_of(person(5, 1500))))
     for one, other in zip(table(parts), table(whole), strict=True):

@@ -53,6 +53,7 @@ def read_forces(text: str) -> dict[str, Array]:
     return dict(zip(lines[0].split("\t"), rows.T, strict=True))
 
 
+@pytest.mark.slow
 @given(GAITS, st.sampled_from([1, 91]))
 @fuzz.examples(6)
 def test_forces_are_those_of_the_ground_in_the_axes_of_opensim(

@@ -126,6 +126,7 @@ MEASURED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not may_mount(), reason="no file system may be mounted here")
 @pytest.mark.parametrize("reserve", ["reserve", pytest.param("none", marks=pytest.mark.fuzz)])
 def test_deleting_and_purging_work_where_no_byte_is_left(tmp_path: Path, reserve: str) -> None:

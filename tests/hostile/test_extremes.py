@@ -48,6 +48,7 @@ def test_exports_are_finite_or_refused(database: Database, case: str) -> None:
         assert name == "c3d" or not NO_NUMBER.search(content), name
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 @one_kind
 def test_edits_that_lead_beyond_are_refused(client: TestClient) -> None:
@@ -76,6 +77,7 @@ def test_edits_that_lead_beyond_are_refused(client: TestClient) -> None:
     assert any("resample" in body for body in refused["both ends"])
 
 
+@pytest.mark.slow
 def test_nothing_is_printed(tmp_path: Path) -> None:
     env = os.environ | {"MCML_DATABASE": f"sqlite:///{tmp_path / 'store.db'}", "MCML_IMPORT_PROCESSES": "1"}
     names = []

@@ -159,6 +159,7 @@ def flips(sound: tuple[Path, dict[str, Any]], seeds: range, folder: Path) -> Cou
     return Counter(found.values())
 
 
+@pytest.mark.slow
 def test_no_flipped_bit_is_silent(sound: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:
     found = flips(sound, range(20), tmp_path)
     # Most flips matter: the check of the store tells them, or an error when they are read.
@@ -239,6 +240,7 @@ def changes(team: tuple[Database, dict[str, Any]], seeds: range) -> Counter[str]
     return Counter(verdict for verdict, _ in found.values())
 
 
+@pytest.mark.slow
 def test_no_changed_value_is_silent(team: tuple[Database, dict[str, Any]]) -> None:
     assert changes(team, range(60))["checked"] > 20
 

@@ -120,6 +120,7 @@ def _answers(client: httpx.Client) -> bool:
     return False
 
 
+@pytest.mark.slow
 @one_kind
 def test_no_question_stops_the_server(database_url: str, database: Database, tmp_path: Path) -> None:
     store(database, {f"{name}.bvh": bvh(200) for name in "abc"})
@@ -136,6 +137,7 @@ def test_no_question_stops_the_server(database_url: str, database: Database, tmp
         assert resident.most < MOST_RESIDENT
 
 
+@pytest.mark.slow
 @one_kind
 def test_who_leaves_or_is_ended_gives_the_place_back(database_url: str, database: Database, tmp_path: Path) -> None:
     """Also who has it taken by the owner, who sees what runs."""
@@ -155,6 +157,7 @@ def test_who_leaves_or_is_ended_gives_the_place_back(database_url: str, database
         assert client.delete(f"/running-queries/{running['id']}").status_code == 404
 
 
+@pytest.mark.slow
 @one_kind
 @pytest.mark.parametrize(
     "name", fuzz.share(["doubled nodes", "pattern", "doubled text", "range of ranges", "deep predicates"], 5)
@@ -194,6 +197,7 @@ def test_expressions_that_chance_makes_to_hurt(
         assert resident.most < MOST_RESIDENT
 
 
+@pytest.mark.slow
 @one_kind
 def test_what_evaluates_ends_with_a_server_that_is_killed(
     database_url: str, database: Database, tmp_path: Path

@@ -113,6 +113,7 @@ class Endless(RawIOBase):
         return next(self._parts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("head", "rest"),
     [

@@ -191,6 +191,7 @@ def campaign(database: Database, analyses: dict[str, Any]) -> Iterator[Campaign]
     assert database.check(past=True) == []
 
 
+@pytest.mark.slow
 def test_a_few_requests_of_each_operation(database: Database, kind: str) -> None:
     """Each is asked of one kind of database; `make fuzz` asks all of both."""
     with campaign(database, {"reach": {"components": 2}}) as asked:
@@ -199,6 +200,7 @@ def test_a_few_requests_of_each_operation(database: Database, kind: str) -> None
     assert good > asked.statuses.total() / 5, asked.statuses
 
 
+@pytest.mark.slow
 @pytest.mark.above_store
 def test_a_few_requests_that_follow_each_other(database: Database) -> None:
     with campaign(database, {"reach": {"components": 2}}) as asked:

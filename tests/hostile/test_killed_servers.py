@@ -204,6 +204,7 @@ def campaign(database: Database, url: str, folder: Path, seed: int, kills: int) 
     return scene.told
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "kills"), [("sqlite", 1)], indirect=["kind"])
 def test_killed_under_load(database: Database, database_url: str, tmp_path: Path, kills: int) -> None:
     told = campaign(database, database_url, tmp_path, 1, kills)

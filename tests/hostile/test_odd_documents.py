@@ -71,6 +71,7 @@ def answers(client: TestClient, good: list[str]) -> dict[str, Any]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind_of_odd", third(0))
 def test_good_documents_answer_beside_odd_ones(client: TestClient, database: Database, kind_of_odd: str) -> None:
     good = store(database, {"good.bvh": person(3)}) + store(database, {"better.bvh": person(4)})
@@ -102,6 +103,7 @@ def test_a_frame_time_that_cannot_be_stops_no_comparison(
     _check_same(before, answers(client, good))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind_of_odd", third(1))
 def test_nothing_fails_at_an_odd_document(client: TestClient, database: Database, kind_of_odd: str) -> None:
     good = store(database, {"good.bvh": person(3)})[0]

@@ -52,6 +52,7 @@ def test_two_jobs_run_at_once(database: Database, monkeypatch: pytest.MonkeyPatc
         assert [value_of(client, job)["value"] for job in jobs] == [2, 2]
 
 
+@pytest.mark.slow
 def test_a_job_that_needs_too_much_memory_fails_in_words(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     with server(database, job_memory_mib=256) as client:
         instead(monkeypatch, partial(works.greedy, 4096))
@@ -63,6 +64,7 @@ def test_a_job_that_needs_too_much_memory_fails_in_words(database: Database, mon
         assert value_of(client, start(client)) == {"value": 128}
 
 
+@pytest.mark.slow
 def test_a_job_ends_alone_when_its_process_dies(
     database: Database, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -79,6 +81,7 @@ def test_a_job_ends_alone_when_its_process_dies(
         assert (found["state"], found["stage"]) == ("running", "for ever")
 
 
+@pytest.mark.slow
 def test_workers_have_no_web_and_one_thread(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     """Mathematics in several threads would take the cores of others, and sum in another order."""
     instead(monkeypatch, works.surroundings)
@@ -115,6 +118,7 @@ def asked(database: Database, address: str, process: subprocess.Popen[bytes]) ->
         yield client
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("does_spread", fuzz.share([True, False], 2))
 def test_no_process_is_left_when_a_server_is_killed(
     database: Database, database_url: str, tmp_path: Path, does_spread: bool
@@ -149,6 +153,7 @@ HIDE = "import sys\nsys.modules['dask'] = sys.modules['distributed'] = None\n"
 """Hides the extra `cluster` from a process, and from those that it starts."""
 
 
+@pytest.mark.slow
 def test_jobs_run_without_dask(
     database: Database, database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -178,6 +178,7 @@ def test_selections_by_property_and_xpath(server: TestClient) -> None:
     assert len(server.post(f"{API}/analyses/beats", json=some).json()["inputs"]) == 2
 
 
+@pytest.mark.slow
 def test_a_running_job_is_cancelled(server: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
     instead(monkeypatch, works.endless)
     job = start(server)
@@ -189,6 +190,7 @@ def test_a_running_job_is_cancelled(server: TestClient, monkeypatch: pytest.Monk
     assert server.get(f"{API}/results").json()["items"] == []
 
 
+@pytest.mark.slow
 @one_kind
 def test_a_worker_that_does_not_listen_is_killed(own_server: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mcml_service.jobs.runner, "KILL_SECONDS", 0.5)
@@ -244,6 +246,7 @@ def test_a_job_whose_server_was_killed_is_taken_up(database: Database, monkeypat
     assert (done["state"], done["attempt"], done["owner"]) == ("done", 2, "kim")
 
 
+@pytest.mark.slow
 def test_a_server_that_stops_leaves_its_jobs(
     database: Database, kind: str, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
 ) -> None:

@@ -95,6 +95,7 @@ def token(database: Database) -> str:
         return tx.tokens.add("kim", None)
 
 
+@pytest.mark.slow
 @on_postgresql
 def test_what_one_server_began_the_other_tells_and_takes_up(
     database: Database, database_url: str, token: str, tmp_path: Path

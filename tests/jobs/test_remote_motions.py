@@ -68,6 +68,7 @@ def queued(database: Database, inputs: Inputs, parameters: dict[str, Any]) -> Ta
     return Task((database.url, None), job, "me", "motion-graph", inputs, parameters)
 
 
+@pytest.mark.slow
 @one_kind
 def test_two_make_what_one_makes(database: Database, two: tuple[Executor, Crew]) -> None:
     executor, crew = two
@@ -88,6 +89,7 @@ def test_two_make_what_one_makes(database: Database, two: tuple[Executor, Crew])
     assert wrong == perform(database, "motion-graph", task.inputs, {}, lambda stage, share: None)
 
 
+@pytest.mark.slow
 @one_kind
 @pytest.mark.parametrize(
     ("function", "expected"),
@@ -110,6 +112,7 @@ def test_pieces_are_done_by_several_and_again_when_one_dies(
     assert found == expected
 
 
+@pytest.mark.slow
 @one_kind
 def test_a_piece_that_kills_two_workers_is_given_up(
     database: Database, two: tuple[Executor, Crew], tmp_path: Path
@@ -120,6 +123,7 @@ def test_a_piece_that_kills_two_workers_is_given_up(
         executor.submit(work, queued(database, [], {}), crew).result()
 
 
+@pytest.mark.slow
 def test_a_short_job_needs_no_help(tmp_path: Path) -> None:
     with HostWorkers(2, 2 << 30) as workers:
         task = Task(("sqlite://", None), "", "me", "motion-graph", [], {})
@@ -127,6 +131,7 @@ def test_a_short_job_needs_no_help(tmp_path: Path) -> None:
         assert process
 
 
+@pytest.mark.slow
 def test_jobs_share_the_places(tmp_path: Path) -> None:
     """One alone has all of them, two have half each."""
     with HostWorkers(4, 2 << 30) as workers:

@@ -90,6 +90,7 @@ def team(tmp_path: Path) -> Iterator[Settings]:
         yield Settings(dask_scheduler=address, dask_tls_ca=ca, dask_tls_cert=cert, dask_tls_key=key, job_workers=2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["postgresql"], indirect=True)
 def test_a_team_does_jobs_over_tls_and_loses_none_with_a_worker(
     database: Database, team: Settings, monkeypatch: pytest.MonkeyPatch, tmp_path: Path

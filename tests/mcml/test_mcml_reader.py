@@ -176,6 +176,7 @@ def test_values_are_the_same_doubles_in_many_blocks() -> None:
     assert CHANNELS[many[0].columns[0][1]] == "Tx"
 
 
+@pytest.mark.slow
 def test_frames_that_repeat_one_are_read_as_the_parser_reads_them(monkeypatch: pytest.MonkeyPatch) -> None:
     random = Random(4)
     whole = [small_document(40, pretty) for pretty in (True, False)]

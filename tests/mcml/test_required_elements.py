@@ -129,6 +129,7 @@ def test_whole_documents_are_valid_by_every_judge(document: bytes) -> None:
     assert accepted_by_reader(document)
 
 
+@pytest.mark.slow
 def test_changes_of_required_elements_are_refused() -> None:
     counts, kept = refusal([*hand_written(), *captures(), *generated(3)])
     assert counts["all"] >= 300

@@ -216,6 +216,7 @@ def slow_mean(rotations: list[Rotation], weights: Array) -> Rotation:
     return mean
 
 
+@pytest.mark.slow
 @fuzz.examples(20)
 @given(seed=st.integers(0, 10_000), deviation=st.floats(0.4, 3))
 def test_smoothing_is_the_weighted_mean(seed: int, deviation: float) -> None:

@@ -228,6 +228,7 @@ def test_too_many_trials_and_unknown_ones_are_refused(client: TestClient) -> Non
     assert client.get("/api/v1/gait", params={"document": [uuid, "nothing"]}).status_code == 404
 
 
+@pytest.mark.slow
 def test_a_report_has_every_stride_as_numbers_and_pages_to_print(
     database: Database, client: TestClient, tmp_path: Path
 ) -> None:

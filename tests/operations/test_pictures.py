@@ -56,6 +56,7 @@ def keep(database: Database, name: str, parts: Mapping[str, Part], analysis: str
     return uuid
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["reach", "beats", "motion-graph", "dance", "expression"])
 @one_kind
 def test_every_analysis_draws_its_results(client: TestClient, database: Database, name: str) -> None:

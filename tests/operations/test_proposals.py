@@ -111,6 +111,7 @@ ELEMENTS = st.sampled_from(
 CHANGES = st.one_of(VALUES, ELEMENTS).map(lambda changes: {"changes": changes})
 
 
+@pytest.mark.slow
 @one_kind
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(request=st.one_of(EDITS, CHANGES), applied=st.booleans())
@@ -167,6 +168,7 @@ def test_a_preview_tells_which_frames_are_kept(
     assert [(run["before"], run["after"], run["count"]) for run in answer.json()["kept"]] == kept
 
 
+@pytest.mark.slow
 @one_kind
 def test_who_may_do_what(people: dict[str, TestClient], uuid: str) -> None:
     """Said a second time: all propose, preview and list; editors approve and apply; authors and editors close."""

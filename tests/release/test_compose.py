@@ -182,6 +182,7 @@ def test_the_proxy_of_the_machine_is_trusted_and_nobody_else() -> None:
     assert found["networks"]["inside"]["internal"] is True
 
 
+@pytest.mark.slow
 def test_the_backup_job_keeps_a_copy_a_day(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its command, with a day that ends at once and a store of this machine."""
     shell, option, script = yaml.safe_load(COMPOSE)["services"]["backup"]["command"]

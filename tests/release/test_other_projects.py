@@ -76,10 +76,12 @@ def environment_of(project: Path) -> dict[str, str]:
     return os.environ | named | {"XDG_DATA_HOME": str(project / "data"), "XDG_CACHE_HOME": str(project / "cache")}
 
 
+@pytest.mark.slow
 def test_a_script_reads_files_and_opens_a_store(run: Callable[..., str]) -> None:
     assert run("python", "script.py") == "walk 1 2 3 3\n"
 
 
+@pytest.mark.slow
 def test_commands_and_jobs_in_processes_run(run: Callable[..., str]) -> None:
     run("mcml", "demo")
     run("mcml", "analyse", "dance", "beats", "--project", "demo-dance")
@@ -92,6 +94,7 @@ def test_a_file_is_imported_and_asked_by_commands(run: Callable[..., str]) -> No
     assert run("mcml", "xpath", "count(//frame)").strip() == "3"
 
 
+@pytest.mark.slow
 def test_a_server_is_asked(run: Callable[..., str], installed: Path, project: Path) -> None:
     run("mcml", "import", "walk.bvh")
     with served(installed, project) as address:
@@ -130,6 +133,7 @@ def _answers(address: str) -> bool:
         return False
 
 
+@pytest.mark.slow
 def test_mypy_sees_types_of_every_call(installed: Path, project: Path) -> None:
     for name in TAKEN:
         (project / name / "__init__.py").write_text("")

@@ -12,6 +12,8 @@ import tarfile
 import zipfile
 from pathlib import Path
 
+import pytest
+
 from tests.builders import bvh
 from tests.release.conftest import ROOT, build
 
@@ -44,6 +46,7 @@ def test_a_wheel_holds_all_of_the_house_and_nothing_else(built: dict[str, Path])
     assert {name for name in folders if not name.endswith(".dist-info")} == set(PACKAGES.values())
 
 
+@pytest.mark.slow
 def test_an_sdist_makes_the_same_wheel_without_git(built: dict[str, Path], tmp_path: Path) -> None:
     with tarfile.open(built[".gz"]) as archive:
         archive.extractall(tmp_path, filter="data")
@@ -54,6 +57,7 @@ def test_an_sdist_makes_the_same_wheel_without_git(built: dict[str, Path], tmp_p
     assert names(again[".whl"]) == names(built[".whl"])
 
 
+@pytest.mark.slow
 def test_an_installed_wheel_works(built: dict[str, Path], installed: Path, tmp_path: Path) -> None:
     (tmp_path / "walk.bvh").write_bytes(bvh())
     environment = os.environ | {"MCML_DATABASE": f"sqlite:///{tmp_path / 'store.db'}"}

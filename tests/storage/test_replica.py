@@ -102,6 +102,7 @@ def test_what_is_missing_is_seen_to_be_missing(data: st.DataObject) -> None:
         assert first < end
 
 
+@pytest.mark.slow
 def test_own_writes_are_seen_whoever_is_asked(
     clients: list[TestClient], stores: list[Database], primary: str, replica: postgres.Replica
 ) -> None:

@@ -23,6 +23,7 @@ def join(page: Any, name: str) -> None:
     page.wait_for_url(lambda url: "/login" not in url)
 
 
+@pytest.mark.slow
 @closed
 def test_an_owner_invites_somebody_who_may_do_less(visit: Visit, studio: Served) -> None:
     with studio.database.write() as tx:
@@ -60,6 +61,7 @@ def test_an_owner_invites_somebody_who_may_do_less(visit: Visit, studio: Served)
         assert second.request.get(f"{studio.url}/api/v1/account").status == 401
 
 
+@pytest.mark.slow
 @closed
 def test_a_project_gets_a_member_and_a_clip_a_link(visit: Visit, studio: Served) -> None:
     """An owner lets somebody into one project, who sees nothing else; and gives away a link that plays one clip."""
@@ -118,6 +120,7 @@ def test_a_project_gets_a_member_and_a_clip_a_link(visit: Visit, studio: Served)
         expect(guest.get_by_text("This link has expired or was revoked.")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_the_first_step_on_a_fresh_server_is_an_own_account(visit_of: Any, open_studio: Served) -> None:
     """Nothing that closes the store is offered before, and whoever makes the account stays in."""
     open_studio.upload("walk.bvh", bvh(5), project="gait")

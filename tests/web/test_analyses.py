@@ -49,6 +49,7 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(catalogue.SUBJECTS, "steps", {"strides": TOY})  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_an_analysis_that_is_added_has_a_form_and_results(
     toy: None, visit_of: Any, sqlite_template: Path, tmp_path: Path
 ) -> None:
@@ -81,6 +82,7 @@ def test_an_analysis_that_is_added_has_a_form_and_results(
         expect(page.get_by_text("Count the strides")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_an_analysis_runs_and_its_result_is_seen(open_studio: Served, visit_of: Any) -> None:
     clips = [dance_clip("groove", bars=6, seed=seed, name=f"groove {seed}").clip for seed in (1, 2, 3)]
     add_clips(open_studio.database, Settings(), "dances", clips, (), "")

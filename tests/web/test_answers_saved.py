@@ -21,6 +21,7 @@ def saved(page: Any, item: Any) -> str:
     return str(download.value.suggested_filename)
 
 
+@pytest.mark.slow
 @one_door
 def test_answers_and_clips_are_saved_under_names_of_their_own(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk(30), label="kick:1-10", unit="cm")
@@ -76,6 +77,7 @@ def test_what_needs_a_frame_rate_is_not_offered_until_it_is_given(visit: Visit, 
     expect(bvh).to_have_attribute("href", re.compile("format=bvh"))
 
 
+@pytest.mark.slow
 @one_door
 def test_a_value_is_asked_for_once(visit: Visit, studio: Served) -> None:
     """Without a refusal on the way: a visit fails at any that it does not want."""

@@ -15,6 +15,7 @@ from tests.web.conftest import Served, walk
 expect: Any = pytest.importorskip("playwright.sync_api").expect
 
 
+@pytest.mark.slow
 def test_a_question_is_built_by_keys_alone_and_folds_when_it_is_written_by_hand(
     open_studio: Served, visit_of: Any
 ) -> None:
@@ -56,6 +57,7 @@ def upload_walks(studio: Served, count: int) -> None:
         studio.upload(f"walk_{number}.bvh", b"".join(FORMATS["bvh"].write(clip, "bvh")))
 
 
+@pytest.mark.slow
 def test_a_question_about_bodies_is_asked_without_xpath(open_studio: Served, visit_of: Any) -> None:
     upload_walks(open_studio, 3)
     page = visit_of(open_studio).open("/xpath")
@@ -100,6 +102,7 @@ def test_a_question_about_bodies_is_asked_without_xpath(open_studio: Served, vis
     expect(first.get_by_label("Comparison").locator("option:checked")).to_have_text("is not")
 
 
+@pytest.mark.slow
 def test_a_joint_is_picked_on_a_body(open_studio: Served, visit_of: Any) -> None:
     upload_walks(open_studio, 1)
     page = visit_of(open_studio).open("/xpath")

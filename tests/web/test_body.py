@@ -23,6 +23,7 @@ def numbers(studio: Served, uuid: str, quantity: str) -> np.ndarray:
         return np.frombuffer(answer.content[-8 * studio.get(f"/documents/{uuid}")["frames"] :])
 
 
+@pytest.mark.slow
 def test_a_threshold_on_a_curve_writes_the_question(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk(60))
     page = visit.open(f"/clips/{uuid}?f=5&sel=left_foot&tab=body")

@@ -34,6 +34,7 @@ def clips(studio: Served, name: str) -> list[dict[str, Any]]:
     return [item for item in items if item["name"] == name]
 
 
+@pytest.mark.slow
 def test_a_loop_is_seen_and_saved_as_its_own_clip(visit: Visit, studio: Served, steps: str) -> None:
     page = visit.open(f"/clips/{steps}")
     ready(page)
@@ -52,6 +53,7 @@ def test_a_loop_is_seen_and_saved_as_its_own_clip(visit: Visit, studio: Served, 
     assert studio.get(f"/documents/{steps}")["revision"] == 1, "the clip itself stays"
 
 
+@pytest.mark.slow
 def test_frames_are_played_faster_by_a_curve(visit: Visit, studio: Served, steps: str) -> None:
     page = visit.open(f"/clips/{steps}")
     ready(page)

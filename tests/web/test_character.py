@@ -24,6 +24,7 @@ from tests.web.test_units import vitest
 expect: Any = pytest.importorskip("playwright.sync_api").expect
 
 
+@pytest.mark.slow
 def test_the_studio_moves_figures_as_python_does(tmp_path: Path) -> None:
     cases = []
     for seed, convention in enumerate((Convention.LISTED, Convention.FIXED, Convention.BASE)):
@@ -57,6 +58,7 @@ def count_figure_pixels(page: Any) -> int:
     return int((np.abs(pixels - ground).sum(axis=2) > 90).sum())
 
 
+@pytest.mark.slow
 @one_door
 def test_a_body_is_drawn_instead_of_bones_and_stays_chosen(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("dance.bvh", person(2, 60), unit="cm")
@@ -91,6 +93,7 @@ def wait_until_larger(page: Any, least: int) -> int:
     raise AssertionError(f"{found} pixels are drawn, expected more than {least}")
 
 
+@pytest.mark.slow
 @one_door
 def test_a_clip_without_the_joints_of_a_person_says_so(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("leg.bvh", walk(40), unit="cm")

@@ -38,6 +38,7 @@ MIDDLE_OF = """token => {
 """Where on the page the pixels of a colour are, over the viewer."""
 
 
+@pytest.mark.slow
 def test_a_bone_is_pulled_in_the_viewer_and_typed_in_the_structure(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk())
     page = visit.open(f"/clips/{uuid}?f=5&sel=left_low_leg&tab=structure")
@@ -169,6 +170,7 @@ def test_elements_are_added_and_deleted_in_the_tree(visit: Visit, studio: Served
     assert studio.get(f"/documents/{uuid}")["properties"] == [{"name": "shoe", "value": "left & right", "unit": ""}]
 
 
+@pytest.mark.slow
 def test_frames_are_taken_out_held_and_taken_back(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk(60))
     page = visit.open(f"/clips/{uuid}?f=5&in=11&out=20&sel=left_up_leg&tab=graph")
@@ -287,6 +289,7 @@ def test_forces_are_arrows_in_step_with_the_frames(visit: Visit, studio: Served)
     expect(forces).to_have_count(0)
 
 
+@pytest.mark.slow
 def test_spikes_are_previewed_removed_and_taken_back(visit: Visit, studio: Served) -> None:
     lines = walk(60).decode().splitlines(keepends=True)
     first = next(place for place, one in enumerate(lines) if one.startswith("Frame Time")) + 1

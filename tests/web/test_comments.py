@@ -14,6 +14,7 @@ expect: Any = pytest.importorskip("playwright.sync_api").expect
 pytestmark = one_door
 
 
+@pytest.mark.slow
 def test_a_comment_leads_to_its_frame_and_joint(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("slide.bvh", walk())
     page = visit.open(f"/clips/{uuid}?f=5&sel=left_low_leg&tab=comments")
@@ -39,6 +40,7 @@ def test_a_comment_leads_to_its_frame_and_joint(visit: Visit, studio: Served) ->
     expect(page.get_by_text("and here")).to_have_count(0)
 
 
+@pytest.mark.slow
 def test_tabs_that_do_not_fit_are_in_a_menu(visit: Visit, studio: Served) -> None:
     page = visit.open(f"/clips/{studio.upload('slide.bvh', walk())}")
     ready(page)

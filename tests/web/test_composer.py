@@ -46,6 +46,7 @@ def fill(field: Any, text: str) -> None:
     field.press("Enter")
 
 
+@pytest.mark.slow
 def test_a_piece_has_its_speed_and_is_mirrored_and_a_reload_keeps_it(board: Any) -> None:
     piece = board.get_by_role("group", name="Segment 1")
     asked = segments_asked(board, lambda: fill(piece.get_by_label("Speed"), "2"))
@@ -60,6 +61,7 @@ def test_a_piece_has_its_speed_and_is_mirrored_and_a_reload_keeps_it(board: Any)
     expect(board.get_by_role("button", name=re.compile(r"Segment 1: one ?1–42 ?× 2 ?mirrored"))).to_be_visible()
 
 
+@pytest.mark.slow
 def test_a_seam_has_its_own_transition_and_undo_takes_each_step_back(board: Any) -> None:
     seam = board.get_by_role("button", name=re.compile("^Seam 1 to 2"))
     seam.click()
@@ -90,6 +92,7 @@ def test_walks_meet_in_phase_if_asked(open_studio: Any, visit_of: Any) -> None:
     expect(page.get_by_role("button", name="Match phase")).to_have_attribute("aria-pressed", "true")
 
 
+@pytest.mark.slow
 def test_edges_snap_to_names(board: Any) -> None:
     piece = board.get_by_role("button", name=re.compile("^Segment 2: two"))
     box = piece.bounding_box()
@@ -110,6 +113,7 @@ def test_edges_snap_to_names(board: Any) -> None:
     expect(board.get_by_role("button", name=re.compile("^Segment 1: one ?1–42"))).to_be_visible()
 
 
+@pytest.mark.slow
 def test_a_layer_moves_chosen_joints(board: Any) -> None:
     segments_asked(board, lambda: board.get_by_role("button", name="Add as a layer two").click())
     form = board.get_by_role("group", name="Layer", exact=True)
@@ -135,6 +139,7 @@ def test_runs_of_a_question_become_pieces(board: Any) -> None:
     board.wait_for_url(lambda url: parse_qs(urlsplit(url).query)["s"][0].count(",") == 3)
 
 
+@pytest.mark.slow
 def test_clips_are_dragged_onto_the_storyboard(board: Any) -> None:
     bin_row = board.locator(".bin-list li").filter(has_text="two")
     bin_row.drag_to(board.get_by_role("button", name=re.compile("^Segment 1: one")), target_position={"x": 5, "y": 20})

@@ -77,6 +77,7 @@ def test_a_bench_is_opened_from_a_project(open_studio: Served, visit_of: Any, da
     expect(page.get_by_role("button", name="Open clips")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_beats_are_corrected_and_bars_follow(open_studio: Served, bench: Any) -> None:
     lane = bench.get_by_role("listbox", name="Beats of groove 1")
     expect(bars_of(bench, "groove 1")).to_have_attribute("data-bars", "8")
@@ -196,6 +197,7 @@ def test_a_tempo_that_was_chosen_can_be_changed_and_taken_back(bench: Any) -> No
     expect(tempi).to_have_text(offered)
 
 
+@pytest.mark.slow
 def test_the_graph_is_drawn_tried_and_its_edges_play(open_studio: Served, bench: Any) -> None:
     bench.get_by_role("button", name="Build motion graph").click()
     bench.wait_for_selector(".bench-canvas[data-laid]")
@@ -277,6 +279,7 @@ def drift(page: Any, seconds: float) -> None:
     print(f"{seconds} s: {np.quantile(np.abs(apart), 0.98):.2f} frames apart, smoothing {np.abs(behind).max():.3f}")
 
 
+@pytest.mark.slow
 def test_a_dance_plays_in_step_with_its_clicks(bench: Any) -> None:
     """Ten seconds; three minutes in `make fuzz`."""
     make(bench, Bars="6", Tempo="120")
@@ -330,6 +333,7 @@ def song(bpm: float, seconds: float) -> bytes:
     return file.getvalue()
 
 
+@pytest.mark.slow
 def test_music_is_danced_to_and_kept_with_the_dance(open_studio: Served, bench: Any) -> None:
     pytest.importorskip("librosa", reason="the extra audio is not installed")
     bench.get_by_label("Music", exact=True).set_input_files(
@@ -374,6 +378,7 @@ def test_a_real_dance_is_danced_anew(open_studio: Served, visit_of: Any, shared:
     drift(page, 3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["dark", pytest.param("light", marks=pytest.mark.fuzz)])
 def test_no_serious_fault_of_accessibility(bench: Any, scheme: str) -> None:
     bench.emulate_media(color_scheme=scheme, reduced_motion="reduce")

@@ -17,6 +17,7 @@ expect: Any = pytest.importorskip("playwright.sync_api").expect
 pytestmark = pytest.mark.usefixtures("lent_workers")
 
 
+@pytest.mark.slow
 def test_clips_without_beats_are_left_out_by_name(open_studio: Served, visit_of: Any) -> None:
     """One too short, one with too few frames a second, one without a frame rate: none blocks the bench, each is named
     with the reason."""

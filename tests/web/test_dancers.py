@@ -17,6 +17,7 @@ __all__ = ["bench", "dances"]
 pytestmark = pytest.mark.usefixtures("lent_workers")
 
 
+@pytest.mark.slow
 def test_three_dancers_in_canon_are_made_and_seen(open_studio: Served, bench: Any) -> None:
     expect(bench.get_by_label("Spacing (m)")).to_have_count(0)
     for label, value in (("Bars", "8"), ("Dancers", "3")):

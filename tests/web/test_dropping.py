@@ -50,6 +50,7 @@ def drop(page: Any, files: dict[str, bytes]) -> None:
     )
 
 
+@pytest.mark.slow
 @one_door
 def test_each_dropped_file_has_a_row_with_what_became_of_it(visit: Visit, studio: Served) -> None:
     visit.wanted = {415, 422}

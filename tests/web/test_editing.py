@@ -15,6 +15,7 @@ from tests.web.test_journeys import ready
 expect: Any = pytest.importorskip("playwright.sync_api").expect
 
 
+@pytest.mark.slow
 @open_door
 def test_a_value_is_changed_in_the_tree_seen_and_taken_back(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk())
@@ -101,6 +102,7 @@ def test_text_is_checked_where_it_is_wrong_and_saved_where_it_is_right(visit: Vi
     assert len(found["items"]) == 1
 
 
+@pytest.mark.slow
 @one_door
 def test_two_windows_meet_and_merge(visit: Visit, visit_of: Any, studio: Served) -> None:
     visit.wanted = {409, 412}
@@ -161,6 +163,7 @@ def test_a_draft_of_yesterday_meets_what_others_did(visit: Visit, studio: Served
     assert [item["value"] for item in studio.get("/xpath", q=value, document=uuid)["items"]] == ["11.5"]
 
 
+@pytest.mark.slow
 @one_door
 def test_the_motion_follows_its_sound(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk(600))

@@ -52,6 +52,7 @@ def walk_over_five(page: Any) -> None:
         expect(page.locator(".faces-path .faces-keys button")).to_have_count(on_it + 1)
 
 
+@pytest.mark.slow
 def test_a_walk_over_five_faces_is_refined_played_and_exported(
     open_studio: Served, visit_of: Any, small: list[Motion]
 ) -> None:
@@ -158,6 +159,7 @@ def test_the_finest_level_has_all_frames(open_studio: Served, visit_of: Any, sma
     assert page.locator(".faces-path .faces-keys button").count() > 3
 
 
+@pytest.mark.slow
 def test_a_mesh_of_ones_own_follows_the_markers(
     open_studio: Served, visit_of: Any, small: list[Motion], tmp_path: Path
 ) -> None:

@@ -99,6 +99,7 @@ def test_any_column_orders_the_library(page: Any) -> None:
     expect(page.get_by_role("row").locator("strong")).to_have_text(by_name[::-1])
 
 
+@pytest.mark.slow
 def test_a_range_and_all_are_selected_with_clips_that_were_never_in_sight(open_studio: Served, visit_of: Any) -> None:
     for number in range(130):
         open_studio.upload(f"clip_{number:03d}.bvh", walk(3, seed=number))

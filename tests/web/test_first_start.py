@@ -19,6 +19,7 @@ def demo_studio(demo_library: Path, tmp_path: Path, request: pytest.FixtureReque
     yield from serve(demo_library, tmp_path, closed=request.param == "session")
 
 
+@pytest.mark.slow
 def test_the_first_start(demo_studio: Served, visit_of: Any) -> None:
     page = visit_of(demo_studio).open("/")
     welcome = page.get_by_role("region", name="Your motion library")

@@ -20,6 +20,7 @@ def at(page: Any, what: str) -> bool:
     return bool(page.evaluate("what => document.activeElement.matches(what)", what))
 
 
+@pytest.mark.slow
 def test_the_first_card_is_a_few_stops_away(visit: Visit, studio: Served) -> None:
     for n in range(12):
         studio.upload(f"walk_{n}.bvh", walk(30 + 20 * n), project=f"study {n}")
@@ -59,6 +60,7 @@ def test_a_filter_is_one_stop_with_arrows_inside(visit: Visit, studio: Served) -
     expect(group.get_by_role("button", pressed=True)).to_be_focused()
 
 
+@pytest.mark.slow
 def test_nothing_sits_on_the_body_after_opening(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk(60))
     page = visit.open("/library")

@@ -36,6 +36,7 @@ def ready(page: Any) -> None:
     page.wait_for_function("() => performance.getEntriesByName('first-frame').length > 0")
 
 
+@pytest.mark.slow
 def test_dropped_files_are_stored_and_seen(visit: Visit, studio: Served, tmp_path: Path) -> None:
     file = tmp_path / "stride.bvh"
     file.write_bytes(walk())
@@ -185,6 +186,7 @@ def test_two_clips_are_composed(visit: Visit, studio: Served) -> None:
     assert both["frames"] > 20 + 40 - 1
 
 
+@pytest.mark.slow
 @one_door
 def test_a_motion_is_put_on_another_body(visit: Visit, studio: Served) -> None:
     one, body = studio.upload("one.bvh", walk(40)), studio.upload("body.bvh", walk(1, seed=3))
@@ -270,6 +272,7 @@ def test_markers_are_offered_as_what_holds_markers(visit: Visit, studio: Served)
             assert client.get(address.removeprefix("/api/v1")).status_code == 200, address
 
 
+@pytest.mark.slow
 @one_door
 def test_a_question_is_saved_and_its_answer_becomes_a_clip(visit: Visit, studio: Served) -> None:
     studio.upload("kick.bvh", walk(), label="kick:10-25")

@@ -51,6 +51,7 @@ def save(page: Any, name: str) -> None:
     page.wait_for_url(re.compile(r"/clips/"))
 
 
+@pytest.mark.slow
 def test_keys_lead_a_body_and_what_it_did_is_a_clip(open_studio: Served, walking: Any) -> None:
     page = walking
     page.get_by_text("1 clip left out").click()
@@ -73,6 +74,7 @@ def test_keys_lead_a_body_and_what_it_did_is_a_clip(open_studio: Served, walking
     assert np.linalg.norm(np.diff(places, axis=0), axis=1).sum() == pytest.approx(1.27 * lasted, rel=0.25)
 
 
+@pytest.mark.slow
 def test_a_shape_and_a_drawn_path_are_followed(walking: Any) -> None:
     page = walking
     page.get_by_role("button", name="Circle").click()

@@ -30,6 +30,7 @@ def walkers(folder: Path) -> list[Path]:
     return files
 
 
+@pytest.mark.slow
 def test_files_become_a_gait_table_in_few_clicks(open_studio: Served, visit_of: Any, tmp_path: Path) -> None:
     clicks: list[str] = []
 
@@ -79,6 +80,7 @@ def measured(open_studio: Served, visit_of: Any) -> tuple[Any, str]:
     return page, address
 
 
+@pytest.mark.slow
 def test_rows_and_curves_play_and_the_address_shows_them_again(
     open_studio: Served, measured: tuple[Any, str], visit_of: Any
 ) -> None:

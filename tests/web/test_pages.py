@@ -165,6 +165,7 @@ def serious_faults(page: Any) -> list[tuple[str, list[str]]]:
     return [(rule, nodes) for rule, impact, nodes in faults(page) if impact in ("serious", "critical")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("scheme", "locale", "size"), [("dark", "en", "wide"), ("light", "ko", "narrow")], ids=["dark-en", "light-ko"]
 )

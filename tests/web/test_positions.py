@@ -58,6 +58,7 @@ def compare(served: Served, files: dict[str, dict[str, bytes]]) -> None:
     assert f"{2 * len(documents)} passed" in said
 
 
+@pytest.mark.slow
 def test_generated_motion_is_drawn_where_it_is(open_studio: Served) -> None:
     compare(open_studio, generated(range(6)))
 

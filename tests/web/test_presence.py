@@ -12,6 +12,7 @@ from tests.web.test_journeys import ready
 expect: Any = pytest.importorskip("playwright.sync_api").expect
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("studio", ["session"], indirect=True)
 def test_two_people_see_each_other(visit_of: Any, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk())

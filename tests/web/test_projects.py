@@ -12,6 +12,7 @@ from tests.web.conftest import Served, Visit, one_door, walk
 expect: Any = pytest.importorskip("playwright.sync_api").expect
 
 
+@pytest.mark.slow
 @one_door
 def test_a_project_is_bounded_archived_and_comes_back_as_another(visit: Visit, studio: Served, tmp_path: Path) -> None:
     studio.upload("walk.bvh", walk(), project="gait")

@@ -103,6 +103,7 @@ def made_by(served: Served, model: str, attributes: dict[str, float]) -> Any:
         return np.load(io.BytesIO(answer.content))
 
 
+@pytest.mark.slow
 def test_a_model_is_fitted_slid_and_saved(reaches: Served, visit_of: Any) -> None:
     page = visit_of(reaches).open("/reach")
     expect(page.get_by_role("button", name="Try it with demo clips")).to_be_visible()
@@ -156,6 +157,7 @@ def test_a_model_is_fitted_slid_and_saved(reaches: Served, visit_of: Any) -> Non
     assert Path(download.value.path()).read_text().startswith("HIERARCHY")
 
 
+@pytest.mark.slow
 def test_the_motion_goes_on_in_the_same_phase_beside_the_nearest_example(open_studio: Served, visit_of: Any) -> None:
     reaches = open_studio
     page = visit_of(reaches).open(f"/reach/{keep_model(reaches)}?near=side")
@@ -215,6 +217,7 @@ def test_corrections_go_into_the_next_fit(open_studio: Served, visit_of: Any) ->
     expect(row.get_by_text("set by hand")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_a_table_of_values_is_pasted_and_taken_back(open_studio: Served, visit_of: Any) -> None:
     reaches = open_studio
     page = visit_of(reaches).open(f"/reach/{keep_model(reaches)}?tab=examples")
@@ -281,6 +284,7 @@ def test_real_reaches_are_blended_over_their_target(shared: Path, open_studio: S
     assert len(set(heights)) == 3, "each place of the slider has a motion of its own"
 
 
+@pytest.mark.slow
 def test_the_hand_goes_to_a_target_and_misses_are_shown(open_studio: Served, visit_of: Any) -> None:
     reaches = open_studio
     visit = visit_of(reaches)

@@ -19,6 +19,7 @@ def person(name: str, height: float, motion: Any) -> bytes:
     return b"".join(FORMATS["bvh"].write(body.clip(name, height, *motion), "bvh"))
 
 
+@pytest.mark.slow
 def test_options_and_the_frames_of_the_report(open_studio: Served, visit_of: Any) -> None:
     walked = open_studio.upload("walk.bvh", person("walk", 170.0, body.walk(170.0, 1.5, 1.0, 6.0)))
     tall = open_studio.upload("tall.bvh", person("tall", 200.0, body.wave(200.0, 0.2, 1.5)))
@@ -47,6 +48,7 @@ def test_options_and_the_frames_of_the_report(open_studio: Served, visit_of: Any
     assert first <= int(page.get_by_role("slider", name="Frame").get_attribute("aria-valuenow")) <= last
 
 
+@pytest.mark.slow
 def test_a_mapping_gets_its_name_in_a_dialog(open_studio: Served, visit_of: Any) -> None:
     one, two = open_studio.upload("one.bvh", walk(40)), open_studio.upload("two.bvh", walk(1, seed=3))
     page = visit_of(open_studio).open(f"/retarget?from={one}&to={two}")

@@ -31,6 +31,7 @@ def revision(page: Any, studio: Served, document: str) -> int:
     return int(page.request.get(f"{studio.url}/api/v1/documents/{document}").json()["revision"])
 
 
+@pytest.mark.slow
 @closed
 def test_a_lead_invites_and_reviews(visit: Visit, studio: Served) -> None:
     """Invite, propose, approve, apply: at most 12 clicks."""
@@ -78,6 +79,7 @@ def test_a_lead_invites_and_reviews(visit: Visit, studio: Served) -> None:
     assert len(hand.clicks) <= 12, hand.clicks
 
 
+@pytest.mark.slow
 @closed
 def test_a_viewer_proposes_and_comments(visit: Visit, studio: Served, visit_of: Any) -> None:
     """A viewer may only propose; a crop is compared by the frames that survive it; a comment leads to its frame."""

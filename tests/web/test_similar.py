@@ -39,6 +39,7 @@ def found(studio: Served, uuid: str, **asked: Any) -> list[dict[str, Any]]:
         return list(answer.json()["hits"])
 
 
+@pytest.mark.slow
 def test_hits_are_beside_the_viewer_and_stay_from_clip_to_clip(visit: Visit, studio: Served) -> None:
     uuid, other = studio.upload("kick.bvh", person(1, 120)), studio.upload("again.bvh", person(2, 120))
     page = visit.open(f"/clips/{uuid}?f=30&in=10&out=40")
@@ -77,6 +78,7 @@ def test_hits_are_beside_the_viewer_and_stay_from_clip_to_clip(visit: Visit, stu
     page.wait_for_function("() => !location.search.includes('like')")
 
 
+@pytest.mark.slow
 def test_the_cut_and_the_scope_are_in_the_address(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", person(1, 120))
     studio.upload("far.bvh", person(1, 120), project="elsewhere")
@@ -97,6 +99,7 @@ def test_the_cut_and_the_scope_are_in_the_address(visit: Visit, studio: Served) 
     assert faults(page) == []
 
 
+@pytest.mark.slow
 def test_all_hits_are_labelled_at_once_and_taken_back(visit: Visit, studio: Served) -> None:
     uuid, other = studio.upload("kick.bvh", person(1, 120)), studio.upload("twin.bvh", person(1, 120))
     page = visit.open(f"/clips/{uuid}?in=10&out=40")

@@ -24,6 +24,7 @@ def held_at(page: Any, pattern: str) -> Iterator[list[Any]]:
         yield held
 
 
+@pytest.mark.slow
 @one_door
 def test_a_curve_is_gone_when_another_is_asked_for(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk(), unit="cm")

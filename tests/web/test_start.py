@@ -28,6 +28,7 @@ def try_demo(page: Any) -> None:
     page.get_by_role("button", name="Try it with demo clips").click()
 
 
+@pytest.mark.slow
 def test_every_page_of_an_empty_library_says_what_it_makes(open_studio: Served, visit_of: Any) -> None:
     visit = visit_of(open_studio)
     formats = [one["label"] for one in open_studio.get("/formats")["items"] if one["reads"]]
@@ -41,6 +42,7 @@ def test_every_page_of_an_empty_library_says_what_it_makes(open_studio: Served, 
             page.get_by_role("button", name="Import files").click()
 
 
+@pytest.mark.slow
 def test_the_library_shows_cards_and_takes_the_demo_once(open_studio: Served, visit_of: Any) -> None:
     page = visit_of(open_studio).open("/")
     try_demo(page)
@@ -57,6 +59,7 @@ def test_the_library_shows_cards_and_takes_the_demo_once(open_studio: Served, vi
     assert open_studio.get("/documents", limit=1)["total"] == 225
 
 
+@pytest.mark.slow
 def test_pages_show_their_demo_clips(open_studio: Served, visit_of: Any) -> None:
     """Each page loads the part of the demo library that it shows."""
     visit = visit_of(open_studio)
@@ -80,6 +83,7 @@ def test_pages_show_their_demo_clips(open_studio: Served, visit_of: Any) -> None
     assert {"demo", "demo-dance", "demo-walk"} == set(open_studio.get("/projects")["items"])
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("lent_workers")
 @pytest.mark.parametrize(("path", "lack"), [("/faces", "has markers yet"), ("/reach", "has numeric properties yet")])
 def test_pages_say_what_the_clips_of_a_library_lack(open_studio: Served, visit_of: Any, path: str, lack: str) -> None:

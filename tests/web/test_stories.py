@@ -81,6 +81,7 @@ def scene_of(path: Path) -> dict[str, Any]:
     return found
 
 
+@pytest.mark.slow
 def test_an_animator_loops_a_turn_on_a_mannequin(open_studio: Served, visit_of: Any, tmp_path: Path) -> None:
     """Zip, all right turns, one as a loop, on the mannequin, exported at 1.75 m: at most 18 clicks."""
     hand = Hand()
@@ -131,6 +132,7 @@ def test_an_animator_loops_a_turn_on_a_mannequin(open_studio: Served, visit_of: 
     assert len(hand.clicks) <= 18, hand.clicks
 
 
+@pytest.mark.slow
 def test_an_engineer_gets_an_array_of_a_query(open_studio: Served, visit_of: Any, tmp_path: Path) -> None:
     """Files, a query, npz: at most 6 clicks after the files are there."""
     for name, turn in (("ahead", 0.0), ("curve", -50.0)):

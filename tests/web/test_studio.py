@@ -20,6 +20,7 @@ START_UP = 250_000
 """Bytes of script, compressed, before what is loaded later."""
 
 
+@pytest.mark.slow
 def test_the_types_are_those_of_the_api() -> None:
     assert TYPES.read_text(encoding="utf-8") == types(), "run `make docs`"
 

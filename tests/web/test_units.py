@@ -7,6 +7,8 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from service.web.build import WEB, install
 from tests.web import matching_cases
 from tests.web.thumbnail_cases import cases
@@ -25,6 +27,7 @@ def vitest(*files: str, **environment: Any) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 def test_units(tmp_path: Path) -> None:
     """All pass, and reach 80 % of the lines of `state/` and `motion/` (vitest.config.ts)."""
     thumbnails = tmp_path / "thumbnails.json"

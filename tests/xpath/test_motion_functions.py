@@ -162,6 +162,7 @@ def run(database: Database, seed: int, rounds: int, asked: int, chance: type[Cha
     assert filled > len(differences) / 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "seed"), OTHER_SEEDS[1:3], indirect=["kind"])
 def test_answers_are_those_of_loops(database: Database, seed: int) -> None:
     run(database, seed, rounds=1, asked=16)
@@ -197,6 +198,7 @@ def test_attributes_that_frames_of_a_window_lack_are_no_unknown_values(database:
         assert float(engine.answer(QueryRequest(q=unknown)).value or 0) == 0, "their unit is not known"
 
 
+@pytest.mark.slow
 @pytest.mark.above_store
 @pytest.mark.usefixtures("small_groups")
 def test_answers_are_those_of_loops_over_many_groups(database: Database) -> None:

@@ -104,6 +104,7 @@ def by_trees(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return asked
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "seed"), OTHER_SEEDS[1:2], indirect=["kind"])
 def test_answers_by_trees_are_those_of_loops(
     database: Database, seed: int, by_trees: list[str], monkeypatch: pytest.MonkeyPatch
@@ -114,6 +115,7 @@ def test_answers_by_trees_are_those_of_loops(
     assert any("mo-value" in text for text in by_trees)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "seed"), OTHER_SEEDS[4:5], indirect=["kind"])
 def test_answers_that_only_trees_have_are_those_of_loops(database: Database, seed: int, by_trees: list[str]) -> None:
     run(database, seed, rounds=1, asked=4, chance=Cast)

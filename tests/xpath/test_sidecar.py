@@ -269,6 +269,7 @@ def test_two_engines_at_once(library: Database) -> None:
             assert answers(engine) == wanted
 
 
+@pytest.mark.slow
 def test_a_killed_writer_leaves_nothing_wrong(library: Database, tmp_path: Path) -> None:
     wanted = expected(library)
     program = (

@@ -173,6 +173,7 @@ def test_tracks_answer_as_columns_do(engine: Queries, monkeypatch: pytest.Monkey
     assert found > asked / 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("asked", fuzz.lengths(100, 1200))
 def test_all_bones_at_once_are_as_one_by_one(engine: Queries, monkeypatch: pytest.MonkeyPatch, asked: int) -> None:
     """Of frames with a bone less, with a channel less, deleted, moved and reversed, too."""

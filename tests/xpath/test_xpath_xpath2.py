@@ -138,6 +138,7 @@ def campaign(processor: Any, made: Library, seed: int, count: int) -> Tally:
     return tally
 
 
+@pytest.mark.slow
 def test_answers_are_saxons(processor: Any, documents: Library) -> None:
     campaign(processor, documents, seed_of(documents, 0), 600).judge()
 

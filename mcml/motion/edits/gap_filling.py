@@ -14,8 +14,7 @@ from dataclasses import dataclass, field
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.spatial.transform import Rotation
+import scipy
 
 from mcml.motion.clip import FrameBlock
 from mcml.motion.frames import Rows, in_columns, present, remade
@@ -178,7 +177,10 @@ class _Donors:
             middle = reference.mean(axis=0)
             places = self._positions[start:end, base]
             centres = places.mean(axis=1)
-            turns = [Rotation.align_vectors(each, reference - middle)[0] for each in places - centres[:, None]]
+            turns = [
+                scipy.spatial.transform.Rotation.align_vectors(each, reference - middle)[0]
+                for each in places - centres[:, None]
+            ]
             arm = self._positions[known, own] - middle
             carried.append(centres + np.stack([turn.apply(arm) for turn in turns]))
         share = (np.arange(1, end - start + 1) / (end - start + 1))[:, None]
@@ -209,7 +211,7 @@ def _bridge(vectors: Array, knots: Rows, start: int, end: int) -> Array:
     frames = np.arange(start, end)
     if len(knots) < 4:
         return np.stack([np.interp(frames, knots, column) for column in vectors.T], axis=1)
-    bridged: Array = CubicSpline(knots, vectors)(frames)
+    bridged: Array = scipy.interpolate.CubicSpline(knots, vectors)(frames)
     return bridged
 
 

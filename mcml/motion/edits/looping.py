@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.distance import cdist
+import scipy
 
 from mcml.errors import ConversionError
 from mcml.motion.carriers import carriers
@@ -118,7 +118,7 @@ def _cut(
     stride = -(-window // _CANDIDATES)
     starts, ends = np.arange(0, window, stride), np.arange(count - 1, count - 1 - window, -stride)
     one, two = (_features(skeleton, whole, rows, carrier, frame_time, up) for rows in (starts, ends))
-    costs: Array = cdist(one, two)
+    costs: Array = scipy.spatial.distance.cdist(one, two)
     costs[ends[None, :] - starts[:, None] < _SHORTEST] = np.inf
     start, end = np.unravel_index(int(np.argmin(costs)), costs.shape)
     return int(starts[start]), int(ends[end]) - 1

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
-from scipy.signal import butter, sosfiltfilt
+import scipy
 
 from mcml.errors import ConversionError
 from mcml.motion.clip import FrameBlock
@@ -79,7 +79,7 @@ def design(hertz: float, rate: float) -> Array:
             remedy=f"Give one below {rate / 2:.4g} Hz, half of the frame rate.",
         )
     one_pass = np.arctan(np.tan(np.pi * hertz / rate) / _PASSES) * rate / np.pi
-    sections: Array = butter(_ORDER, one_pass, fs=rate, output="sos")
+    sections: Array = scipy.signal.butter(_ORDER, one_pass, fs=rate, output="sos")
     return sections
 
 
@@ -92,7 +92,9 @@ def runs(known: Flags) -> Iterator[tuple[int, int]]:
 
 
 def _filter(sections: Array, samples: Array) -> Array:
-    filtered: Array = sosfiltfilt(sections, samples, axis=0, padlen=min(6 * (_ORDER + 1), len(samples) - 1))
+    filtered: Array = scipy.signal.sosfiltfilt(
+        sections, samples, axis=0, padlen=min(6 * (_ORDER + 1), len(samples) - 1)
+    )
     return filtered
 
 

@@ -7,7 +7,7 @@ velocities in the body's own frame, over all pairs of frames near the seam.
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial.distance import cdist
+import scipy
 
 from mcml.motion.edits.splicing import Poses
 from mcml.motion.feet.seams import Stance
@@ -43,7 +43,7 @@ def find_meeting(
     one that leaves out the fewest frames between the end of the one and the beginning of the other.
     """
     one, two = (_features(skeleton, poses, carrier, up, frame_time) for poses in (before, after))
-    distances = cdist(one, two)
+    distances = scipy.spatial.distance.cdist(one, two)
     least = distances.min()
     good = distances <= least + _AS_GOOD * (distances.max() - least)
     left_out = np.add.outer(len(before) - 1 - np.arange(len(before)), np.arange(len(after)))

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import convolve1d, maximum_filter1d
+import scipy
 
 from mcml.motion.carriers import carriers
 from mcml.motion.feet.contacts import contact_flags, sliding
@@ -196,7 +196,9 @@ def _lower(
     window = max(1, round(_CALM / frame_time)) // 2 * 2 + 1
     weights = np.hanning(window + 2)[1:-1]
     # The smoothed maximum over as many frames is nowhere below the depth itself.
-    depth = convolve1d(maximum_filter1d(depth, window, mode="nearest"), weights / weights.sum(), mode="nearest")
+    depth = scipy.ndimage.convolve1d(
+        scipy.ndimage.maximum_filter1d(depth, window, mode="nearest"), weights / weights.sum(), mode="nearest"
+    )
     if fixed_ends:
         rows = np.arange(len(depth))
         part = np.minimum(1.0, np.minimum(rows + 1, len(depth) - rows) / (window / 2 + 1))

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from mcml.motion.frames import Rows
 from mcml.motion.hub_writer import Flags
@@ -117,8 +117,8 @@ class MatchingLibrary:
         return np.flatnonzero(self.targets)
 
     @cached_property
-    def _tree(self) -> KDTree:
-        return KDTree(self.features[self._rows])
+    def _tree(self) -> scipy.spatial.KDTree:
+        return scipy.spatial.KDTree(self.features[self._rows])
 
 
 _MOVES = 0.2

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import savgol_filter
+import scipy
 
 from mcml.motion.bodies.stretch import HIPS, Stretch
 from mcml.motion.hub_writer import Flags
@@ -112,5 +112,5 @@ def _smooth(values: Array, seconds: float) -> Array:
     window = min(round(seconds * RATE) | 1, len(values) if len(values) % 2 else len(values) - 1)
     if window <= 3:
         return values
-    smooth: Array = savgol_filter(values, window, 3, axis=0, mode="interp")
+    smooth: Array = scipy.signal.savgol_filter(values, window, 3, axis=0, mode="interp")
     return smooth

@@ -13,7 +13,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import binary_closing
+import scipy
 
 from mcml.motion.feet.legs import is_below
 from mcml.motion.feet.two_bones import hinge_of, two_bones
@@ -166,7 +166,9 @@ class HandKeeper:
 
     def _spans(self, arm: Arm, other: int, distance: Array, near: float, moves: Array) -> Iterator[_Touch]:
         least = max(1, round(_SHORTEST / self.frame_time))
-        flags: Flags = binary_closing(np.pad(distance <= near, least), np.ones(least + 1, dtype=np.bool_))[least:-least]
+        flags: Flags = scipy.ndimage.binary_closing(
+            np.pad(distance <= near, least), np.ones(least + 1, dtype=np.bool_)
+        )[least:-least]
         for first, end in find_true(flags).tolist():
             if end - first >= least:
                 fade = max(1, round(FADE / self.frame_time))

@@ -118,6 +118,7 @@ def test_a_mirrored_neighbour_exchanges_left_and_right() -> None:
     assert np.abs(one[..., 1:] - two[..., 1:]).max() < 1e-6
 
 
+@pytest.mark.slow
 @fuzz.examples(5)
 @given(
     count=st.integers(2, 4), seed=st.integers(0, 99), stage=st.sampled_from([None, 3.0, {"width": 5.0, "depth": 4.0}])

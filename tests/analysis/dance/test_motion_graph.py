@@ -30,6 +30,7 @@ def distance(end: np.ndarray, start: np.ndarray, weights: np.ndarray, transform:
     return float(np.sqrt((weights * ((end - turned(start, *transform)) ** 2).sum(axis=1)).sum()))
 
 
+@pytest.mark.slow
 @fuzz.examples(20)
 @given(seed=st.integers(0, 9999))
 def test_alignment_is_the_best_turn_and_shift(seed: int) -> None:

@@ -125,6 +125,7 @@ needs_librosa = pytest.mark.skipif(
 )
 
 
+@pytest.mark.slow
 @needs_librosa
 @pytest.mark.parametrize(
     ("name", "content", "code", "said"),

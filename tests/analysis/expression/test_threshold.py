@@ -75,6 +75,7 @@ def r_of(apart: Array, true: Array) -> float:
     return float(np.corrcoef(apart[pairs], true[pairs])[0, 1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", [circle, sheet, roll])
 def test_a_single_take_is_no_time_line(shape: Callable[[], tuple[Array, Array]]) -> None:
     """The smallest connecting threshold makes one: its own map fits perfectly, and that of the truth not at all."""

@@ -114,6 +114,7 @@ def test_equal_attributes_are_averaged_where_examples_are_met() -> None:
     assert len(kept.model.centres) == len(motions)
 
 
+@pytest.mark.slow
 def test_people_not_seen_are_predicted_no_worse_than_by_line_or_neighbour() -> None:
     found = {way.predictor: way for way in predictions(fitted(few=False)) if way.left_out == "subject"}
     model = found["model"]
@@ -123,6 +124,7 @@ def test_people_not_seen_are_predicted_no_worse_than_by_line_or_neighbour() -> N
     assert model.errors.clips == 185
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [2, 3])
 def test_the_choice_is_no_worse_than_line_or_neighbour_by_its_own_measure(seed: int) -> None:
     selected = fit(generated(seed, few=False)[0], options_of()).selected

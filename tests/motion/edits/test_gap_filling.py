@@ -120,6 +120,7 @@ def test_only_the_rows_asked_for_change() -> None:
     assert np.isfinite(found[120:125, 0]).all()
 
 
+@pytest.mark.slow
 def test_many_markers_with_many_gaps_are_compared_with_few() -> None:
     """Work grows with the number of gaps, not with its square, nor with that of markers."""
     rng = np.random.default_rng(2)
