@@ -167,7 +167,7 @@ def test_a_draft_of_yesterday_meets_what_others_did(visit: Visit, studio: Served
 @one_door
 def test_the_motion_follows_its_sound(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk(600))
-    page = visit.open(f"/clips/{uuid}?tab=info")
+    page = visit.open(f"/clips/{uuid}?tab=video")
     ready(page)
     sound = io.BytesIO()
     with wave.open(sound, "wb") as file:

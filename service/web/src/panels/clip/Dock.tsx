@@ -9,7 +9,7 @@ import { Comments } from "./document/Comments";
 import { Graph } from "./timeline/Graph";
 import { History } from "./document/History";
 import { Proposals } from "./review/Proposals";
-import { r } from "./words";
+import { r, v } from "./words";
 import { Info } from "./document/Info";
 import { Structure } from "./body/Structure";
 import { Tree } from "./document/Tree";
@@ -19,15 +19,18 @@ const Text = lazy(async () => (await import("./document/Text")).TextView);
 
 const Gait = lazy(async () => (await import("./gait/Gait")).Gait);
 
-const VIEWS: { id: string; word: Word | null }[] = [
+const MediaTab = lazy(async () => (await import("./media/MediaTab")).MediaTab);
+
+const VIEWS: { id: string; word: Word | (() => string) }[] = [
   { id: "tree", word: "label.tree" },
   { id: "graph", word: "label.graph" },
   { id: "body", word: "label.bodyTab" },
+  { id: "video", word: () => v("label.video") },
   { id: "gait", word: "label.gait" },
   { id: "structure", word: "label.structure" },
   { id: "text", word: "label.text" },
   { id: "history", word: "label.history" },
-  { id: "proposals", word: null },
+  { id: "proposals", word: () => r("label.proposals") },
   { id: "comments", word: "label.comments" },
   { id: "info", word: "label.info" },
 ];
@@ -38,7 +41,7 @@ export function Dock({ clip, reload }: { clip: Clip; reload: () => void }) {
     <>
       <Tabs
         label={w("label.dock")}
-        tabs={VIEWS.map((one) => ({ id: one.id, text: one.word ? w(one.word) : r("label.proposals") }))}
+        tabs={VIEWS.map((one) => ({ id: one.id, text: typeof one.word === "string" ? w(one.word) : one.word() }))}
         open={open}
         onOpen={(id) => setParams({ tab: id === "tree" ? null : id })}
       />
@@ -46,6 +49,7 @@ export function Dock({ clip, reload }: { clip: Clip; reload: () => void }) {
         {open === "tree" && <Tree clip={clip} />}
         {open === "graph" && <Graph clip={clip} reload={reload} />}
         {open === "body" && <Body clip={clip} reload={reload} />}
+        {open === "video" && <MediaTab clip={clip} reload={reload} />}
         {open === "gait" && <Gait clip={clip} />}
         {open === "structure" && <Structure clip={clip} />}
         {open === "text" && <Text clip={clip} reload={reload} />}

@@ -26,3 +26,33 @@ export const r = wordsOf(
     "help.ghostProposed": "흐린 몸이 제안된 동작입니다. C를 누르고 있으면 그것만 보입니다.",
   },
 );
+
+/** Of the video or sound beside the motion. */
+export const v = wordsOf(
+  {
+    "label.video": "Video", "button.align": "Align with the motion",
+    "help.align": "Find a moment in the video or sound, then the same moment in the motion.",
+    "help.findMoment": "1 of 2: find a clear moment, such as a foot strike or a clap.",
+    "button.earlier": "Move back 1/30 s", "button.later": "Move on 1/30 s", "button.useMoment": "Use this moment",
+    "help.findFrame": "2 of 2: find the same moment in the motion, on the timeline. The video stays at {seconds} s.",
+    "button.useFrame": "Use frame {frame}", "label.aligned": "The motion begins at {seconds} s of the file",
+    "button.measureAngle": "Measure angle", "button.measureLength": "Measure length",
+    "label.angle": "Angle", "label.length": "Length", "label.knownLength": "True length", "label.pointOf": "Point {n} of {text}",
+    "button.goTo": "Go to {seconds} s",
+    "help.drawings": "Drag the points. Enter the true length of one line to measure in metres. Drawings are not saved.",
+    "help.drawingsScaled": "Metres are right only at the distance from the camera of the line with the true length. Drawings are not saved.",
+  },
+  {
+    "label.video": "비디오", "button.align": "동작과 맞추기",
+    "help.align": "비디오나 소리에서 한 순간을 찾고, 동작에서 같은 순간을 찾습니다.",
+    "help.findMoment": "1/2: 발이 닿거나 손뼉을 치는 것처럼 뚜렷한 순간을 찾으세요.",
+    "button.earlier": "1/30초 뒤로", "button.later": "1/30초 앞으로", "button.useMoment": "이 순간 사용",
+    "help.findFrame": "2/2: 타임라인에서 동작의 같은 순간을 찾으세요. 비디오는 {seconds}초에 머뭅니다.",
+    "button.useFrame": "{frame}프레임 사용", "label.aligned": "동작이 파일의 {seconds}초에서 시작합니다",
+    "button.measureAngle": "각도 재기", "button.measureLength": "길이 재기",
+    "label.angle": "각도", "label.length": "길이", "label.knownLength": "실제 길이", "label.pointOf": "{text}의 점 {n}",
+    "button.goTo": "{seconds}초로 이동",
+    "help.drawings": "점을 끌어 옮기세요. 한 선의 실제 길이를 입력하면 미터로 잽니다. 그린 것은 저장되지 않습니다.",
+    "help.drawingsScaled": "실제 길이를 입력한 선과 카메라까지의 거리가 같은 곳에서만 미터가 맞습니다. 그린 것은 저장되지 않습니다.",
+  },
+);

@@ -6,7 +6,6 @@ import { needsToken } from "../../../state/session/me";
 import { copyText, refuse } from "../../../state/session/notes";
 import { Icon } from "../../../ui/icons";
 import { useTurns } from "../../../ui/useTurns";
-import { ReferenceForm } from "./Reference";
 import { duration, number, w, when } from "../../../words";
 
 const UNITS = ["mm", "cm", "m", "inch"];
@@ -182,8 +181,6 @@ export function Info({ clip, reload }: { clip: Clip; reload: () => void }) {
           <Icon name="plus" />
         </button>
       </form>
-      <h3>{w("label.reference")}</h3>
-      <ReferenceForm clip={clip} reload={reload} />
       <h3>{w("label.provenance")}</h3>
       <div class="info-row">
         <span>{w("label.format")}</span>

@@ -16,7 +16,7 @@ import { BlendShapes } from "./BlendShapes";
 import { bodiesBeside } from "./bodiesBeside";
 import { Compared } from "./Compare";
 import { floorOf, metresText, niceStep } from "./ground";
-import { Reference } from "../document/Reference";
+import { Reference } from "../media/InStep";
 import { poseAt, positionsThen, wearSkin } from "./poses";
 import { restPose, type RestPose } from "./restPose";
 import { forcesOf } from "./forces";
