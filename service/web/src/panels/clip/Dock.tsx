@@ -25,13 +25,13 @@ const VIEWS: { id: string; word: Word | (() => string) }[] = [
   { id: "tree", word: "label.tree" },
   { id: "graph", word: "label.graph" },
   { id: "body", word: "label.bodyTab" },
-  { id: "video", word: () => v("label.video") },
   { id: "gait", word: "label.gait" },
   { id: "structure", word: "label.structure" },
   { id: "text", word: "label.text" },
   { id: "history", word: "label.history" },
   { id: "proposals", word: () => r("label.proposals") },
   { id: "comments", word: "label.comments" },
+  { id: "video", word: () => v("label.video") },
   { id: "info", word: "label.info" },
 ];
 
@@ -49,13 +49,13 @@ export function Dock({ clip, reload }: { clip: Clip; reload: () => void }) {
         {open === "tree" && <Tree clip={clip} />}
         {open === "graph" && <Graph clip={clip} reload={reload} />}
         {open === "body" && <Body clip={clip} reload={reload} />}
-        {open === "video" && <MediaTab clip={clip} reload={reload} />}
         {open === "gait" && <Gait clip={clip} />}
         {open === "structure" && <Structure clip={clip} />}
         {open === "text" && <Text clip={clip} reload={reload} />}
         {open === "history" && <History clip={clip} reload={reload} />}
         {open === "comments" && <Comments clip={clip} />}
         {open === "proposals" && <Proposals key={clip.detail.revision} clip={clip} reload={reload} />}
+        {open === "video" && <MediaTab clip={clip} reload={reload} />}
         {open === "info" && <Info clip={clip} reload={reload} />}
       </div>
     </>

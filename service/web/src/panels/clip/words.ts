@@ -30,7 +30,7 @@ export const r = wordsOf(
 /** Of the video or sound beside the motion. */
 export const v = wordsOf(
   {
-    "label.video": "Video", "button.align": "Align with the motion",
+    "label.video": "Video", "button.openVideo": "Show large, to align and measure", "button.align": "Align with the motion",
     "help.align": "Find a moment in the video or sound, then the same moment in the motion.",
     "help.findMoment": "1 of 2: find a clear moment, such as a foot strike or a clap.",
     "button.earlier": "Move back 1/30 s", "button.later": "Move on 1/30 s", "button.useMoment": "Use this moment",
@@ -43,7 +43,7 @@ export const v = wordsOf(
     "help.drawingsScaled": "Metres are right only at the distance from the camera of the line with the true length. Drawings are not saved.",
   },
   {
-    "label.video": "비디오", "button.align": "동작과 맞추기",
+    "label.video": "비디오", "button.openVideo": "크게 보고 맞추고 재기", "button.align": "동작과 맞추기",
     "help.align": "비디오나 소리에서 한 순간을 찾고, 동작에서 같은 순간을 찾습니다.",
     "help.findMoment": "1/2: 발이 닿거나 손뼉을 치는 것처럼 뚜렷한 순간을 찾으세요.",
     "button.earlier": "1/30초 뒤로", "button.later": "1/30초 앞으로", "button.useMoment": "이 순간 사용",

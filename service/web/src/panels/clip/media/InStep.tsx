@@ -4,9 +4,10 @@ import type { RefObject } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { address, type Schemas } from "../../../api/client";
 import type { Clip } from "../../../state/clip/clip";
-import { param } from "../../../state/session/route";
+import { param, setParams } from "../../../state/session/route";
 import { Icon } from "../../../ui/icons";
 import { w } from "../../../words";
+import { v } from "../words";
 
 export type Media = Schemas["MediaInfo"];
 export type MediaElement = HTMLVideoElement & HTMLAudioElement;
@@ -95,6 +96,15 @@ export function Reference({ clip, media }: { clip: Clip; media: Media }) {
         <Icon name={open ? "down" : "play"} />
       </button>
       {open && <MediaView clip={clip} media={media} element={element} />}
+      <button
+        type="button"
+        class="button quiet icon dense"
+        aria-label={v("button.openVideo")}
+        title={v("button.openVideo")}
+        onClick={() => setParams({ tab: "video" })}
+      >
+        <Icon name="right" />
+      </button>
       {!isVideo(media) && <span class="cut dim">{media.name}</span>}
     </div>
   );
