@@ -162,6 +162,7 @@ def works_on(database: Database, before: dict[str, list[Any]]) -> None:
     assert database.check(past=True) == []
 
 
+@pytest.mark.slow
 def test_a_store_that_holds_anything_is_not_filled(
     database: Database, filled: dict[str, Database], tmp_path: Path
 ) -> None:

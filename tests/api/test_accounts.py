@@ -286,6 +286,7 @@ def test_a_closed_account_opens_nothing(team: dict[str, TestClient]) -> None:
 # -- tokens ------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_token_may_do_no_more_than_its_scope_and_its_account(team: dict[str, TestClient]) -> None:
     editor, owner, other = team["editor"], team["owner"], team["nobody"]
     assert editor.post(f"{API}/tokens", json={"name": "all", "scope": "operate"}).status_code == 403

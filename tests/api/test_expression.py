@@ -30,6 +30,7 @@ def use(client: TestClient, result: str, operation: str, **parameters: Any) -> d
     return found
 
 
+@pytest.mark.slow
 def test_from_takes_to_an_animation(client: TestClient, database: Database) -> None:
     takes = [take.clip for take in face_takes(2, expressions=EXPRESSIONS[:3], every_marker=5, fps=30)]
     add_clips(database, Settings(), "faces", takes[:2], (), "")

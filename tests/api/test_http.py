@@ -93,6 +93,7 @@ def test_a_body_without_a_length_is_bounded(database: Database) -> None:
     assert answer.headers["content-type"] == "application/problem+json"
 
 
+@pytest.mark.slow
 def test_the_description_says_that_errors_are_problems(client: TestClient) -> None:
     schema = client.get("/openapi.json").json()
     assert "HTTPValidationError" not in str(schema)

@@ -136,6 +136,7 @@ def test_names_are_suggested_from_the_motion(client: TestClient, database: Datab
     assert "Markers" in refused.json()["detail"]
 
 
+@pytest.mark.slow
 @one_kind
 def test_activities_are_suggested_in_everyday_words(client: TestClient, database: Database) -> None:
     clip = body.clip("walk", 170.0, *body.walk(170.0, 4.0, 1.0, 6.0))

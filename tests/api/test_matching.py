@@ -182,6 +182,7 @@ def test_the_library_for_programs(client: TestClient, walks: list[str]) -> None:
         assert not own[-10:, 30].any()
 
 
+@pytest.mark.slow
 def test_a_place_is_that_of_a_seam(client: TestClient, walks: list[str]) -> None:
     """A segment at the rotation and shift that an aligned seam tells lies where the aligned one lay."""
     pieces = [{"document": walks[0], "first": 1, "last": 100}, {"document": walks[1], "first": 50, "last": 200}]

@@ -64,6 +64,7 @@ def signed_in(client: TestClient, subject: str, **given: str) -> Any:
     return client.get(BACK, params=authorised(to.headers["location"], subject))
 
 
+@pytest.mark.slow
 @one_kind
 def test_who_may_come_gets_an_account_and_comes_back_to_it(database: Database, issuer: str) -> None:
     with visitor(database, issuer, openid_role="reader") as client:

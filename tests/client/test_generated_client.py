@@ -41,6 +41,7 @@ def test_no_operation_is_left_out(generated: Path) -> None:
     assert modules == names
 
 
+@pytest.mark.slow
 @one_kind
 def test_a_script_uploads_asks_and_downloads(generated: Path, database: Database) -> None:
     def module(name: str) -> Any:

@@ -364,6 +364,7 @@ def test_memory_does_not_grow_with_analog_samples() -> None:
         tracemalloc.stop()
 
 
+@pytest.mark.slow
 def test_real_files_after_a_trim(shared: Path, tmp_path: Path) -> None:
     compared = of_plates = by_ezc3d = 0
     for path in sorted([*shared.glob("c3d/*/*.[cC]3[dD]"), *shared.glob("lab/*.c3d")]):

@@ -77,6 +77,7 @@ def positions(clip: ClipStream) -> np.ndarray:
     return np.concatenate([walker.poses(block)[0] for block in clip.blocks()])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("folder", "count"), [("bvh", 99), ("asfamc", 61), ("htr", 7), ("trc", 11), ("trc_facial", 2)])
 def test_every_file_leaves_with_the_same_bits(shared: Path, folder: str, count: int) -> None:
     checked = 0

@@ -92,6 +92,7 @@ def test_good_documents_answer_beside_odd_ones(client: TestClient, database: Dat
         assert any("'odd'" in line for line in asked.json()["warnings"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frame_time", [1e-9, 1e-6, 1e5])
 def test_a_frame_time_that_cannot_be_stops_no_comparison(
     client: TestClient, database: Database, frame_time: float

@@ -101,6 +101,7 @@ def packed(members: dict[str, bytes]) -> bytes:
     return buffer.getvalue()
 
 
+@pytest.mark.slow
 def test_zip_bombs_are_refused(database: Database) -> None:
     settings = Settings(max_upload_bytes=30_000_000, max_zip_files=50, max_zip_ratio=100)
     with served(database, settings) as client:

@@ -226,6 +226,7 @@ def test_a_job_that_kills_its_workers_is_given_up(
     assert wait(own_server, start(own_server))["state"] == "done"
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("lent_workers")
 def test_a_job_whose_server_was_killed_is_taken_up(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     fill(database)

@@ -165,6 +165,7 @@ def campaign(database: Database, seed: int, rounds: int) -> None:
         assert len(last) == len(tx.documents.everything())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "seed"), OTHER_SEEDS[:2], indirect=["kind"])
 def test_lists_from_memory_are_those_of_the_store(database: Database, seed: int) -> None:
     campaign(database, seed, 6)

@@ -33,6 +33,7 @@ def rig_of(shared: Path, name: str) -> tuple[Skeleton, FrameBlock, Reading]:
     return skeleton, chosen_frames(block, np.arange(min(len(block), 40))), reading
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RIGS)
 def test_each_rig_moves_as_the_others(shared: Path, name: str) -> None:
     target, shown, target_reading = rig_of(shared, name)

@@ -292,6 +292,7 @@ def test_the_command_and_python_measure_the_same(database: Database, tmp_path: P
     assert isinstance(runner.invoke(app, [*base, "-o", str(tmp_path / "rows.txt")]).exception, Exception)
 
 
+@pytest.mark.slow
 def test_trials_of_a_laboratory(shared: Path, client: TestClient) -> None:
     files = sorted((shared / "lab").glob("*.c3d"))[:6]
     for file in files:

@@ -158,6 +158,7 @@ def test_pyright_sees_types_of_every_call(installed: Path, project: Path) -> Non
     assert done.returncode == 0, done.stdout
 
 
+@pytest.mark.slow
 def test_without_the_server_files_are_read_and_the_command_says_what_it_needs(installed: Path, project: Path) -> None:
     """As a base installation is: a finder hides the packages of the extra `server`."""
     hidden = ("fastapi", "starlette", "sqlalchemy", "alembic", "dask", "distributed", "typer", "pydantic_settings")

@@ -121,6 +121,7 @@ def test_a_joint_is_picked_on_a_body(open_studio: Served, visit_of: Any) -> None
     assert len(picked) > 2, picked
 
 
+@pytest.mark.slow
 def test_guesses_are_left_out_by_a_switch(open_studio: Served, visit_of: Any) -> None:
     upload_walks(open_studio, 1)
     question = quote("//frame[mo:height('Head') > 0.1]")
@@ -131,6 +132,7 @@ def test_guesses_are_left_out_by_a_switch(open_studio: Served, visit_of: Any) ->
     page.wait_for_url("**guesses=no*")
 
 
+@pytest.mark.slow
 def test_examples_find_something_and_become_lines_for_scripts(open_studio: Served, visit_of: Any) -> None:
     open_studio.upload("kick.bvh", walk(), label="it's a kick:10-25")
     visit = visit_of(open_studio, permissions=["clipboard-read", "clipboard-write"])

@@ -135,6 +135,7 @@ def test_edges_snap_and_spans_are_split_by_menu(visit: Visit, studio: Served) ->
     expect(spans.last).to_have_accessible_name("kick, 150–200")
 
 
+@pytest.mark.slow
 def test_elements_are_added_and_deleted_in_the_tree(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk(), property="age=23")
     page = visit.open(f"/clips/{uuid}")

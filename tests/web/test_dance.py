@@ -66,6 +66,7 @@ def make(page: Any, **fields: str) -> str:
     return str(page.url.split("/dance/")[1].split("?")[0])
 
 
+@pytest.mark.slow
 def test_a_bench_is_opened_from_a_project(open_studio: Served, visit_of: Any, dances: list[str]) -> None:
     page = visit_of(open_studio).open("/dance")
     page.get_by_label("Project").select_option("dances")
@@ -244,6 +245,7 @@ def test_a_dry_run_keeps_to_what_is_allowed(open_studio: Served, visit_of: Any, 
     assert len(open_studio.get("/documents")["items"]) == 3
 
 
+@pytest.mark.slow
 def test_a_tempo_is_tapped_and_one_that_does_not_work_says_what_does(
     open_studio: Served, visit_of: Any, dances: list[str]
 ) -> None:
@@ -360,6 +362,7 @@ def test_music_is_danced_to_and_kept_with_the_dance(open_studio: Served, bench: 
     assert bench.get_by_label("First downbeat at beat").input_value() == "2"
 
 
+@pytest.mark.slow
 def test_a_real_dance_is_danced_anew(open_studio: Served, visit_of: Any, shared: Path) -> None:
     path = shared / "bvh/dance/Gangnam-Style.bvh"
     if not path.is_file():

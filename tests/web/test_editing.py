@@ -48,6 +48,7 @@ def expect_other_picture(page: Any, before: bytes) -> None:
     raise AssertionError("the body did not move")
 
 
+@pytest.mark.slow
 @one_door
 def test_a_curve_is_changed_and_undone_before_it_is_saved(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk())

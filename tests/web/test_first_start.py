@@ -46,6 +46,7 @@ def test_the_first_start(demo_studio: Served, visit_of: Any) -> None:
     expect(welcome).to_have_count(0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("demo_studio", ["open"], indirect=True)
 def test_own_clips_end_it(demo_studio: Served, visit_of: Any) -> None:
     page = visit_of(demo_studio).open("/")

@@ -68,6 +68,7 @@ def colours_of(page: Any) -> set[tuple[int, ...]]:
     return {tuple(colour) for _, colour in picture.getcolors(1 << 24) or []}
 
 
+@pytest.mark.slow
 @one_door
 def test_a_refused_file_says_why_and_stops_no_other(visit: Visit, studio: Served, tmp_path: Path) -> None:
     visit.wanted = {422}
@@ -321,6 +322,7 @@ def test_keys_alone(visit: Visit, studio: Served) -> None:
     page.wait_for_url(re.compile("/xpath"))
 
 
+@pytest.mark.slow
 @open_door
 def test_korean(visit: Visit, studio: Served) -> None:
     studio.upload("걷기.bvh", walk(20), label="walk")

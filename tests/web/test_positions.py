@@ -63,6 +63,7 @@ def test_generated_motion_is_drawn_where_it_is(open_studio: Served) -> None:
     compare(open_studio, generated(range(6)))
 
 
+@pytest.mark.slow
 def test_real_motion_is_drawn_where_it_is(open_studio: Served) -> None:
     folder = shared_folder()
     if folder is None:

@@ -250,6 +250,7 @@ def test_clips_that_an_error_names_are_left_out(reaches: Served, visit_of: Any) 
     expect(page.get_by_text("Distance of the hand")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_real_reaches_are_blended_over_their_target(shared: Path, open_studio: Served, visit_of: Any) -> None:
     folder = shared / "asfamc" / "hdm05_reach"
     if not folder.is_dir():

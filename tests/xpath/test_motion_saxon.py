@@ -187,6 +187,7 @@ OF_FILES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in MOTION_FUNCTIONS if name != "mo:top" and name not in OF_FILES])
 def test_each_function_has_the_numbers_of_columns(engine: Queries, by_trees: list[str], name: str) -> None:
     assert name in EACH[name]

@@ -318,6 +318,7 @@ def test_another_store_of_the_same_name_is_not_confused(tmp_path: Path) -> None:
                 each.unlink()
 
 
+@pytest.mark.slow
 def test_a_copy_that_went_another_way_is_not_confused(library: Database, tmp_path: Path) -> None:
     """Both have the same documents at the same revisions."""
     copy = tmp_path / "copy.db"

@@ -189,6 +189,7 @@ def small_groups(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(values, "MANY", 4)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("small_groups")
 @pytest.mark.parametrize(("kind", "skeletons"), [("sqlite", 2), ("sqlite", 90), ("postgresql", 90)], indirect=["kind"])
 def test_answers_are_libxml2s(database: Database, skeletons: int) -> None:

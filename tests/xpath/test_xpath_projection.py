@@ -16,6 +16,7 @@ from tests.xpath.grammar import Grammar
 from tests.xpath.small import DOCUMENT, answer, projected, tree
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("asked", fuzz.lengths(700, 10_000))
 def test_projected_documents_give_the_same_answers(asked: int) -> None:
     random = Random(3)

@@ -152,6 +152,7 @@ def shown(answer: QueryAnswer) -> tuple[object, list[tuple[str, str, str]]]:
     return (answer.value, others), [(node.document, node.address, node.value) for node in nodes]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("asked", fuzz.lengths(80, 800))
 def test_tracks_answer_as_columns_do(engine: Queries, monkeypatch: pytest.MonkeyPatch, asked: int) -> None:
     with engine.database.read() as tx:
@@ -275,6 +276,7 @@ def test_what_is_kept_is_of_the_revision_that_is_read(engine: Queries) -> None:
         assert seen[-1] != seen[-2]
 
 
+@pytest.mark.slow
 def test_limits_of_what_is_kept_change_no_answer(engine: Queries, monkeypatch: pytest.MonkeyPatch) -> None:
     questions = [
         "//frame[position() mod 90 = 1]", "//frame[@id='7']/frame_bone/@Rx", "max(//frame_bone[@name='Root']/@Rx)",
@@ -303,6 +305,7 @@ def test_limits_of_what_is_kept_change_no_answer(engine: Queries, monkeypatch: p
                 assert [(node.stored.uuid, node.address, node.value) for node in found] == first[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chosen", ["all", "a project", "one document"])
 def test_what_a_write_has_made_old_is_not_kept(engine: Queries, chosen: str) -> None:
     with engine.database.read() as tx:

@@ -143,6 +143,7 @@ def test_answers_are_saxons(processor: Any, documents: Library) -> None:
     campaign(processor, documents, seed_of(documents, 0), 600).judge()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "text",
     ["//bone[preceding::text()/following::axis != @rotation_order/parent::bone]/name/string()",

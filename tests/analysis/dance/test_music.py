@@ -141,6 +141,7 @@ def test_what_librosa_cannot_use_is_refused(name: str, content: bytes, code: str
     assert error.value.remedy
 
 
+@pytest.mark.slow
 @needs_librosa
 def test_clicks_give_their_tempo() -> None:
     tempo = music.fit_tempo(music.track_beats(clicks(128.0, 30.0)).beats.tolist())

@@ -112,6 +112,7 @@ def test_the_summary_says_what_was_built() -> None:
     assert 0.9 < summary["continuity"] <= 1
 
 
+@pytest.mark.slow
 def test_the_speed_of_capture_is_not_that_of_noise() -> None:
     speeds = [
         EXPRESSION.run(

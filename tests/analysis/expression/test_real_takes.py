@@ -65,6 +65,7 @@ def test_faces_of_two_takes(shared: Path) -> None:
     assert len(set(found.frames.take.tolist())) == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [0, 1])
 def test_a_single_take_is_no_time_line(shared: Path, number: int) -> None:
     """Faces that look alike lie together on its map: r 0.98 with the distances of faces. As a time line it was 0.15."""
@@ -81,6 +82,7 @@ def test_a_single_take_is_no_time_line(shared: Path, number: int) -> None:
     assert min(neighbourhoods(trials.apart, plane)) > 0.9
 
 
+@pytest.mark.slow
 def test_the_paper_on_real_faces(shared: Path) -> None:
     parts = EXPRESSION.run(faces(shared, 4), ExpressionParameters(method="paper", tau_count=2), silent)
     summary = parts["space"].data["summary"]

@@ -48,6 +48,7 @@ def test_order_of_clips_changes_nothing(seed: int, method: str) -> None:
     assert same(to_arrays(again.model), to_arrays(fitted(method=method, **options).model))
 
 
+@pytest.mark.slow
 @fuzz.examples(5)
 @given(st.integers(0, 1000), st.sampled_from(["robust", "paper"]), st.sampled_from([None, "global"]))
 def test_signs_of_quaternions_change_nothing(seed: int, method: str, space: str | None) -> None:

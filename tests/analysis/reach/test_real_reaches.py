@@ -28,6 +28,7 @@ def fitted(reaches: list[Motion]) -> Fitted:
     return fit(reaches, options_of(attributes=("target",)))
 
 
+@pytest.mark.slow
 def test_most_clips_are_used_and_the_others_say_why(reaches: list[Motion], fitted: Fitted) -> None:
     found = fitted
     assert len(reaches) == 34
@@ -62,6 +63,7 @@ def test_the_hand_rises_with_the_target(reaches: list[Motion], fitted: Fitted, s
     assert heights[-1].max() > 1.2
 
 
+@pytest.mark.slow
 def test_hands_of_people_left_out_arrive_and_feet_stay(reaches: list[Motion]) -> None:
     compared = list(leave_people_out(reaches, attributes=("target",), align="start"))
     assert len(compared) >= 29

@@ -132,6 +132,7 @@ def test_the_arm_goes_first_then_the_spine_then_the_pelvis() -> None:
     assert shares[2].pelvis > 0.01  # type: ignore[union-attr]
 
 
+@pytest.mark.slow
 def test_places_out_of_reach_are_refused_with_the_distance() -> None:
     target = place() + np.array([0.0, 0.0, 2.0])
     with pytest.raises(AnalysisError) as error:

@@ -73,6 +73,7 @@ def test_who_runs_flies_and_who_walks_does_not(shared: Path) -> None:
     assert min(speeds) > 2
 
 
+@pytest.mark.slow
 def test_units_axes_and_poses_before_the_motion(shared: Path) -> None:
     kinds: Counter[tuple[str, str]] = Counter()
     up, leaps = {}, set()

@@ -84,6 +84,7 @@ def test_nothing_is_left_out_where_one_stands() -> None:
     assert short.seams[0].left_out == (0, 0)
 
 
+@pytest.mark.slow
 def test_feet_slide_less_between_real_walks(shared: Path) -> None:
     files = sorted((shared / "bvh" / "bandai").glob("*_walk_*.bvh"))
     clips = [mcml.read(path)._clip for path in files]  # with MCML's names of joints
