@@ -382,8 +382,7 @@ def test_real_files_after_a_trim(shared: Path, tmp_path: Path) -> None:
         assert after.first == before.first + first, path.name
         assert (after.labels, after.units, after.rate) == (before.labels, before.units, before.rate), path.name
         assert after.read().tobytes() == before.read(first, count).tobytes(), path.name
-        plates = zip(plates_of(before), plates_of(after), strict=True)
-        for own, new in plates:
+        for own, new in zip(plates_of(before), plates_of(after), strict=True):
             # Of the same frames: the sign of a plate is decided by its largest force.
             samples = before.read(first, count, own.channels)
             expected = plate_forces(own, samples, before.rate)
