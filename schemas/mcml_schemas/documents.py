@@ -29,6 +29,7 @@ from mcml_schemas.revisions import FrameRange
 _IMPORTED = {
     "id": DOCUMENT,
     "name": "walk",
+    "file": "walk.bvh",
     "skipped": False,
     "receipt": RECEIPT,
     "calibration": f"/api/v1/documents/{DOCUMENT}/calibration",
@@ -220,6 +221,7 @@ class DocumentDetail(DocumentSummary):
 class ImportedDocument(BaseModel):
     id: str
     name: str
+    file: str = Field(description="File with the motion, as problems name it: in archives with its folders")
     skipped: bool = Field(False, description="It was stored already (on_duplicate=skip)")
     movements: int | None = Field(None, description="Suggested labels that were accepted, if requested")
     receipt: Receipt

@@ -144,11 +144,11 @@ def test_files_that_share_a_request_have_their_own_rows(visit: Visit, studio: Se
     chooser.value.set_files(files)
     tray = page.get_by_role("region", name="Import")
     expect(tray.get_by_text("imported", exact=True)).to_have_count(2)
-    refused = tray.get_by_role("listitem").filter(has_text="import failed")
+    refused = tray.get_by_role("row").filter(has_text="import failed")
     expect(refused).to_contain_text("bad.bvh")
     expect(refused.locator(".refusal")).to_contain_text("line")
     for document in studio.get("/documents")["items"]:
-        row = tray.get_by_role("listitem").filter(has_text=f"{document['name']}.bvh")
+        row = tray.get_by_role("row").filter(has_text=f"{document['name']}.bvh")
         expect(row.get_by_role("link", name="Open")).to_have_attribute("href", f"/clips/{document['id']}")
 
 

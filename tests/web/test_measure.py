@@ -42,7 +42,7 @@ def test_files_become_a_gait_table_in_few_clicks(open_studio: Served, visit_of: 
     with page.expect_file_chooser() as chooser:
         press(page.locator(".toolbar .primary"))
     chooser.value.set_files(walkers(tmp_path))
-    expect(page.locator(".tray .stored")).to_have_count(6)
+    expect(page.locator(".tray tbody").get_by_role("link", name="Open")).to_have_count(6)
     press(page.locator(".tray header").get_by_role("button").last)
     cards = page.get_by_role("gridcell")
     expect(cards).to_have_text([re.compile(f"trial{number}") for number in range(6)])

@@ -29,10 +29,11 @@ FLUSH_BYTES = 16 << 20
 
 @dataclass(frozen=True)
 class Imported:
-    """uuid of a stored document. skipped: it was there already."""
+    """uuid of a stored document. file: the name of the file with the motion. skipped: it was there already."""
 
     uuid: str
     name: str
+    file: str
     receipt: dict[str, Any]
     skipped: bool = False
 
@@ -159,7 +160,9 @@ class Importer:
     def _store(self, uuid: str) -> Imported:
         with self.database.read() as tx:
             stored = tx.documents.get(uuid)
-            return Imported(stored.uuid, stored.name, orjson.loads(tx.documents.receipt(stored.key)), skipped=True)
+            return Imported(
+                stored.uuid, stored.name, self.clip.name, orjson.loads(tx.documents.receipt(stored.key)), skipped=True
+            )
 
     def _twins(self) -> list[str]:
         """Documents made from equal files."""
@@ -225,7 +228,7 @@ class Importer:
         tx.documents.publish(
             key, self.name, self.project, next_slot=encoded.frames, receipt=receipt, message=self.clip.name
         )
-        return Imported(self.uuid, self.name, facts)
+        return Imported(self.uuid, self.name, self.clip.name, facts)
 
     def _prepare(self, upload: Upload) -> None:
         """Compress new files; a large file is stored in separate transactions."""

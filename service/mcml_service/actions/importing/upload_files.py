@@ -35,6 +35,7 @@ def upload_files(
         document = ImportedDocument(
             id=item.uuid,
             name=item.name,
+            file=item.file,
             skipped=item.skipped,
             receipt=Receipt(**item.receipt),
             calibration=f"/api/v1/documents/{item.uuid}/calibration",

@@ -3656,6 +3656,7 @@ export interface components {
         ImportedDocument: {
             id: string;
             name: string;
+            file: string;
             /** @default false */
             skipped: boolean;
             movements?: number | null;

@@ -19,7 +19,7 @@ import { lazy } from "../ui/lazy";
 import { Palette } from "./Palette";
 import { Toasts } from "./Toasts";
 import { Connection } from "./Connection";
-import { UploadTray } from "../panels/library/UploadTray";
+import { UploadTray } from "../panels/library/importing/UploadTray";
 
 followPrefetch(async (name) => {
   const row = rowOf(name);

@@ -53,7 +53,7 @@ export const ko: typeof en = {
   "button.undoImport": "가져오기 취소", "label.receiptUnit": "단위", "label.receiptRate": "속도", "label.receiptUp": "위쪽 축", "label.receiptBody": "몸", "label.receiptJoints": "관절", "label.receiptNumbers": "표본",
   "label.receiptNumbersText": "채널 {channels}개 × {frames}프레임, 원본을 한 바이트도 다르지 않게 보관합니다",
   "label.jointsMapped": "{n}개 중 {mapped}개 대응 ({rig}), {own}개는 원래 이름을 씁니다", "label.notices": "알림",
-  "error.cannotRead": "읽을 수 없습니다.", "error.cannotReadHelp": "읽기 권한을 확인하고 다시 놓으세요.", "label.emptyFolder": "빈 폴더", "help.emptyFolderHelp": "모션 파일이 든 폴더를 놓으세요.", "label.droppedItem": "놓은 항목", "error.noFile": "파일이 아닙니다.", "label.filesMore": "파일 1개 더|파일 {n}개 더", "help.tooManyHelp": "나머지는 나중에 놓거나 zip 하나로 보내세요.", "error.noWord": "서버가 결과를 알려 주지 않았습니다.", "error.noWordHelp": "라이브러리에서 찾아보거나 다시 가져오세요.", "button.rowsMore": "1개 더 보기|{n}개 더 보기", "label.storedPartly": "{stored}개 가져옴, {refused}개 실패", "label.filesAnd": "{name} 외 1개|{name} 외 {n}개",
+  "error.cannotRead": "읽을 수 없습니다.", "error.cannotReadHelp": "읽기 권한을 확인하고 다시 놓으세요.", "label.emptyFolder": "빈 폴더", "help.emptyFolderHelp": "모션 파일이 든 폴더를 놓으세요.", "label.droppedItem": "놓은 항목", "error.noFile": "파일이 아닙니다.", "label.filesMore": "파일 1개 더|파일 {n}개 더", "help.tooManyHelp": "나머지는 나중에 놓거나 zip 하나로 보내세요.", "error.noWord": "서버가 결과를 알려 주지 않았습니다.", "error.noWordHelp": "라이브러리에서 찾아보거나 다시 가져오세요.", "button.rowsMore": "1개 더 보기|{n}개 더 보기", "label.filesAnd": "{name} 외 1개|{name} 외 {n}개",
   "error.noFiles": "읽을 수 있는 파일이 없습니다.", "button.keep": "저장하기", "label.notStored": "아직 가져오지 않았습니다",
   "button.lookedAt": "미리 보기(가져오지 않음)", "help.tooMany": "처음 {n}개 파일만 가져옵니다.", "help.twin": "라이브러리의 클립과 같습니다. 둘 다 보관합니다.",
 

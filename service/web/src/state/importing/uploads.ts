@@ -3,7 +3,7 @@ import { signal } from "@preact/signals";
 import { ApiError, address, ask, fetched, type Problem, type Schemas } from "../../api/client";
 import { w } from "../../words";
 import { folderOf, type Missed } from "./dropped";
-import { refresh } from "../library/library";
+import { refresh, removeDocuments } from "../library/library";
 import { isOneClip, isRead, readExtensions } from "../session/formats";
 import { note, refuse } from "../session/notes";
 import { Pace, type Told } from "./pace";
@@ -17,7 +17,7 @@ export interface Upload {
   name: string;
   state: "queued" | "sending" | "reading" | "stored" | "refused" | "cancelled";
   sent: number; // 0 to 1
-  documents: { id: string; name: string; skipped: boolean; receipt: Receipt }[];
+  documents: { id: string; name: string; file: string; skipped: boolean; receipt: Receipt }[];
   problems: { file: string; problem: Problem }[];
   stop?: () => void;
   /** Whether its beginning was looked at before. */
@@ -25,6 +25,7 @@ export interface Upload {
 }
 
 export const uploads = signal<Upload[]>([]);
+/** Whether the table of the import is shown; else one line tells of it. */
 export const trayOpen = signal(false);
 /** How fast files go, while several are on their way. */
 export const pace = signal<Told | null>(null);
@@ -44,7 +45,7 @@ let telling = 0;
 let showing = 0;
 let resting = 0; // a timer, while the server is too busy
 
-const isOver = (one: Upload): boolean => /stored|refused|cancelled/.test(one.state);
+export const isOver = (one: Upload): boolean => /stored|refused|cancelled/.test(one.state);
 const filesIn = (some: Upload[]): number => some.reduce((sum, one) => sum + Math.max(1, one.files.length), 0);
 
 /** Files that are done, of how many. */
@@ -301,20 +302,13 @@ export function cancelAll(): void {
   new Set(left.map((one) => one.stop)).forEach((stop) => stop?.());
 }
 
-/** Hide what an upload stored. */
-export async function undoImport(upload: Upload): Promise<void> {
-  for (const one of upload.documents) {
-    if (one.skipped) continue;
-    try {
-      const { revision } = await ask("get", "/documents/{id}", { path: { id: one.id } });
-      await ask("delete", "/documents/{id}", { path: { id: one.id }, match: revision });
-    } catch (error) {
-      refuse(error);
-    }
-  }
-  uploads.value = uploads.peek().filter((one) => one.id !== upload.id);
-  refresh();
-  note(w("label.deleted", { n: upload.documents.length }));
+/** Delete a clip that an upload stored. */
+export async function undoImport(upload: Upload, id: string): Promise<void> {
+  await removeDocuments([id]);
+  const documents = upload.documents.filter((one) => one.id !== id);
+  change(upload.id, { documents });
+  if (!documents.length && !upload.problems.length)
+    uploads.value = uploads.peek().filter((one) => one.id !== upload.id);
 }
 
 /** Write the answer to a guess into documents. */
