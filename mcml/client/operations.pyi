@@ -84,7 +84,7 @@ from mcml_schemas.retarget import (
 )
 from mcml_schemas.revisions import Difference, FileReplaced
 from mcml_schemas.selections import CopiedDocuments, ManyChanges, ManyCopies, ManyDocuments
-from mcml_schemas.skeletons import CharacterView, SkeletonView
+from mcml_schemas.skeletons import CharacterList, CharacterView, SkeletonView
 from mcml_schemas.team.accounts import (
     AccountChange,
     AccountList,
@@ -378,7 +378,7 @@ class Operations:
         height: float | None = ...,
         in_place: bool | None = ...,
         guesses: bool | None = ...,
-        character: bool | None = ...,
+        character: str | None = ...,
         for_: str | None = ...,
         raw: bool | None = ...,
         progress: FileProgress | None = None,
@@ -414,9 +414,17 @@ class Operations:
         *,
         id: str,
         revision: int | None = ...,
+        character: str | None = ...,
         progress: FileProgress | None = None,
     ) -> CharacterView:
         """Get the body that a document is drawn with: a mesh, made to its skeleton, and its weights."""
+    def list_characters(
+        self,
+        *,
+        project: str | None = ...,
+        progress: FileProgress | None = None,
+    ) -> CharacterList:
+        """List the characters of the library: documents whose file has a mesh with a skin."""
     def get_calibration(
         self,
         *,
@@ -706,6 +714,7 @@ class Operations:
         tips: bool | None = ...,
         reduce: Literal["minmax"] | None = ...,
         pixels: int | None = ...,
+        character: str | None = ...,
         raw: bool | None = ...,
         progress: FileProgress | None = None,
     ) -> FramePage | Content:

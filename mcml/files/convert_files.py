@@ -16,6 +16,7 @@ from mcml.files.open_clip import open_clip
 from mcml.files.presets import choose_format, choose_shape, find_preset, fit_shape
 from mcml.files.reshape_clip import Reshaping, fit_height, need_stated_facts, parse_range, reshape
 from mcml.files.targets import check_character, convert_clip, part_without_frames, targets
+from mcml.files.wear_character import check_own, wear_file
 from mcml.formats import WRITERS
 from mcml.formats.format import SourceFile
 from mcml.language.elements import from_head, refresh_counts, to_head
@@ -50,7 +51,7 @@ def convert_files(
     height: float | None = None,
     in_place: bool = False,
     guesses: bool = True,
-    character: bool = False,
+    character: str | SourceFile | None = None,
     for_: str | None = None,
     stem: str = "motion",
 ) -> Iterator[Converted]:
@@ -61,7 +62,8 @@ def convert_files(
     file that holds several. rate: frames a second at which its keys are sampled. frames: FIRST-LAST, from 1. fps:
     frames a second of the result. scale: factor of all lengths. height: metres that the body stands tall in the result.
     in_place: without travel over the ground. guesses: False refuses where a format needs a unit or
-    an up axis that the files do not state. character: a body with a skin instead of bones, in glTF and USD.
+    an up axis that the files do not state. character: a body with a skin instead of bones, in glTF and USD: "own" for
+    this project's figure, or a file with a skinned mesh, on whose rig the clip is retargeted.
     """
     known, preset = targets(), None if for_ is None else find_preset(for_)
     if target is None and preset is None:
@@ -85,16 +87,22 @@ def convert_files(
         original = None if source is None else Original(source.stream)
         clip = ClipStream(head, stream.blocks, stream.frames, stream.notices, original)
         first, last = parse_range(frames)
-        target = choose_format(preset, target, character=character)
+        target = choose_format(preset, target, character=character is not None)
+        clip = reshape(clip, Reshaping(first, last))
+        if isinstance(character, SourceFile):
+            clip = wear_file(clip, character, limits)
+        elif character is not None:
+            check_own(character)
+            clip = replace(clip, character=True)
         shape = None if preset is None else choose_shape(preset, clip.head.skeleton, target)
         fps = fps or (shape.fps if shape else None)
-        clip = reshape(clip, Reshaping(first, last, in_place, fps, scale, height))
+        clip = reshape(clip, Reshaping(1, None, in_place, fps, scale, height))
         if preset is not None and shape is not None:
             target, clip = shape.format, fit_shape(clip, shape, preset, guesses=guesses)
         clip = fit_height(clip, height, guesses=guesses)
         assert target is not None
         name, part = known[target]
-        if character:
+        if character is not None:
             check_character(name)
         part = part_without_frames(name) if clip.frames == 0 and part is None else part
         if name == "mcml":
@@ -102,7 +110,7 @@ def convert_files(
             return
         if not guesses:
             need_stated_facts(clip.head, name)
-        result = replace(convert_clip(clip, name, names), character=character)
+        result = convert_clip(clip, name, names)
         parts = [item for item in WRITERS[name].parts if part is None or item.name == part]
         content = {item.extensions[0]: WRITERS[name].write(result, item.name) for item in parts}
         yield Converted(content, lambda: result.notices)

@@ -18,7 +18,7 @@ from mcml.files.gait_labels import find_exclusions, find_gait_labels, read_label
 from mcml.files.gather_files import gathered, several_motions
 from mcml.files.import_options import ImportOptions
 from mcml.files.limits import FileLimits
-from mcml.files.on_disk import Files, check_free, opened_files, paths_of, write_file
+from mcml.files.on_disk import Files, check_free, opened_character, opened_files, paths_of, write_file
 from mcml.files.open_clip import open_clip
 from mcml.files.read_numbers import Space, read_numbers
 from mcml.formats.format import SourceFile
@@ -265,6 +265,7 @@ def convert(
     to: str | None = None,
     for_: str | None = None,
     force: bool = False,
+    character: str | PathLike[str] | None = None,
     **options: Any,
 ) -> list[Path]:
     """Write a motion in another format; return the written files (two for ASF/AMC).
@@ -272,8 +273,9 @@ def convert(
     to: the format, if the name of the target does not decide it. for_: the program that reads the result, such as
     "blender": its preset decides format, unit and axes, and the ending of a name without one.
     force: replace existing files.
-    options: frame_time, encoding, unit, up, take, rate, frames, fps, scale, height, in_place, guesses, character (a
-    body with a skin, in glTF and USD), and names (of joints: mcml, bvh1, bvh2, asf or htr).
+    character: a body with a skin, in glTF and USD: "own" for this project's figure, or a file with a skinned mesh.
+    options: frame_time, encoding, unit, up, take, rate, frames, fps, scale, height, in_place, guesses, and names (of
+    joints: mcml, bvh1, bvh2, asf or htr).
     Raises Error for files that cannot be read or written, or that exist.
 
     >>> convert("walk.bvh", "walk.mcml")
@@ -283,7 +285,9 @@ def convert(
     with ExitStack() as stack:
         sources = stack.enter_context(opened_files(files))
         form = stated_format(result, to, for_)
-        converted = convert_files(sources, form, FileLimits(), for_=for_, stem=result.stem, **options)
+        body = stack.enter_context(opened_character(character))
+        options |= {"for_": for_, "stem": result.stem, "character": body}
+        converted = convert_files(sources, form, FileLimits(), **options)
         done: Converted = stack.enter_context(converted)
         paths = []
         for path, content in result_paths(result, done, form):

@@ -49,6 +49,16 @@ def opened_files(files: Files) -> Iterator[list[SourceFile]]:
         yield found
 
 
+@contextmanager
+def opened_character(named: str | PathLike[str] | None) -> Iterator[SourceFile | str | None]:
+    """The file of a character to be read; "own", the figure of this project, and None stay."""
+    if named is None or named == "own":
+        yield named if named is None else "own"
+        return
+    with opened_files(named) as (file,):
+        yield file
+
+
 def check_free(path: Path, *, force: bool = False, sources: Iterable[Path] = ()) -> None:
     """Raise ConflictError for an existing file that must not be replaced: any without force, an input file in any
     case.

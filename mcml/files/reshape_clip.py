@@ -160,4 +160,5 @@ def _resample(clip: ClipStream, fps: float) -> ClipStream:
     fields = {name: text for name, text in head.fields.items() if name != "dataframe_rate"}
     head = replace(head, frame_time=lexeme(1 / fps), fields=fields)
     original = None if clip.original is None else replace(clip.original, is_resampled=True)
-    return ClipStream(head, lambda: iter([edited.block]), len(edited.block), clip.notices, original)
+    made = edited.block
+    return replace(clip, head=head, blocks=lambda: iter([made]), frames=len(made), original=original)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import BinaryIO, Protocol, runtime_checkable
 
 from mcml.errors import ConversionError, FormatError, LimitError, McmlError, Notice, Place
+from mcml.motion.characters.rigged import RiggedCharacter
 from mcml.motion.clip import ClipHead, ClipStream
 from mcml.motion.skeleton import Convention, Skeleton
 
@@ -210,6 +211,15 @@ class TakesReader(Reader, Protocol):
 
     def takes(self, files: Mapping[str, SourceFile], options: ReadOptions) -> tuple[str, ...]:
         """The names of the motions, each unique; `ReadOptions.take` chooses one. Raises as `read` does."""
+        ...
+
+
+@runtime_checkable
+class CharacterReader(Reader, Protocol):
+    """A format whose files may hold a character: a mesh with a skin."""
+
+    def read_character(self, files: Mapping[str, SourceFile], options: ReadOptions) -> RiggedCharacter | None:
+        """The skinned meshes of the files as one, None where they have none. Raises as `read` does."""
         ...
 
 

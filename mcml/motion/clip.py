@@ -9,13 +9,16 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Any, BinaryIO, TypeAlias
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mcml.errors import Notice
 from mcml.motion.skeleton import Array, Skeleton
+
+if TYPE_CHECKING:
+    from mcml.motion.skin import Character
 
 Shape: TypeAlias = tuple[tuple[int, int], ...]
 """The sequence of frame_bones in a frame: (joint index, bits of its channels).
@@ -194,7 +197,8 @@ class ClipStream:
     frames: the number of frames if it is known before reading, else None.
     notices: guesses and repairs of the reader; complete once the blocks were read to the end.
     original: the file of its frames, for writers of the same format that take more from it.
-    character: whether writers that can (`SKINNED`) give it a body with a skin instead of bones.
+    character: whether writers that can (`SKINNED`) give it a body with a skin instead of bones: True for the own
+    figure, or the body itself, bound to the joints of the clip in its unit and axes.
     """
 
     head: ClipHead
@@ -202,7 +206,7 @@ class ClipStream:
     frames: int | None = None
     notices: list[Notice] = field(default_factory=list)
     original: Original | None = None
-    character: bool = False
+    character: bool | Character = False
 
     def with_head(self, head: ClipHead) -> ClipStream:
         return replace(self, head=head)

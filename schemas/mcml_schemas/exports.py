@@ -39,5 +39,9 @@ class ExportRequest(RequestBody):
     guesses: bool = Field(
         True, description="Guess the unit and the up axis that glTF and USD need, where a document states none"
     )
-    character: bool = Field(False, description="glb and usd: bodies with a skin instead of bones, of clips of a person")
+    character: str | None = Field(
+        None,
+        description="glb and usd: bodies with a skin instead of bones: `own`, of clips of a person; or the id of a "
+        "document with a character, on whose skeleton the motions are retargeted",
+    )
     raw: bool = Field(False, description="csv: also texts that spreadsheets take for formulas as they are")

@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from mcml_schemas.examples import DOCUMENT, shown
+from mcml_schemas.examples import DOCUMENT, PROJECT, shown
 
 Side = Literal["left", "right", "centre"]
 
@@ -146,10 +146,17 @@ class CharacterMesh(BaseModel):
     weights: list[float] = Field(description="How much it follows each of the four; together 1")
     bind_positions: list[list[float]] = Field(description="x y z of each joint in the pose that the mesh is bound in")
     bind_rotations: list[list[float]] = Field(description="Its rotation from the rest pose in the world, x y z w")
+    colours: list[int] | None = Field(
+        None, description="Red, green and blue of each vertex, 0 to 255 of sRGB; None: it has none of its own"
+    )
 
 
 class CharacterView(BaseModel):
-    """The body that a document is drawn with, or why it has none."""
+    """The body that a document is drawn with, or why it has none.
+
+    A `character` of the library moves on its own skeleton: joints of its mesh are those of `document`, in its unit and
+    axes. `GET /documents/{id}/frames` with the same `character` has their positions and rotations in each frame.
+    """
 
     model_config = ConfigDict(
         json_schema_extra=shown(
@@ -164,3 +171,38 @@ class CharacterView(BaseModel):
     mesh: CharacterMesh | None = Field(None, description="None where joints that it needs are not recognised")
     reason: str | None = Field(None, description="Why there is no mesh")
     remedy: str | None = Field(None, description="How to get one")
+    document: str | None = Field(None, description="The document of the character; None: the body of this project")
+    revision: int | None = Field(None, description="Its revision")
+    scale: float | None = Field(
+        None, description="Lengths of the character in those of the document: divide by it to draw both together"
+    )
+    notes: list[str] = Field(
+        [], description="Parts of the file that are left out, and limits of the retargeting, as text"
+    )
+
+
+class CharacterInfo(BaseModel):
+    """A document whose uploaded file has a mesh with a skin."""
+
+    document: str
+    name: str
+    project: str
+    vertices: int = Field(description="Of all skinned meshes in the file")
+
+
+class CharacterList(BaseModel):
+    """Characters that clips can be shown on and exported with."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {
+                "items": [{"document": DOCUMENT, "name": "avatar", "project": PROJECT, "vertices": 18240}],
+                "unread": 0,
+            }
+        )
+    )
+
+    items: list[CharacterInfo]
+    unread: int = Field(
+        description="Files imported by an earlier version that nobody has looked into yet: each answer looks into some"
+    )

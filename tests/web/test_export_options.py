@@ -65,7 +65,7 @@ def test_a_clip_is_exported_with_a_body(visit: Visit, studio: Served, tmp_path: 
     expect(with_body).to_have_count(0)
     dialog.get_by_label("Program or format").select_option(label="For Blender")
     with_body.check()
-    expect(dialog.get_by_text("--for blender --character")).to_be_visible()
+    expect(dialog.get_by_text("--for blender --character own")).to_be_visible()
     with page.expect_download() as saved:
         dialog.get_by_role("button", name="Export").click()
     expect(dialog.get_by_text("Saved steps.glb")).to_be_visible()

@@ -71,7 +71,7 @@ class Document:
 
     def read(self, number: object, width: int) -> Array:
         """(count, width) the numbers of an accessor; normalised integers as fractions. FormatError."""
-        accessor = self._item("accessors", number)
+        accessor = self.item("accessors", number)
         kind, component = accessor.get("type"), accessor.get("componentType")
         if _TYPES.get(kind if isinstance(kind, str) else "") != width or component not in _NUMBERS:
             raise FormatError(f"accessor {number} is a {kind}, not {width} numbers", remedy=DAMAGED)
@@ -107,7 +107,7 @@ class Document:
         return changed
 
     def _view(self, number: object, offset: object, dtype: np.dtype[Any], count: int, width: int) -> Any:
-        view = self._item("bufferViews", number)
+        view = self.item("bufferViews", number)
         if "EXT_meshopt_compression" in _get(view, "extensions", dict):
             raise UnsupportedError(
                 "the animation is compressed (EXT_meshopt_compression)", remedy="Save it without compression."
@@ -127,7 +127,7 @@ class Document:
 
     def _buffer(self, number: int) -> bytes:
         if number not in self._buffers:
-            buffer = self._item("buffers", number)
+            buffer = self.item("buffers", number)
             self._buffers[number] = self._load(buffer.get("uri"), number)
         return self._buffers[number]
 
@@ -149,7 +149,13 @@ class Document:
             )
         return found
 
-    def _item(self, name: str, number: object) -> dict[str, Any]:
+    def bytes_of(self, view: object) -> bytes:
+        """The bytes of a buffer view. FormatError."""
+        length = as_number(self.item("bufferViews", view).get("byteLength"), "byteLength")
+        return bytes(self._view(view, 0, np.dtype("u1"), length, 1))
+
+    def item(self, name: str, number: object) -> dict[str, Any]:
+        """The object at a place of a list at the top level. FormatError where there is none."""
         items, place = self.items(name), as_number(number, name)
         if place >= len(items):
             raise FormatError(f"there is no {name}[{place}]", remedy=DAMAGED)

@@ -37,7 +37,7 @@ _POSES = 200
 class Body:
     """points: (V, 3) in the source's unit and axes. faces: (T, 3). joints, weights: (V, k) of the joints that carry
     each. normals: (V, 3), None for flat faces. places: (J, 3), turns: (J, 4) from rest, of the joints in the pose of
-    the points."""
+    the points. colours: (V, 3) of sRGB, None for one colour."""
 
     points: Array
     faces: NDArray[np.int64]
@@ -46,11 +46,17 @@ class Body:
     normals: Array | None
     places: Array
     turns: Array
+    colours: NDArray[np.uint8] | None = None
 
 
 def body_of(stage: Stage) -> Body:
-    """The body of a clip: the figure if it was asked for, else the simple one. Raises ConversionError for a figure of
-    clips that are not of a person."""
+    """The body of a clip: its character, the figure if it was asked for, else the simple one. Raises ConversionError
+    for a figure of clips that are not of a person."""
+    if not isinstance(stage.character, bool):
+        made = stage.character
+        return Body(
+            made.points, made.faces, made.joints, made.weights, made.normals, made.places, made.turns, made.colours
+        )  # fmt: skip
     return _figure(stage) if stage.character else _bones(stage)
 
 

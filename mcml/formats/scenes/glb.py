@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.errors import ConversionError, UnsupportedError
+from mcml.formats.colours import to_linear
 from mcml.formats.format import FileKind
 from mcml.formats.scenes.body import Body, body_of
 from mcml.formats.scenes.stage import Stage, look_through, turn_to_y
@@ -194,9 +195,12 @@ def _add_body(model: GLTF2, stage: Stage, body: Body, content: _Content) -> None
     )
     if body.normals is not None:
         attributes.NORMAL = _add_array(model, content, body.normals @ turn.T, _FLOAT, "VEC3", _VERTICES)
+    if body.colours is not None:
+        attributes.COLOR_0 = _add_array(model, content, to_linear(body.colours), _FLOAT, "VEC3", _VERTICES)
+    colour = _COLOUR if body.colours is None else [1.0, 1.0, 1.0, 1.0]
     # Columns one after the other.
     matrices = _add_array(model, content, back.transpose(0, 2, 1).reshape(-1, 16), _FLOAT, "MAT4", None)
-    shine = gltf.PbrMetallicRoughness(baseColorFactor=_COLOUR, metallicFactor=0.0, roughnessFactor=0.7)
+    shine = gltf.PbrMetallicRoughness(baseColorFactor=colour, metallicFactor=0.0, roughnessFactor=0.7)
     model.materials = [gltf.Material(name="body", pbrMetallicRoughness=shine)]
     model.meshes = [
         gltf.Mesh(name="body", primitives=[gltf.Primitive(attributes=attributes, indices=indices, material=0)])

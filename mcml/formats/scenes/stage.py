@@ -19,6 +19,7 @@ from mcml.motion.guesses import stated_up
 from mcml.motion.hub import HubReader, Rest, walked
 from mcml.motion.rotations import multiply
 from mcml.motion.skeleton import Array, Convention, Skeleton
+from mcml.motion.skin import Character
 from mcml.motion.units import metres_of, reading_of
 
 LARGEST = float(np.finfo(np.float32).max)
@@ -35,7 +36,7 @@ class Stage:
 
     metres: of a unit of length, up: "Y", "-Z" …; as stated, else a guess that a notice names, else None. seconds: of a
     frame. moving, turning: (J,) joints that leave their rest. size: the largest extent of the first frame, or of the
-    rest pose. character: whether a body with a skin is asked for.
+    rest pose. character: whether a body with a skin is asked for: the own figure, or the body itself.
     """
 
     clip: ClipStream
@@ -48,7 +49,7 @@ class Stage:
     moving: NDArray[np.bool_]
     turning: NDArray[np.bool_]
     size: float
-    character: bool = False
+    character: bool | Character = False
 
     @property
     def skeleton(self) -> Skeleton:
@@ -94,7 +95,6 @@ def look_through(clip: ClipStream, title: str, taken_for: str) -> Stage:
     title: of the format. taken_for: the unit that readers of the format assume. Raises ConversionError for numbers
     beyond single precision. Adds notices for a missing unit or axis.
     """
-    character = clip.character
     clip = with_scale_factor(clip)
     head, notices = clip.head, clip.notices
     metres, up = metres_of(head), stated_up(head)
@@ -125,7 +125,7 @@ def look_through(clip: ClipStream, title: str, taken_for: str) -> Stage:
     size = float(np.ptp(places, axis=0).max()) if len(places) else 0.0
     metres = guess_unit(head, places, notices, taken_for) if metres is None else metres
     up = guess_up(head, places, notices, title) if up is None else up
-    return replace(stage, size=size if 0 < size < LARGEST else 1.0, metres=metres, up=up, character=character)
+    return replace(stage, size=size if 0 < size < LARGEST else 1.0, metres=metres, up=up, character=clip.character)
 
 
 def _rest(

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from mcml.errors import ConversionError, UnsupportedError
+from mcml.formats.colours import to_linear
 from mcml.formats.format import FileKind
 from mcml.formats.scenes.body import Body, body_of
 from mcml.formats.scenes.stage import Stage, look_through, turn_to_y
@@ -163,7 +164,11 @@ def _add_body(stage: Any, bones: Any, body: Body) -> None:
     mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(body.faces.astype(np.int32).reshape(-1)))
     mesh.CreateSubdivisionSchemeAttr("none")
     mesh.CreateExtentAttr(Vt.Vec3fArray.FromNumpy(np.stack([points.min(axis=0), points.max(axis=0)])))
-    mesh.CreateDisplayColorAttr([Gf.Vec3f(0.36, 0.55, 0.78)])
+    if body.colours is None:
+        mesh.CreateDisplayColorAttr([Gf.Vec3f(0.36, 0.55, 0.78)])
+    else:
+        colours = Vt.Vec3fArray.FromNumpy(to_linear(body.colours).astype(np.float32))
+        mesh.CreateDisplayColorPrimvar(UsdGeom.Tokens.vertex).Set(colours)
     binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
     binding.CreateSkeletonRel().SetTargets([bones.GetPath()])
     width = body.joints.shape[1]

@@ -7,10 +7,8 @@ adults (NASA-STD-3000 volume I, 1995, section 3; Winter 2009, figure 4.1). Bones
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mcml.errors import ConversionError
 from mcml.motion.anatomy.axes import Stance
@@ -20,8 +18,9 @@ from mcml.motion.characters.measures import SIDES, Person, check_joints, measure
 from mcml.motion.characters.surfaces import Drive, Line, Rings, Surface, axes_along, join, make_surface, vertex_normals
 from mcml.motion.clip import Reference
 from mcml.motion.hub import Rest, rest_of
-from mcml.motion.rotations import inverse, multiply, rotate, to_matrix
+from mcml.motion.rotations import rotate
 from mcml.motion.skeleton import Array, Skeleton
+from mcml.motion.skin import Character
 from mcml.motion.units import Reading
 
 _LEG = (
@@ -65,38 +64,6 @@ _ABOVE_SHOULDERS = 0.062
 _NECK = 0.0315, 0.0335
 _SHORT = 0.42
 """Part of the shorter bone at a joint, on either side, whose weights change from one bone to the next at most."""
-
-
-@dataclass(frozen=True, eq=False)
-class Character:
-    """A body with a skin, in a pose of a skeleton: the pose that it is bound in.
-
-    points, normals: (V, 3) in the clip's unit and axes. faces: (T, 3), counterclockwise from outside. joints: (V, 4),
-    weights: (V, 4) of the joints that each vertex follows, with the sum 1. places: (J, 3), turns: (J, 4) from rest, of
-    the joints in that pose.
-    """
-
-    points: Array
-    normals: Array
-    faces: NDArray[np.int64]
-    joints: NDArray[np.int64]
-    weights: Array
-    places: Array
-    turns: Array
-
-    def move(self, positions: Array, rotations: Array) -> Array:
-        """(n, V, 3) the vertices in other poses, by linear blend skinning (Magnenat-Thalmann et al. 1988).
-
-        positions: (n, J, 3), rotations: (n, J, 4) from rest, of the joints in the world.
-        """
-        turned = to_matrix(multiply(rotations, inverse(self.turns)))
-        found = np.zeros((len(positions), len(self.points), 3))
-        for slot in range(self.joints.shape[1]):
-            joints = self.joints[:, slot]
-            local = self.points - self.places[joints]
-            moved = positions[:, joints] + np.einsum("nvij,vj->nvi", turned[:, joints], local)
-            found += self.weights[:, slot, None] * moved
-        return found
 
 
 def bind_character(skeleton: Skeleton, reading: Reading, reference: Reference) -> Character:

@@ -57,7 +57,8 @@ def scale(clip: ClipStream, factor: float, unit: str | None = None) -> ClipStrea
             yield replace(block, values=block.values * np.where(lengths, factor, 1.0))
 
     original = None if clip.original is None else clip.original.scale(factor, resizes=unit is None)
-    return within_doubles(replace(clip, head=head, blocks=blocks, original=original))
+    character = clip.character if isinstance(clip.character, bool) else clip.character.scale(factor)
+    return within_doubles(replace(clip, head=head, blocks=blocks, original=original, character=character))
 
 
 def _without_measures(properties: Properties, notices: list[Notice]) -> Properties:
@@ -119,7 +120,8 @@ def turn_axis(clip: ClipStream, start: str, end: str) -> ClipStream:
     head = replace(head, skeleton=skeleton, properties=properties, number_style="shortest")
     head = replace_plates(head, turn.points(kept_plates(head)))
     original = None if clip.original is None else clip.original.turn(turn.target, turn.sign)
-    return replace(clip, head=head, blocks=blocks, original=original)
+    character = clip.character if isinstance(clip.character, bool) else clip.character.turn(turn.rotation)
+    return replace(clip, head=head, blocks=blocks, original=original, character=character)
 
 
 class _Turn:

@@ -58,7 +58,9 @@ def export(
     height: Annotated[float | None, typer.Option(help="Scale so that the body stands this many metres tall")] = None,
     in_place: Annotated[bool, typer.Option("--in-place", help="Without travel over the ground")] = False,
     guesses: Annotated[bool, typer.Option(help="Guess a unit and an up axis that the format needs")] = True,
-    character: Annotated[bool, typer.Option("--character", help="glTF and USD: a body with a skin, not bones")] = False,
+    character: Annotated[
+        str | None, typer.Option(help="glTF and USD: a body instead of bones: own, or a document with a character")
+    ] = None,
     raw: RawOption = False,
     original: Annotated[bool, typer.Option(help="The kept bytes of documents that were not edited")] = True,
     revision: Annotated[int | None, typer.Option(min=1, help="As this revision left it")] = None,
@@ -69,6 +71,9 @@ def export(
     write_to_the_end()
     client = open_client(database, server)
     documents = resolve_documents(client, ids, project, motion_name, xpath)
+    if character not in (None, "own"):
+        (found,) = resolve_documents(client, [character], None, None, None)
+        character = found.id
     written: set[Path] = set()
     stated: dict[str, Any] = {"first": first, "last": last, "names": names, "unit": unit, "up": up}
     stated |= {

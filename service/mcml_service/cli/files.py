@@ -11,7 +11,7 @@ import typer
 from mcml.errors import McmlError
 from mcml.files.convert_files import convert_files, result_paths, stated_format
 from mcml.files.import_options import ImportOptions
-from mcml.files.on_disk import check_free, opened_files, write_file
+from mcml.files.on_disk import check_free, opened_character, opened_files, write_file
 from mcml_service.actions.reading.inspect_files import inspect_files
 from mcml_service.cli.terminal.opening import ForceOption, ForOption, JsonOption, choose_settings, console, print_json
 
@@ -34,7 +34,9 @@ def convert(
     height: Annotated[float | None, typer.Option(help="Scale so that the body stands this many metres tall")] = None,
     in_place: Annotated[bool, typer.Option("--in-place", help="Without travel over the ground")] = False,
     guesses: Annotated[bool, typer.Option(help="Guess a unit and an up axis that the format needs")] = True,
-    character: Annotated[bool, typer.Option("--character", help="glTF and USD: a body with a skin, not bones")] = False,
+    character: Annotated[
+        str | None, typer.Option(help="glTF and USD: a body instead of bones: own, or a file with a skinned mesh")
+    ] = None,
     force: ForceOption = False,
     quiet: Annotated[bool, typer.Option(help="Do not print what was guessed or lost")] = False,
 ) -> None:
@@ -63,7 +65,7 @@ def convert(
             height=height,
             in_place=in_place,
             guesses=guesses,
-            character=character,
+            character=stack.enter_context(opened_character(character)),
             for_=for_,
             stem=result.stem,
         )

@@ -47,6 +47,10 @@ Raw = Annotated[
     bool, Field(description="CSV: also texts that spreadsheets take for formulas as they are, without an apostrophe")
 ]
 Fps = Annotated[float | None, Field(gt=0, le=10_000, description="Frames a second of the result", examples=[30])]
+CharacterId = Annotated[
+    str | None,
+    Field(description="Id of a document with a character: a file with a skinned mesh", examples=[DOCUMENT]),
+]
 Scale = Annotated[
     float | None, Field(gt=0, le=1e9, description="Factor of all lengths: the body becomes another size", examples=[1])
 ]

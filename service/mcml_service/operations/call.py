@@ -16,6 +16,7 @@ from mcml_service.storage.transaction import Transaction
 if TYPE_CHECKING:
     from mcml_schemas.querying.examples import QueryExamples
     from mcml_service.actions.analysing.use_result import Results
+    from mcml_service.actions.exporting.wear_character import MovedClips
     from mcml_service.actions.importing.encode_clip import Progress
     from mcml_service.actions.importing.import_pool import ImportPool
     from mcml_service.listing.register import Register
@@ -72,6 +73,13 @@ class Repository:
         from mcml_service.xpath.library.cache import Cache
 
         return Cache(MOST_EXAMPLES, lambda _: 1)
+
+    @cached_property
+    def moved(self) -> MovedClips:
+        """Documents on the rigs of characters."""
+        from mcml_service.actions.exporting.wear_character import MovedClips
+
+        return MovedClips()
 
     @cached_property
     def results(self) -> Results:

@@ -108,8 +108,13 @@ def export_document(
     ] = False,
     guesses: Guesses = True,
     character: Annotated[
-        bool, Field(description="glb and usd: a body with a skin instead of bones, of clips of a person")
-    ] = False,
+        str | None,
+        Field(
+            description="glb and usd: a body with a skin instead of bones: `own`, of clips of a person; or the id of a "
+            "document with a character, on whose skeleton the motion is retargeted",
+            examples=["own"],
+        ),
+    ] = None,
     for_: Annotated[
         str | None,
         Field(
@@ -157,10 +162,11 @@ def _find_preset(name: str | None, format: str | None) -> Preset | None:
 
 
 def _content(call: Call, uuid: str, revision: int | None, options: ExportOptions) -> Content:
-    then, stored = at_revision(call.read(), uuid, revision)
+    newest = call.read()
+    then, stored = at_revision(newest, uuid, revision)
     if options.whole and not options.pretty:
         call.set_tag(tag(stored, f"{options.format}{'-raw' * options.raw}"))
-    export = exported(then, stored, options)
+    export = exported(then, stored, options, newest)
     # A conversion reads the whole motion before its first block, and then reports losses.
     content = chain((next(export.content, b""),), export.content)
     return Content(content, export.media_type, export.file_name, export.size, notices=export.notices)

@@ -11,13 +11,15 @@ from mcml.answers import Content
 from mcml.errors import NotFoundError
 from mcml_schemas.bodies import Calibration, CalibrationChange
 from mcml_schemas.measurements import MeasurementFacts, MeasurementList
-from mcml_schemas.skeletons import CharacterView, SkeletonView
+from mcml_schemas.skeletons import CharacterList, CharacterView, SkeletonView
 from mcml_service.operations.arguments import (
     MOST,
     AtRevision,
+    CharacterId,
     DocumentId,
     First,
     IfMatch,
+    InProject,
     Last,
     Raw,
     at_revision,
@@ -53,18 +55,37 @@ def get_skeleton(call: Call, id: DocumentId, revision: AtRevision = None) -> Ske
         return describe_skeleton(then, stored)
 
 
-def get_character(call: Call, id: DocumentId, revision: AtRevision = None) -> CharacterView:
-    """The mesh is this project's own figure, to the lengths of the skeleton's bones (docs/characters.md).
+def get_character(
+    call: Call, id: DocumentId, revision: AtRevision = None, character: CharacterId = None
+) -> CharacterView:
+    """Without `character` the mesh is this project's own figure, to the lengths of the skeleton's bones.
 
-    A document without the joints of a person has none, and the answer has the reason. With a `revision` the answer
-    never changes and can be cached.
+    With it, it is the mesh of that document's file, on whose skeleton the motion is retargeted (docs/characters.md).
+    A document that moves no such body has no mesh, and the answer has the reason. With a `revision` and without
+    `character` the answer never changes and can be cached.
     """
+    from mcml_service.actions.exporting.wear_character import At, describe_worn
     from mcml_service.actions.reading.describe_character import describe_character
 
     with call.database.read() as tx:
         then, stored = at_revision(tx, id, revision)
-        call.set_tag(tag(stored, "character"), lasting=revision is not None)
-        return describe_character(then, stored)
+        if character is None:
+            call.set_tag(tag(stored, "character"), lasting=revision is not None)
+            return describe_character(then, stored)
+        worn = At(tx, tx.documents.get(character))
+        call.set_tag(tag(stored, f"character-{worn.stored.uuid}-{worn.stored.revision}"))
+        return describe_worn(At(then, stored), worn, call.repository.moved)
+
+
+def list_characters(call: Call, project: InProject = None) -> CharacterList:
+    """A file is a character if it has a mesh with a skin: GLB, glTF, VRM. Files with several takes are listed once."""
+    from mcml_service.actions.reading import list_characters as listing
+
+    with call.database.read() as tx:
+        key = None if project is None else tx.projects.get(project)
+        found, looked = listing.list_characters(tx, key)
+    call.held.callback(listing.keep_vertices, call.database, looked)
+    return found
 
 
 def get_calibration(call: Call, id: DocumentId, revision: AtRevision = None) -> Calibration:

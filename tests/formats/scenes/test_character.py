@@ -135,7 +135,7 @@ def test_usd_moves_it_too(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", REAL)
 def test_real_rigs_are_exported_with_a_body(shared: Path, name: str, tmp_path: Path) -> None:
     target = tmp_path / "clip.glb"
-    mcml.convert(shared / name, target, character=True, frames="1-20")
+    mcml.convert(shared / name, target, character="own", frames="1-20")
     scene = read_glb(target.read_bytes())
     body, joints = scene.body(), scene.positions()
     assert len(body) == 20
@@ -149,7 +149,7 @@ def test_real_rigs_are_exported_with_a_body(shared: Path, name: str, tmp_path: P
 def test_a_preset_whose_format_holds_none_becomes_gltf(tmp_path: Path) -> None:
     source = tmp_path / "walk.bvh"
     source.write_bytes(person(1, 4))
-    (path,) = mcml.convert(source, tmp_path / "walk", for_="blender", character=True)
+    (path,) = mcml.convert(source, tmp_path / "walk", for_="blender", character="own")
     assert path.suffix == ".glb"
     with pytest.raises(UnsupportedError, match="BVH holds no body with a skin"):
-        mcml.convert(source, tmp_path / "walk2.bvh", character=True)
+        mcml.convert(source, tmp_path / "walk2.bvh", character="own")

@@ -7,10 +7,10 @@ from collections import Counter
 import numpy as np
 from numpy.typing import NDArray
 
-from mcml.motion.characters.figure import Character
 from mcml.motion.hub import rest_of
 from mcml.motion.rotations import rotate
 from mcml.motion.skeleton import Array, Skeleton
+from mcml.motion.skin import Character
 
 SIDES = ("left", "right")
 LIMBS = {"arm": ("up_arm", "low_arm"), "leg": ("up_leg", "low_leg", "foot")}

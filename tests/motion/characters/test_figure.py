@@ -13,11 +13,12 @@ from scipy.spatial.transform import Rotation
 import mcml
 from mcml.errors import ConversionError
 from mcml.motion.bodies.clip_body import calibrate_clip
-from mcml.motion.characters.figure import Character, bind_character
+from mcml.motion.characters.figure import bind_character
 from mcml.motion.kinematics import Walker, rest_positions
 from mcml.motion.pictures.figures import axis_of
 from mcml.motion.rotations import multiply
 from mcml.motion.skeleton import Array, Skeleton
+from mcml.motion.skin import Character
 from mcml.motion.units import DEGREES, reading_of
 from tests import fuzz
 from tests.formats.scenes.clips import CLIPS

@@ -18,10 +18,11 @@ from mcml.motion.edits.splicing import Placement
 from mcml.motion.frames import eased, joined, rows_of
 from mcml.motion.guesses import stated_up
 from mcml.motion.pictures.figures import axis_of
+from mcml.motion.retargeting.move_character import with_body
 from mcml_schemas.compose import Composed, ComposedSeam, ComposedSegment, ComposeRequest, Layer, Segment
 from mcml_schemas.querying.queries import QueryRequest, RunItem
 from mcml_service.actions.checking.check_timed import seconds_of
-from mcml_service.actions.composing.fit_skeleton import JointMapping, fit, with_body
+from mcml_service.actions.composing.fit_skeleton import JointMapping, fit
 from mcml_service.actions.composing.keep_mapping import mapping_of
 from mcml_service.actions.editing.motion_processing import Whole, read_whole
 from mcml_service.actions.importing.store_clip import store_stream

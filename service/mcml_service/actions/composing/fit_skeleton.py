@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from mcml.errors import DocumentError
-from mcml.motion.clip import ClipHead, ClipStream, FrameBlock
+from mcml.motion.clip import ClipStream, FrameBlock
 from mcml.motion.conventions.resizing import scale, turn_up
 from mcml.motion.frames import joined
 from mcml.motion.retargeting.bone_mapping import Match, suggest_matches
@@ -14,19 +14,6 @@ from mcml.motion.skeleton import Convention, Skeleton
 from mcml.motion.units import metres_of
 from mcml_schemas.retarget import JointPair
 from mcml_service.actions.editing.motion_processing import Whole
-
-_OF_BODY = (
-    "skeleton_name",
-    "calibration_unit",
-    "global_axis_of_gravity",
-    "bone_length_axis",
-    "units_angle",
-    "units_mass",
-    "units_length",
-    "scale_factor",
-    "euler_rotation_order",
-)
-"""Fields of a header that define the meaning of the skeleton's numbers."""
 
 
 @dataclass(frozen=True)
@@ -118,13 +105,6 @@ def match_joints(source: Skeleton, target: Skeleton, mapping: JointMapping | Non
             key = source.names.index(pair.source), target.names.index(pair.target)
             matches.append(suggested.get(key) or Match(*key, 1.0, "you said so"))
     return tuple(matches)
-
-
-def with_body(head: ClipHead, body: ClipHead) -> ClipHead:
-    """Return a header with the skeleton of another, and its units, axes and conventions."""
-    fields = {name: text for name, text in head.fields.items() if name not in (*_OF_BODY, "num_frames", "num_segments")}
-    fields |= {name: text for name, text in body.fields.items() if name in _OF_BODY}
-    return replace(head, format=body.format, skeleton=body.skeleton, fields=fields, sources=body.sources)
 
 
 def are_markers(skeleton: Skeleton) -> bool:

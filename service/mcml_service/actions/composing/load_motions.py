@@ -13,11 +13,12 @@ from mcml.errors import DocumentError
 from mcml.motion.clip import ClipStream, FrameBlock
 from mcml.motion.conventions.convert import convert
 from mcml.motion.hub import HubReader
+from mcml.motion.retargeting.move_character import with_body
 from mcml.motion.retargeting.retarget import retarget
 from mcml.motion.skeleton import Convention, Skeleton
 from mcml.motion.units import metres_of, reading_of
 from mcml_service.actions.checking.check_timed import seconds_of
-from mcml_service.actions.composing.fit_skeleton import are_markers, match_joints, upright, with_body
+from mcml_service.actions.composing.fit_skeleton import are_markers, match_joints, upright
 from mcml_service.actions.editing.motion_processing import Whole, read_whole
 from mcml_service.analysis.interface import Motion, Progress, silent
 from mcml_service.clips.read_clip import read_clip

@@ -12,6 +12,7 @@ from mcml.errors import DocumentError, McmlError
 from mcml.motion.clip import ClipStream
 from mcml.motion.hub_writer import HubWriter
 from mcml.motion.retargeting.limits import Limits, file_limits
+from mcml.motion.retargeting.move_character import with_body
 from mcml.motion.retargeting.report import RetargetReport
 from mcml.motion.retargeting.retarget import retarget
 from mcml.motion.skeleton import Array
@@ -26,7 +27,7 @@ from mcml_schemas.retarget import (
 from mcml_service.actions.checking.check_timed import seconds_of
 from mcml_service.actions.checking.describe_problem import problem_of
 from mcml_service.actions.composing.describe_retargeting import describe_retargeted
-from mcml_service.actions.composing.fit_skeleton import JointMapping, are_markers, match_joints, upright, with_body
+from mcml_service.actions.composing.fit_skeleton import JointMapping, are_markers, match_joints, upright
 from mcml_service.actions.composing.keep_mapping import mapping_of
 from mcml_service.actions.composing.select_documents import select_documents
 from mcml_service.actions.editing.motion_processing import Whole, read_whole

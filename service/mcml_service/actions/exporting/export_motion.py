@@ -18,6 +18,7 @@ from mcml.files.check_names import check_frame_time
 from mcml.files.presets import Preset, choose_format, choose_shape, fit_shape
 from mcml.files.reshape_clip import Reshaping, fit_height, need_stated_facts, reshape
 from mcml.files.targets import check_character, convert_clip, find_target, part_without_frames
+from mcml.files.wear_character import OWN
 from mcml.formats import FORMATS, READERS, WRITERS
 from mcml.formats.format import SourceFile, note
 from mcml.formats.measurements import has_capture_numbers
@@ -27,6 +28,7 @@ from mcml.motion.clip import ClipStream, Original
 from mcml.motion.conventions.convert import scale, turn_up
 from mcml.motion.skeleton import CHANNELS
 from mcml.motion.units import metres_per_unit
+from mcml_service.actions.exporting.wear_character import At, wear_stored
 from mcml_service.cells import safe_cell
 from mcml_service.clips.bodies import read_bodies
 from mcml_service.clips.read_clip import StoredClip, read_clip
@@ -52,7 +54,7 @@ class ExportOptions:
     where a format needs a unit or an up axis that the document does not state. frame_time: seconds of a frame, for a
     document that does not state them. original: False writes the file from the elements even where the kept bytes would
     do. raw: CSV has also texts that spreadsheets take for formulas as they are. character: a body with a skin instead
-    of bones, in glTF and USD.
+    of bones, in glTF and USD: "own" for this project's figure, or the id of a document with a character.
     """
 
     format: str | None
@@ -70,7 +72,7 @@ class ExportOptions:
     height: float | None = None
     in_place: bool = False
     guesses: bool = True
-    character: bool = False
+    character: str | None = None
     preset: Preset | None = None
 
     @property
@@ -98,20 +100,23 @@ class Export:
     size: int | None = None
 
 
-def export_document(tx: Transaction, stored: StoredDocument, options: ExportOptions) -> Export:
+def export_document(
+    tx: Transaction, stored: StoredDocument, options: ExportOptions, newest: Transaction | None = None
+) -> Export:
     """The document as one file (several parts: a zip). Lives as long as the transaction.
 
-    Raises UnsupportedError for an unknown format, ConversionError where the format cannot hold the motion.
+    newest: to read a character with, where `tx` reads an older revision. Raises UnsupportedError for an unknown format,
+    ConversionError where the format cannot hold the motion.
     """
     if options.preset is not None:
         skeleton = read_clip(tx, stored).clip.head.skeleton
-        stated = choose_format(options.preset, options.format, character=options.character)
+        stated = choose_format(options.preset, options.format, character=options.character is not None)
         shape = choose_shape(options.preset, skeleton, stated)
         options = replace(options, format=shape.format, fps=options.fps or shape.fps)
     if options.format == ORIGINAL:
         return _export_original(tx, stored)
     name, part = find_target(options.format or "")
-    if options.character:
+    if options.character is not None:
         check_character(name)
     part = part_without_frames(name) if stored.frames == 0 and part is None else part
     stem = file_stem(stored.name)
@@ -123,9 +128,15 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
     source = _add_frame_time(read_clip(tx, stored, first=options.first, last=options.last), options.frame_time)
     if name in WITH_ORIGINAL and has_capture_numbers(source.clip.head):
         source = replace(source, clip=_add_original(tx, stored, source.clip))
+    if options.character not in (None, OWN):
+        readable = newest or tx
+        character = readable.documents.get(options.character)
+        source = wear_stored(At(tx, stored), source, At(readable, character))
+    elif options.character == OWN:
+        source = replace(source, clip=replace(source.clip, character=True))
     if options.reshaping != Reshaping():
         up = None
-        if options.in_place:
+        if options.in_place and options.character in (None, OWN):
             up = read_bodies(tx, tx.columns.documents([stored.key]))[stored.key].calibration.up
         clip = reshape(source.clip, options.reshaping, up)
         if name in ("mcml", "csv"):
@@ -143,7 +154,7 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
             "text/csv; charset=utf-8",
             _csv(source, _columns(tx, source), str if options.raw else safe_cell),
         )
-    clip = replace(_convert(source, name, options), character=options.character)
+    clip = _convert(source, name, options)
     if name in WITH_REFERENCE:
         start = read_bodies(tx, tx.columns.documents([stored.key]))[stored.key].calibration.start
         clip = clip.with_head(replace(clip.head, reference=start))

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from mcml.errors import NotFoundError, Place
 from mcml.files.check_names import file_name
 from mcml.formats.format import SourceFile
-from mcml_service.storage.documents.uploads import BLOCK_BYTES, compress_block
+from mcml.formats.gltf.meshes import count_vertices
+from mcml_service.storage.documents.uploads import BLOCK_BYTES, CHARACTERS, compress_block
 from mcml_service.storage.transaction import Transaction
 
 EARLY_BYTES = 64 << 20
@@ -43,7 +44,8 @@ class Upload:
 
     blocks: compressed, waiting for the last transaction; None where the store had its bytes already.
     early: blocks that are compressed while the motion is read, for files whose blocks all fit in memory.
-    digest: waits for the SHA-256 of the file, which is taken meanwhile too.
+    digest: waits for the SHA-256 of the file, which is taken meanwhile too. vertices: of its skinned meshes, None
+    where nobody has looked.
     """
 
     part: str
@@ -54,6 +56,7 @@ class Upload:
     blocks: list[bytes] | None = None
     key: int | None = None
     written: int = 0
+    vertices: Callable[[], int | None] = lambda: None
 
     @classmethod
     def begin(cls, part: str, file: SourceFile, executor: ThreadPoolExecutor) -> Upload:
@@ -64,12 +67,19 @@ class Upload:
             return cls(part, file, size, [], lambda: sha256)
         blocks = list(_blocks_of(file))
         early = [executor.submit(compress_block, block) for block in blocks]
-        return cls(part, file, size, early, executor.submit(_digest_of, blocks).result)
+        made = cls(part, file, size, early, executor.submit(_digest_of, blocks).result)
+        if part.partition("#")[0] == CHARACTERS:
+            made.vertices = executor.submit(count_vertices, b"".join(blocks)).result
+        return made
 
     @classmethod
     def of_packed(cls, file: SourceFile, made: PackedFile) -> Upload:
         """A file that was compressed elsewhere."""
-        return cls(made.part, file, made.size, [], lambda: made.sha256, made.blocks)
+        upload = cls(made.part, file, made.size, [], lambda: made.sha256, made.blocks)
+        if made.part.partition("#")[0] == CHARACTERS:
+            vertices = count_vertices(b"".join(_blocks_of(file)))
+            upload.vertices = lambda: vertices
+        return upload
 
     @property
     def sha256(self) -> str:
@@ -119,6 +129,9 @@ class Upload:
             self.add(tx, self.blocks)
             tx.uploads.complete(key)
         tx.uploads.attach(document_key, self.part, self.file_name, key)
+        vertices = self.vertices()
+        if vertices is not None:
+            tx.uploads.set_vertices(key, vertices)
         return False
 
     def abandon(self, tx: Transaction) -> None:

@@ -6,7 +6,8 @@ import numpy as np
 
 from mcml.errors import ConversionError
 from mcml.language.elements import to_head
-from mcml.motion.characters.figure import Character, bind_character
+from mcml.motion.characters.figure import bind_character
+from mcml.motion.skin import Character
 from mcml.motion.units import reading_of
 from mcml_schemas.skeletons import CharacterMesh, CharacterView
 from mcml_service.clips.bodies import read_bodies
@@ -42,4 +43,5 @@ def describe_mesh(made: Character) -> CharacterMesh:
         weights=np.round(weights, _WEIGHT_DECIMALS).ravel().tolist(),
         bind_positions=made.places.tolist(),
         bind_rotations=made.turns.tolist(),
+        colours=None if made.colours is None else made.colours.ravel().tolist(),
     )

@@ -23,6 +23,7 @@ from mcml.motion.skeleton import CHANNELS, Array
 from mcml_schemas.documents import FramePage, FrameRow
 from mcml_schemas.frames import FrameForm, FramesEdited, FrameValues
 from mcml_service.actions.editing import frame_ranges
+from mcml_service.actions.exporting.wear_character import At
 from mcml_service.actions.exporting.write_tables import (
     TABLES,
     TYPES,
@@ -42,6 +43,7 @@ from mcml_service.clips.read_clip import StoredClip, read_clip
 from mcml_service.operations.arguments import (
     MOST,
     AtRevision,
+    CharacterId,
     DocumentId,
     First,
     IfMatch,
@@ -119,6 +121,7 @@ def get_frames(
     pixels: Annotated[
         int, Field(ge=1, le=100_000, description="Maximum number of frame ranges", examples=[800])
     ] = 1000,
+    character: CharacterId = None,
     raw: Raw = False,
 ) -> FramePage | Content:
     """`npz` has `values`, `columns` (their names), `ids` and `times` (seconds from the first frame, NaN where the rate
@@ -134,6 +137,9 @@ def get_frames(
     units of columns are `units` in `npz`, the header `x-mcml-units` of `npy` and `block`, and `unit` of the fields of
     `arrow` and `parquet`; those of channels are empty.
 
+    With a `character` the numbers are those of its joints, on whose skeleton the motion is retargeted, in its unit and
+    axes (docs/characters.md).
+
     `reduce=minmax` returns (ranges, columns, 2) as `npy` or `block`; the header `x-mcml-step` has the number of frames
     in each range (a multiple of 256 from 256 on, which needs no decompression).
     """
@@ -143,6 +149,10 @@ def get_frames(
         raise RequestError("Only positions have tips.", remedy="Ask with space=positions, in a format of numbers.")
     if quantity and (space != "channels" or format == "json" or reduce is not None):
         raise RequestError("Quantities stand beside channels.", remedy="Ask with format=npz, arrow or csv, say.")
+    if character is not None and (quantity or format == "json" or reduce is not None or origin == "subtract"):
+        raise RequestError(
+            "A character has channels, positions and rotations alone.", remedy="Ask with format=block or npz."
+        )
     if reduce is not None:
         if space != "channels" or format not in ("npy", "block") or step != 1:
             raise RequestError(
@@ -151,10 +161,17 @@ def get_frames(
         return _reduce(call, id, revision, (first, last, pixels), bone, dtype, format)
     if format != "json":
         asked_for = [asked_quantity(name) for name in dict.fromkeys(quantity or ())]
-        then, stored = at_revision(call.read(), id, revision)
+        newest = call.read()
+        then, stored = at_revision(newest, id, revision)
+        worn = None if character is None else At(newest, newest.documents.get(character))
         asked = f"{space}-{dtype}-{zlib.crc32(repr((bone, quantity)).encode())}-{origin}-{missing}-{tips}-{raw}"
-        call.set_tag(tag(stored, f"{format}-{first}-{last}-{step}-{asked}"), lasting=revision is not None)
-        source = read_clip(then, stored, first=first, last=last, step=step, labelled=False)
+        asked += "" if worn is None else f"-{worn.stored.uuid}-{worn.stored.revision}"
+        lasting = revision is not None and worn is None
+        call.set_tag(tag(stored, f"{format}-{first}-{last}-{step}-{asked}"), lasting=lasting)
+        if worn is None:
+            source = read_clip(then, stored, first=first, last=last, step=step, labelled=False)
+        else:
+            source = call.repository.moved.clip(At(then, stored), worn, first, last, step)
         point = origin_of(then, source) if origin == "subtract" else None
         numbers = read_numbers(source.clip, source.names, bone, space, origin=point, held=missing == "hold", tips=tips)
         if asked_for:

@@ -343,7 +343,9 @@ upload = Table(
     Column("size", BigInteger, nullable=False),
     Column("complete", Boolean, nullable=False),
     Column("lease", Float),
+    Column("vertices", Integer),
 )
+"""`vertices`: of the skinned meshes in the file; 0: it has none; NULL: nobody has looked yet."""
 
 upload_block = Table(
     "upload_block",

@@ -18,6 +18,8 @@ from mcml_service.storage.core.tables import document, document_media, document_
 from mcml_service.storage.core.transaction import BaseTransaction
 
 BLOCK_BYTES = 1 << 20
+CHARACTERS = "glb"
+"""The part of kept files that may have skinned meshes; of one of several takes, its name follows after `#`."""
 LEASE_SECONDS = 120.0
 """How long an import may be silent before it counts as broken."""
 
@@ -76,6 +78,17 @@ class _Compressors(threading.local):
 _COMPRESSORS = _Compressors()
 
 
+@dataclass(frozen=True)
+class StoredCharacter:
+    """A document whose kept file has skinned meshes. document: its key. vertices: None: nobody has looked yet."""
+
+    document: int
+    part: str
+    upload: int
+    size: int
+    vertices: int | None
+
+
 class Uploads:
     def __init__(self, tx: BaseTransaction) -> None:
         self._tx = tx
@@ -126,6 +139,21 @@ class Uploads:
             .order_by(document_upload.c.part)
         )
         return [StoredUpload(*row) for row in self._tx.fetch_all(query)]
+
+    def characters(self) -> list[StoredCharacter]:
+        """Documents with a kept file that has skinned meshes, or may have some; in the order of keys."""
+        of_kind = (document_upload.c.part == CHARACTERS) | document_upload.c.part.startswith(f"{CHARACTERS}#")
+        query = (
+            select(document_upload.c.document, document_upload.c.part, upload.c.id, upload.c.size, upload.c.vertices)
+            .join(upload, upload.c.id == document_upload.c.upload)
+            .where(of_kind, upload.c.vertices.is_(None) | (upload.c.vertices > 0))
+            .order_by(document_upload.c.document)
+        )
+        return [StoredCharacter(*row) for row in self._tx.fetch_all(query)]
+
+    def set_vertices(self, key: int, vertices: int) -> None:
+        """Keep how many vertices the skinned meshes of a file have."""
+        self._tx.run(update(upload).where(upload.c.id == key).values(vertices=vertices))
 
     def twins(self, digests: dict[str, str], project_key: int) -> list[str]:
         """UUIDs of documents of the project, deleted ones aside, made from exactly these files ({part: sha256})."""

@@ -356,6 +356,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/characters": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["list_characters"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/documents/{id}/calibration": {
         parameters: {
             query?: never;
@@ -2534,6 +2550,16 @@ export interface components {
             conflicts?: components["schemas"]["Conflict"][];
             mergeable?: string[];
         };
+        CharacterInfo: {
+            document: string;
+            name: string;
+            project: string;
+            vertices: number;
+        };
+        CharacterList: {
+            items: components["schemas"]["CharacterInfo"][];
+            unread: number;
+        };
         CharacterMesh: {
             points: number[];
             triangles: number[];
@@ -2541,11 +2567,17 @@ export interface components {
             weights: number[];
             bind_positions: number[][];
             bind_rotations: number[][];
+            colours?: number[] | null;
         };
         CharacterView: {
             mesh?: components["schemas"]["CharacterMesh"] | null;
             reason?: string | null;
             remedy?: string | null;
+            document?: string | null;
+            revision?: number | null;
+            scale?: number | null;
+            /** @default [] */
+            notes: string[];
         };
         Child: {
             address: string;
@@ -3086,8 +3118,7 @@ export interface components {
             in_place: boolean;
             /** @default true */
             guesses: boolean;
-            /** @default false */
-            character: boolean;
+            character?: string | null;
             /** @default false */
             raw: boolean;
         };
@@ -6479,7 +6510,7 @@ export interface operations {
                 height?: number | null;
                 in_place?: boolean;
                 guesses?: boolean;
-                character?: boolean;
+                character?: string | null;
                 for?: string | null;
                 raw?: boolean;
             };
@@ -6679,6 +6710,7 @@ export interface operations {
         parameters: {
             query?: {
                 revision?: number | null;
+                character?: string | null;
             };
             header?: never;
             path: {
@@ -6694,6 +6726,51 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["CharacterView"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_characters: {
+        parameters: {
+            query?: {
+                project?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CharacterList"];
                 };
             };
             503: {
@@ -8154,6 +8231,7 @@ export interface operations {
                 tips?: boolean;
                 reduce?: "minmax" | null;
                 pixels?: number;
+                character?: string | null;
                 raw?: boolean;
             };
             header?: never;

@@ -32,13 +32,13 @@ describe("options of an export", () => {
       fps: 30,
       height: 1.75,
       in_place: true,
-      character: true,
+      character: "own",
       first: 11,
       last: 40,
       revision: 3,
     });
     expect(exportByCommand("abc", all, "http://x")).toBe(
-      "mcml export abc --format bvh --unit cm --up Z --fps 30 --height 1.75 --in-place --character --first 11 --last 40 --server http://x",
+      "mcml export abc --format bvh --unit cm --up Z --fps 30 --height 1.75 --in-place --character own --first 11 --last 40 --server http://x",
     );
     expect(exportByCurl("abc", PLAIN, "http://x", true)).toContain("MCML_TOKEN");
   });

@@ -30,7 +30,7 @@ export function queryOf(options: ExportOptions, revision?: number): Record<strin
     ...(fps !== null && { fps }),
     ...(height !== null && { height }),
     ...(inPlace && { in_place: true }),
-    ...(character && { character: true }),
+    ...(character && { character: "own" }),
     ...(range && { first: range[0], last: range[1] }),
     ...(revision !== undefined && { revision }),
   };
