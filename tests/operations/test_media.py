@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from fastapi.testclient import TestClient
+from httpx import Response
 from sqlalchemy import text
 
 from mcml_service.actions.keeping.purge_documents import purge_documents
@@ -110,3 +111,52 @@ def test_who_has_the_document_hears_of_it(client: TestClient, uuid: str) -> None
     tags.append(answer.headers["etag"])
     assert len(set(tags)) == 3
     assert client.patch(f"{API}/{uuid}", json={"name": "run"}, headers={"if-match": tags[2]}).status_code == 200
+
+
+def test_edits_that_put_frames_elsewhere_leave_it_in_step(client: TestClient, database: Database) -> None:
+    """The first frame that was there before stays at its moment, also in undone and restored revisions."""
+    uuid = store(database, {"walk.bvh": bvh(40)})[0]
+    put(client, uuid, offset=2.0)
+    frame_time = float(client.get(f"{API}/{uuid}").json()["seconds_per_frame"])
+    random = np.random.default_rng(7)
+    frames = list(range(40))
+    past, offset, new = [frames], 2.0, 40
+
+    def check(now: list[int], answer: Response) -> None:
+        nonlocal offset, frames
+        assert answer.status_code == 200, answer.text
+        anchor = next((frame for frame in now if frame in frames), None)
+        if anchor is not None:
+            offset += (frames.index(anchor) - now.index(anchor)) * frame_time
+        frames = now
+        past.append(now)
+        found = client.get(f"{API}/{uuid}").json()
+        assert (found["revision"], found["frames"]) == (len(past), len(now))
+        assert found["media"]["offset"] == pytest.approx(offset, abs=1e-9)
+
+    def send(path: str, body: object = None, **query: object) -> Response:
+        match = {"If-Match": f'"{len(past)}"'}
+        return client.post(f"{API}/{uuid}/{path}", json=body, params=query, headers=match)
+
+    for turn in range(30):
+        quarter = len(frames) // 4
+        kind = ("delete", "keep", "insert", "reverse", "undo", "restore")[turn % 6]
+        first = int(random.integers(1, quarter + 2))
+        last = first + int(random.integers(2 * quarter, 3 * quarter) if kind == "keep" else random.integers(quarter))
+        part = frames[first - 1 : last]
+        rest = frames[: first - 1] + frames[last:]
+        if kind == "undo":
+            check(past[-2], send("undo", revision=len(past)))
+        elif kind == "restore":
+            number = int(random.integers(1, len(past) + 1))
+            check(past[number - 1], send("restore", revision=number))
+        elif kind == "insert":
+            copies = list(range(new, new + len(part)))
+            new += len(part)
+            edit = {"do": "insert", "at": 1, "first": first, "last": last}
+            check(copies + frames, send("frames", {"edits": [edit]}))
+        else:
+            now = {"delete": rest, "keep": part, "reverse": frames[: first - 1] + part[::-1] + frames[last:]}[kind]
+            check(now, send("frames", {"edits": [{"do": kind, "first": first, "last": last}]}))
+    assert len(past) > 20
+    assert database.check() == []

@@ -23,6 +23,7 @@ from mcml_service.storage.core.validity import is_imported, there
 from mcml_service.storage.core.views import is_seen
 from mcml_service.storage.documents.damage import name_document
 from mcml_service.storage.documents.document_statements import CONTENT, all_documents, one_document
+from mcml_service.storage.documents.media_offsets import follow_frames
 from mcml_service.storage.documents.uploads import LEASE_SECONDS
 from mcml_service.storage.lists.filtering import DocumentFilter, select_wanted
 from mcml_service.storage.lists.orders import Order, Place, order_rows, value_in
@@ -184,6 +185,7 @@ class Documents:
         number = stored.revision + 1
         values = (stored.key, number, self._tx.commit, stored.revision, operation, message)
         self._tx.insert_tuples(revision, (*_MADE, "name", "project"), [(*values, *named)])
+        follow_frames(self._tx, stored.key, stored.seconds_per_frame)
         about = {"project_key": named[1], "document": stored.uuid, "revision": number}
         self._activity.note("document", operation, **about)
         return number
