@@ -144,7 +144,7 @@ def as_before_checksums(database: Database) -> None:
     with database.write() as tx:
         for table in metadata.sorted_tables:
             for column in table.columns:
-                if "checksum" in column.name or column.name in ("min_weight", "max_weight"):
+                if "checksum" in column.name or column.name in ("min_weight", "max_weight", "vertices"):
                     tx.connection.execute(text(f'ALTER TABLE "{table.name}" DROP COLUMN {column.name}'))
         for later in (
             *("store", "joint_alias", "session", "request", "thumbnail", "saved", "document_media", "body"),
