@@ -146,6 +146,9 @@ class CharacterMesh(BaseModel):
     weights: list[float] = Field(description="How much it follows each of the four; together 1")
     bind_positions: list[list[float]] = Field(description="x y z of each joint in the pose that the mesh is bound in")
     bind_rotations: list[list[float]] = Field(description="Its rotation from the rest pose in the world, x y z w")
+    normals: list[float] | None = Field(
+        None, description="x y z of the unit normal of each vertex, of a file; None: the mean of its triangles"
+    )
     colours: list[int] | None = Field(
         None, description="Red, green and blue of each vertex, 0 to 255 of sRGB; None: it has none of its own"
     )

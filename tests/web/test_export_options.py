@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -60,11 +61,11 @@ def test_a_clip_is_exported_with_a_body(visit: Visit, studio: Served, tmp_path: 
     page.get_by_role("button", name="Export").click()
     page.get_by_role("menuitem", name="Export with options").click()
     dialog = page.get_by_role("dialog", name="Export with options")
-    with_body = dialog.get_by_label("With a body instead of bones")
+    with_body = dialog.get_by_label(re.compile("^Body"))
     dialog.get_by_label("Program or format").select_option(label="For MotionBuilder")
     expect(with_body).to_have_count(0)
     dialog.get_by_label("Program or format").select_option(label="For Blender")
-    with_body.check()
+    with_body.select_option(label="own body")
     expect(dialog.get_by_text("--for blender --character own")).to_be_visible()
     with page.expect_download() as saved:
         dialog.get_by_role("button", name="Export").click()

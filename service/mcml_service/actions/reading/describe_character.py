@@ -43,5 +43,6 @@ def describe_mesh(made: Character) -> CharacterMesh:
         weights=np.round(weights, _WEIGHT_DECIMALS).ravel().tolist(),
         bind_positions=made.places.tolist(),
         bind_rotations=made.turns.tolist(),
+        normals=None if made.colours is None else np.round(made.normals, _WEIGHT_DECIMALS).ravel().tolist(),
         colours=None if made.colours is None else made.colours.ravel().tolist(),
     )

@@ -2567,6 +2567,7 @@ export interface components {
             weights: number[];
             bind_positions: number[][];
             bind_rotations: number[][];
+            normals?: number[] | null;
             colours?: number[] | null;
         };
         CharacterView: {

@@ -2,7 +2,7 @@
 import { itemAt, numberAt } from "../lists";
 import * as THREE from "three";
 import { SIDE_TOKENS, type Skeleton } from "../motion/body/skeleton";
-import type { Skin } from "../motion/body/skin";
+import type { Skin, Worn } from "../motion/body/skin";
 import { Body, type Tint } from "./body";
 import { Figures } from "./figure";
 import { Forces } from "./forces";
@@ -30,6 +30,9 @@ export interface Pose {
   /** Rotations of the joints from rest, (joints, 4), and of those of `before`: bodies with a skin need them. */
   turns?: Float32Array | null;
   turnsBefore?: (Float32Array | null)[];
+  /** The joints of a skin that has its own, in this frame and in those of `before`; null where they are not there. */
+  worn?: Worn | null;
+  wornBefore?: (Worn | null)[];
   trail: Float32Array[];
   /** Arrows as `arrowsOf` makes them; null, or left out: force plates are hidden. */
   forces?: Float32Array | null;
@@ -91,14 +94,18 @@ export function dress(actor: Actor, skin: Skin | null, token: Token): void {
   if (actor.figures) actor.group.add(actor.figures.group);
 }
 
-export function pose(actor: Actor, { positions, before, turns, turnsBefore, trail, forces = null }: Pose): void {
+export function pose(actor: Actor, given: Pose): void {
+  const { positions, before, turns, turnsBefore, trail, forces = null } = given;
   actor.positions = positions;
-  const dressed = actor.figures?.pose(0, positions, turns) ?? false;
+  const hasOwn = Boolean(actor.figures?.shape.skin.own);
+  const now = hasOwn ? given.worn : { positions, turns };
+  const dressed = actor.figures?.pose(0, positions && (now?.positions ?? null), now?.turns) ?? false;
   if (positions && !dressed) actor.body.pose(positions);
   else actor.body.hide();
   actor.ghosts.forEach((ghost, place) => {
     const then = before[place] ?? null;
-    const clad = actor.figures?.pose(place + 1, then, turnsBefore?.[place]) ?? false;
+    const clothes = hasOwn ? given.wornBefore?.[place] : { positions: then, turns: turnsBefore?.[place] };
+    const clad = actor.figures?.pose(place + 1, then && (clothes?.positions ?? null), clothes?.turns) ?? false;
     if (then && !clad) ghost.pose(then);
     else ghost.hide();
   });

@@ -144,6 +144,7 @@ export class Stage {
         const at = this.world(actor, point);
         if (at) box.expandByPoint(at);
       }
+      if (!only.length) actor.figures?.stretch(box);
     }
     if (box.isEmpty()) return;
     if (only.length) box.expandByScalar(0.25);

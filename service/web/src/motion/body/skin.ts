@@ -14,9 +14,28 @@ export interface Skin {
   turns: Quaternion[];
   /** Joints that a vertex follows. */
   used: number[];
+  /** Red, green and blue of each vertex, 0 to 255 of sRGB; null: it is coloured by its sides. */
+  colours: Uint8Array | null;
+  normals: Float32Array | null;
+  /** Where joints of its own are drawn; null: it follows the joints of the clip. */
+  own: Place | null;
 }
 
-export function skinOf(mesh: Schemas["CharacterMesh"]): Skin {
+/** How the space of a character's joints is in the clip's. metres: of a unit of the character, drawn as large as the
+ * clip's body. origin: (3,) of the clip in its unit, which it is drawn from. */
+export interface Place {
+  metres: number;
+  zUp: boolean;
+  origin: readonly number[];
+}
+
+/** The joints of a skin that has its own: positions (joints, 3), and rotations (joints, 4) from rest. */
+export interface Worn {
+  positions: Float32Array;
+  turns: Float32Array;
+}
+
+export function skinOf(mesh: Schemas["CharacterMesh"], own: Place | null = null): Skin {
   const origin = itemAt(mesh.bind_positions, 0);
   // Far from the origin single precision is coarse.
   const from = (value: number, at: number) => value - numberAt(origin, at % 3);
@@ -30,6 +49,9 @@ export function skinOf(mesh: Schemas["CharacterMesh"]): Skin {
     places: Float64Array.from(mesh.bind_positions.flat(), from),
     turns: mesh.bind_rotations.map((turn) => [...turn] as Quaternion),
     used: [...new Set(joints.filter((_, at) => numberAt(weights, at) > 0))],
+    colours: mesh.colours ? Uint8Array.from(mesh.colours) : null,
+    normals: mesh.normals ? Float32Array.from(mesh.normals) : null,
+    own,
   };
 }
 

@@ -207,6 +207,36 @@ export const rotationsOf = (id: string, revision: number, skeleton: Skeleton): S
   },
 });
 
+/** Positions of the joints of a character that wears a clip, in its own unit and axes: (frames, joints, 3). */
+export const wornPositionsOf = (id: string, revision: number, character: string, size: Size): Source<Float32Array> =>
+  wornOf(id, revision, character, size, "positions", 3);
+
+/** Their rotations from rest in the world: (frames, joints, 4). */
+export const wornRotationsOf = (id: string, revision: number, character: string, size: Size): Source<Float32Array> =>
+  wornOf(id, revision, character, size, "rotations", 4);
+
+interface Size {
+  frames: number;
+  joints: number;
+}
+
+const wornOf = (
+  id: string,
+  revision: number,
+  character: string,
+  { frames, joints }: Size,
+  space: string,
+  width: number,
+): Source<Float32Array> => ({
+  frames,
+  stride: joints * width,
+  coarse: false,
+  fetch: async (span, signal) => {
+    const query = { revision, ...span, character, space, format: "block", dtype: "f4", missing: "nan" };
+    return new Float32Array(await bytes(id, query, signal));
+  },
+});
+
 /** Positions of every step-th frame of a clip where the file has them: (frames, points, 3), NaN as above. */
 export async function sampledOf(
   id: string,

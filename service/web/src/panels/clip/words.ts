@@ -12,6 +12,8 @@ export const r = wordsOf(
     "help.needsApproval": "Another editor has to approve it first.", "help.ownProposal": "Another editor has to approve your proposal.",
     "label.applied": "Proposal {n} applied as revision {revision}", "button.endedToo": "Show 1 applied or closed|Show {n} applied or closed",
     "help.ghostProposed": "The proposed motion is the ghost. Hold C to see it alone.",
+    "label.bodyChoice": "Body shown", "label.unknownCharacter": "removed character", "button.importCharacter": "Import a character…",
+    "help.draftAsSticks": "The character shows the saved motion. Save your changes to see them on it.",
   },
   {
     "label.proposals": "제안", "label.proposalNumber": "제안 {n}", "label.proposed": "검토할 제안 {n}을(를) 만들었습니다",
@@ -24,6 +26,8 @@ export const r = wordsOf(
     "help.needsApproval": "먼저 다른 편집자가 승인해야 합니다.", "help.ownProposal": "본인의 제안은 다른 편집자가 승인해야 합니다.",
     "label.applied": "제안 {n}을(를) 리비전 {revision}(으)로 적용했습니다", "button.endedToo": "적용되거나 닫힌 {n}개 보기",
     "help.ghostProposed": "흐린 몸이 제안된 동작입니다. C를 누르고 있으면 그것만 보입니다.",
+    "label.bodyChoice": "표시할 몸", "label.unknownCharacter": "삭제된 캐릭터", "button.importCharacter": "캐릭터 가져오기…",
+    "help.draftAsSticks": "캐릭터는 저장된 동작을 보여 줍니다. 변경 내용을 저장하면 캐릭터에 나타납니다.",
   },
 );
 

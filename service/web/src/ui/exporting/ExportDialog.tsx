@@ -1,6 +1,7 @@
 /** A clip exported for a program or in a format, in a size, at a rate, in place; its height in the file is drawn. */
-import { useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import { fetched, get, type Schemas } from "../../api/client";
+import { characters, loadCharacters } from "../../state/clip/characters";
 import type { Clip } from "../../state/clip/clip";
 import { LANGUAGE, presets, writtenFormats } from "../../state/session/formats";
 import { needsToken } from "../../state/session/me";
@@ -79,9 +80,10 @@ export function ExportDialog({
     fps: null,
     height: null,
     inPlace: false,
-    character: false,
+    character: "",
     range,
   });
+  useEffect(() => void loadCharacters(), []);
   const [busy, setBusy] = useState(false);
   const [told, setTold] = useState<{ name: string; notices: string } | null>(null);
   const chosen = targets.find((one) => one.key === key) ?? targets[0];
@@ -92,7 +94,7 @@ export function ExportDialog({
   if (!chosen) return null;
   const options: ExportOptions = {
     ...given,
-    character: given.character && chosen.skins,
+    character: chosen.skins ? given.character : "",
     target: targetOf(chosen.key),
   };
   const revision = clip.pinned ?? undefined;
@@ -242,13 +244,21 @@ function Fields({
         {w("label.exportInPlace")}
       </label>
       {target.skins && (
-        <label class="row check">
-          <input
-            type="checkbox"
-            checked={given.character}
-            onChange={(event) => onChange({ character: event.currentTarget.checked })}
-          />
+        <label>
           {w("label.exportBody")}
+          <select
+            class="field"
+            value={given.character}
+            onChange={(event) => onChange({ character: event.currentTarget.value })}
+          >
+            <option value="">{w("label.exportBones")}</option>
+            <option value="own">{w("label.ownBody")}</option>
+            {characters.value.map((one) => (
+              <option key={one.document} value={one.document}>
+                {one.name}
+              </option>
+            ))}
+          </select>
         </label>
       )}
       {loop && (

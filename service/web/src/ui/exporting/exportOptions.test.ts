@@ -8,7 +8,7 @@ const PLAIN: ExportOptions = {
   fps: null,
   height: null,
   inPlace: false,
-  character: false,
+  character: "",
   range: null,
 };
 
@@ -22,7 +22,7 @@ describe("options of an export", () => {
       fps: 30,
       height: 1.75,
       inPlace: true,
-      character: true,
+      character: "own",
       range: [11, 40],
     };
     expect(queryOf(all, 3)).toEqual({

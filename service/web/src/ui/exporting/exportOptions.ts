@@ -12,8 +12,8 @@ export interface ExportOptions {
   /** Metres that the body stands tall; null: as in the clip. */
   height: number | null;
   inPlace: boolean;
-  /** A body with a skin instead of bones, where the format holds one. */
-  character: boolean;
+  /** A body with a skin, where the format holds one: "own", or the document of a character; "": bones. */
+  character: string;
   /** Frames from 1; null: all. */
   range: [number, number] | null;
 }
@@ -30,7 +30,7 @@ export function queryOf(options: ExportOptions, revision?: number): Record<strin
     ...(fps !== null && { fps }),
     ...(height !== null && { height }),
     ...(inPlace && { in_place: true }),
-    ...(character && { character: "own" }),
+    ...(character && { character }),
     ...(range && { first: range[0], last: range[1] }),
     ...(revision !== undefined && { revision }),
   };

@@ -2,9 +2,10 @@
 import type { Clip } from "../../../state/clip/clip";
 import { w } from "../../../words";
 import { clipActions, shown } from "../actions";
+import { BodyChoice } from "./BodyChoice";
 import { restShown } from "./restPose";
 
-const ALWAYS = ["body", "follow", "ghosts", "trails", "names", "axes"] as const;
+const ALWAYS = ["follow", "ghosts", "trails", "names", "axes"] as const;
 
 const WORDS = {
   body: "label.bodyShown",
@@ -25,18 +26,25 @@ export function Toggles({ clip }: { clip: Clip }) {
   const hasPlates = clip.skeleton.view.plates.length > 0;
   return (
     <>
+      <Switch name="body" />
+      {!clip.skeleton.view.markers && <BodyChoice clip={clip} />}
       {[...ALWAYS, ...(hasPlates ? (["forces"] as const) : []), "rest" as const].map((one) => (
-        <button
-          key={one}
-          type="button"
-          class="button quiet dense"
-          aria-pressed={one === "rest" ? restShown() : shown.value[one]}
-          title={HELP[one] && w(HELP[one])}
-          onClick={() => clipActions.toggle(one)}
-        >
-          {w(WORDS[one])}
-        </button>
+        <Switch key={one} name={one} />
       ))}
     </>
+  );
+}
+
+function Switch({ name }: { name: keyof typeof WORDS }) {
+  return (
+    <button
+      type="button"
+      class="button quiet dense"
+      aria-pressed={name === "rest" ? restShown() : shown.value[name]}
+      title={HELP[name] && w(HELP[name])}
+      onClick={() => clipActions.toggle(name)}
+    >
+      {w(WORDS[name])}
+    </button>
   );
 }

@@ -5,7 +5,9 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { Clip } from "../../../state/clip/clip";
 import { noteParams, param } from "../../../state/session/route";
 import { colour, look } from "../../../state/session/settings";
-import { Stage, type CameraView } from "../../../scene/stage";
+import { Stage, type CameraView, type Pose } from "../../../scene/stage";
+import type { Skin } from "../../../motion/body/skin";
+import type { Character } from "../../../motion/loading/character";
 import { Icon } from "../../../ui/icons";
 import { Menu } from "../../../ui/Menu";
 import { Trouble } from "../../../ui/Trouble";
@@ -17,7 +19,7 @@ import { bodiesBeside } from "./bodiesBeside";
 import { Compared } from "./Compare";
 import { floorOf, metresText, niceStep } from "./ground";
 import { Reference } from "../media/InStep";
-import { poseAt, positionsThen, wearSkin } from "./poses";
+import { poseAt, positionsThen, skinOfBody, wearBody } from "./poses";
 import { restPose, type RestPose } from "./restPose";
 import { forcesOf } from "./forces";
 import { Toggles } from "./Toggles";
@@ -45,6 +47,13 @@ export function ViewerPane({ clip }: { clip: Clip }) {
     const forces = forcesOf(clip);
     let ghost = -1;
     let framed = false;
+    let wore: Skin | null = null;
+    const isPlaced = Boolean(param("cam"));
+    const refit = (pose: Pose, body: Character | null) => {
+      if (!pose.worn || !body?.skin || body.skin === wore) return;
+      wore = body.skin;
+      if (!isPlaced) made.frame(cameraView.peek());
+    };
     let floorFrom = -1;
     const stops: (() => void)[] = [
       effect(() => {
@@ -56,10 +65,11 @@ export function ViewerPane({ clip }: { clip: Clip }) {
         const show = shown.value;
         made.shown = show;
         made.selected = new Set(clip.selection.value.bones.map((name) => skeleton.byName.get(name)!));
-        made.dress(actor, wearSkin(clip));
-        const pose = old
+        const body = wearBody(clip);
+        made.dress(actor, skinOfBody(body));
+        const pose: Pose = old
           ? { positions: positionsThen(old, frame, skeleton), before: [], trail: [] }
-          : poseAt(clip, frame, show, [...made.selected]);
+          : poseAt(clip, frame, show, [...made.selected], body);
         made.pose(actor, { ...pose, forces: show.forces && !old ? forces.at(frame) : null });
         const overview = clip.blocks.overview();
         const version = clip.blocks.arrived.peek();
@@ -76,6 +86,8 @@ export function ViewerPane({ clip }: { clip: Clip }) {
           if (param("cam")) made.cameraText = param("cam");
           performance.mark("first-frame");
         }
+        // A character of the library is another size than the joints of the clip.
+        if (framed) refit(pose, body);
       }),
       effect(() => {
         const other = clip.compared.value;

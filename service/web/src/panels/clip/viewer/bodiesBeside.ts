@@ -3,8 +3,9 @@ import { itemAt, numberAt } from "../../../lists";
 import { effect } from "@preact/signals";
 import { anchorOf, frameBeside } from "../../../motion/comparison/sync";
 import type { Skeleton } from "../../../motion/body/skeleton";
-import { characterOf } from "../../../motion/loading/character";
-import type { Stage } from "../../../scene/stage";
+import { characterOf, wornAt } from "../../../motion/loading/character";
+import type { Pose, Stage } from "../../../scene/stage";
+import { chosenCharacter } from "../../../state/clip/characters";
 import type { Clip } from "../../../state/clip/clip";
 import type { Player } from "../../../state/clip/player";
 import { BESIDE_COLOURS, beside, besideSync, laidOver, type Beside } from "../../../state/clip/comparison";
@@ -36,7 +37,7 @@ export function bodiesBeside(clip: Clip, stage: Stage, own: number): () => void 
       one.blocks.want(at, player.playing.value ? Math.sign(player.speed.value) : 0, one.perSecond);
       if (!actors.has(one.id)) actors.set(one.id, stage.add(one.skeleton));
       const actor = actors.get(one.id)!;
-      const turns = turnsOf(stage, actor, one, at, player);
+      const clothes = clothesOf(stage, actor, one, at, player);
       stage.paint(actor, itemAt(BESIDE_COLOURS, place + 1));
       const [from, to] = [
         rootAt(skeleton, clip.blocks.frame(anchor.here)),
@@ -55,7 +56,7 @@ export function bodiesBeside(clip: Clip, stage: Stage, own: number): () => void 
         stage.floorHeight - floorOf(one.skeleton, overview.values),
         from[2] - to[2],
       );
-      stage.pose(actor, { positions, turns, before: [], trail: [] });
+      stage.pose(actor, { positions, ...clothes, before: [], trail: [] });
     });
     // The camera moves when something came or went, not with the motion.
     const now = `${others.map((one) => one.id).join()} ${over}`;
@@ -66,14 +67,19 @@ export function bodiesBeside(clip: Clip, stage: Stage, own: number): () => void 
   });
 }
 
-/** Dress a body where bodies are wanted. Returns the rotations of its joints in a frame; null: it is drawn as bones. */
-function turnsOf(stage: Stage, actor: number, one: Beside, at: number, player: Player): Float32Array | null {
-  const skin = shown.value.body ? (characterOf(one.id, one.revision).value?.skin ?? null) : null;
-  stage.dress(actor, skin);
-  if (!skin) return null;
-  one.rotations.arrived.value;
-  one.rotations.want(at, player.playing.value ? Math.sign(player.speed.value) : 0, one.perSecond);
-  return one.blocks.has(at) && one.rotations.has(at) ? one.rotations.frame(at) : null;
+/** Dress a body where bodies are wanted. Returns what moves it in a frame; nothing: it is drawn as bones. */
+function clothesOf(stage: Stage, actor: number, one: Beside, at: number, player: Player): Pick<Pose, "turns" | "worn"> {
+  const body = shown.value.body ? characterOf(one, chosenCharacter.value).value : null;
+  stage.dress(actor, body?.skin ?? null);
+  if (!body?.skin) return {};
+  const direction = player.playing.value ? Math.sign(player.speed.value) : 0;
+  const blocks = body.frames ? [body.frames.positions, body.frames.rotations] : [one.rotations];
+  for (const each of blocks) {
+    each.arrived.value;
+    each.want(at, direction, one.perSecond);
+  }
+  if (body.frames) return { worn: wornAt(body, at) };
+  return { turns: one.blocks.has(at) && one.rotations.has(at) ? one.rotations.frame(at) : null };
 }
 
 /** Where the first joint is, metres in the world's axes. */

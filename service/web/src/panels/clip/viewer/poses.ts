@@ -2,24 +2,43 @@
 import { numberAt } from "../../../lists";
 import type { Skeleton } from "../../../motion/body/skeleton";
 import type { Skin } from "../../../motion/body/skin";
-import { characterOf } from "../../../motion/loading/character";
+import { characterOf, wornAt, type Character } from "../../../motion/loading/character";
 import type { Pose, Shown } from "../../../scene/stage";
+import { chosenCharacter } from "../../../state/clip/characters";
 import type { Clip } from "../../../state/clip/clip";
 import type { Compared as Earlier } from "../../../state/clip/compared";
+import { touched } from "../../../state/editing/draft";
 import { shown } from "../actions";
 
 const GHOST_SECONDS = [-0.2, -0.1, 0.1, 0.2];
 const TRAIL_SECONDS = 1;
 
-/** The skin of the open clip, where bodies are wanted and it can have one; its rotations are fetched then. */
-export function wearSkin(clip: Clip): Skin | null {
-  const skin = shown.value.body ? (characterOf(clip.id, clip.detail.revision).value?.skin ?? null) : null;
-  clip.turning.value = skin !== null;
-  if (skin) clip.rotations.arrived.value;
-  return skin;
+/** The body of the open clip, where bodies are wanted and it can have one; what moves it is fetched then. A character
+ * of the library shows the stored motion: while a draft changes it, there is none. */
+export function wearBody(clip: Clip): Character | null {
+  const { detail, skeleton, player } = clip;
+  const found = shown.value.body
+    ? characterOf({ id: clip.id, revision: detail.revision, skeleton }, chosenCharacter.value).value
+    : null;
+  const worn = found?.skin && !(found.frames && isRedrawn(clip)) ? found : null;
+  clip.turning.value = Boolean(worn && !worn.frames);
+  if (worn?.frames) {
+    const direction = player.playing.value ? Math.sign(player.speed.value) : 0;
+    for (const blocks of [worn.frames.positions, worn.frames.rotations]) {
+      blocks.arrived.value;
+      blocks.want(player.frame.value, direction, player.perSecond * Math.abs(player.speed.peek()), player.range[0]);
+    }
+  } else if (worn) clip.rotations.arrived.value;
+  return worn;
 }
 
-export function poseAt(clip: Clip, frame: number, show: Shown, selected: number[]): Pose {
+export const skinOfBody = (body: Character | null): Skin | null => body?.skin ?? null;
+
+/** Whether a draft changes the motion or the bones. */
+export const isRedrawn = (clip: Clip): boolean =>
+  touched(clip.draft.value) !== null || clip.shape.value !== clip.skeleton;
+
+export function poseAt(clip: Clip, frame: number, show: Shown, selected: number[], body: Character | null): Pose {
   const ghosts = show.ghosts ? ghostFrames(clip, frame) : [];
   const turned = clip.turning.peek();
   return {
@@ -27,6 +46,8 @@ export function poseAt(clip: Clip, frame: number, show: Shown, selected: number[
     turns: turned ? clip.turns(frame) : null,
     before: ghosts.map((at) => (at === null ? null : clip.positions(at, false))),
     turnsBefore: turned ? ghosts.map((at) => (at === null ? null : clip.turns(at, false))) : [],
+    worn: body?.frames ? wornAt(body, frame) : null,
+    wornBefore: body?.frames ? ghosts.map((at) => (at === null ? null : wornAt(body, at))) : [],
     trail: show.trails ? trailsOf(clip, frame, selected) : [],
   };
 }
