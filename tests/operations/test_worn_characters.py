@@ -158,6 +158,30 @@ def test_refusals_say_why(client: TestClient, figure: bytes) -> None:
     assert missing.status_code == 404
 
 
+def test_both_documents_must_be_readable(client: TestClient, database: Database, figure: bytes) -> None:
+    """A token of one project neither lists nor wears a character of another."""
+    walk = upload(client, {"walk.bvh": person(1, 4)}, project="mine")["documents"][0]["id"]
+    avatar = upload(client, {"figure.glb": figure}, project="theirs")["documents"][0]["id"]
+    with database.write() as tx:
+        boss = tx.accounts.add("boss", "owner", "x")
+        keys = {name: [tx.projects.get(name)] for name in ("mine", "theirs")}
+        mine = tx.tokens.add("mine", owner=boss, projects=keys["mine"])
+        both = tx.tokens.add("both", owner=boss, projects=keys["mine"] + keys["theirs"])
+    asked = {"character": avatar}
+    for secret, status, names in ((mine, 404, []), (both, 200, ["figure"])):
+        headers = {"authorization": f"Bearer {secret}"}
+        listed = client.get(f"{API}/characters", headers=headers).json()
+        assert [item["name"] for item in listed["items"]] == names
+        for path, more in (
+            ("character", {}),
+            ("frames", {"format": "block", "space": "positions"}),
+            ("export", {"format": "glb"}),
+        ):
+            answer = client.get(f"{API}/documents/{walk}/{path}", params={**asked, **more}, headers=headers)
+            assert answer.status_code == status, (path, answer.text[:200])
+            assert status == 200 or "figure" not in answer.text
+
+
 def test_an_edited_skeleton_no_longer_fits_its_mesh(client: TestClient, figure: bytes) -> None:
     walk, avatar = stored(client, walk_bvh=person(1, 4), figure_glb=figure)
     offset = "/mcml/skeleton/bone/bone[1]/position"

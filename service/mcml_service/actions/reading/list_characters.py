@@ -23,20 +23,21 @@ def list_characters(tx: Transaction, project: int | None) -> tuple[CharacterList
     found = tx.uploads.characters()
     listed = {one.key: one for one in tx.columns.documents([each.document for each in found])}
     for each in found:
-        if each.document in listed and project in (None, listed[each.document].project):
-            files.setdefault(each.upload, each)
+        one = listed.get(each.document)
+        if one is None or each.upload in files or project not in (None, one.project):
+            continue
+        # Of those alone that the user may see.
+        if tx.documents.find(one.uuid) is not None:
+            files[each.upload] = each
     unread = [each for each in files.values() if each.vertices is None]
     looked = {each.upload: _count(tx, each) for each in _choose(unread)}
     items = []
     for each in files.values():
         vertices = looked.get(each.upload) if each.vertices is None else each.vertices
         if vertices:
-            one = listed[each.document]
-            items.append(
-                CharacterInfo(
-                    document=one.uuid, name=one.name, project=tx.projects.name(one.project), vertices=vertices
-                )
-            )
+            seen = listed[each.document]
+            name = tx.projects.name(seen.project)
+            items.append(CharacterInfo(document=seen.uuid, name=seen.name, project=name, vertices=vertices))
     items.sort(key=lambda item: (item.name, item.document))
     return CharacterList(items=items, unread=len(unread) - len(looked)), list(looked.items())
 
