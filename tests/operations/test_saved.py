@@ -79,6 +79,14 @@ def test_what_is_kept_is_changed_by_its_version(
         assert client.get(address).status_code == 404
 
 
+def test_collections_of_conditions_keep_how_they_are_shown(client: TestClient) -> None:
+    view = {"sort": "-duration", "layout": "list", "folders": "property:subject"}
+    made = client.put(f"{API}/collections/long", json={"where": {"length": "1.."}, "view": view})
+    assert (made.status_code, made.json()["view"]) == (201, view)
+    (listed,) = client.get(f"{API}/collections").json()["items"]
+    assert listed["view"] == view
+
+
 def test_lists_of_questions_have_pages(client: TestClient) -> None:
     for name in "cab":
         client.put(f"{API}/queries/{name}", json={"q": "//frame"})
@@ -94,6 +102,9 @@ def test_lists_of_questions_have_pages(client: TestClient) -> None:
         ("queries/q", {"q": "//["}),
         ("collections/c", {}),
         ("collections/c", {"documents": [], "where": {}}),
+        ("collections/c", {"documents": [], "view": {"sort": "name"}}),
+        ("collections/c", {"where": {}, "view": {"sort": "name; drop"}}),
+        ("collections/c", {"where": {}, "view": {"layout": "wall"}}),
         ("collections/c", {"where": {"length": "long"}}),
         ("colours", {"items": {"walk": "no colour"}}),
     ],

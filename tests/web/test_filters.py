@@ -61,10 +61,10 @@ def test_lengths_are_chosen_by_drag_by_key_and_by_fields(page: Any) -> None:
 def test_filters_are_kept_chosen_shared_and_taken_back(page: Any, open_studio: Served, visit_of: Any) -> None:
     page.goto(f"{open_studio.url}/library?sort=name&length=0.1..&q=of_3")
     expect(page.get_by_role("gridcell")).to_have_count(3)
-    page.get_by_role("button", name="Save filter").click()
+    page.get_by_role("button", name="Save view").click()
     page.get_by_role("dialog").get_by_role("textbox", name="Name").fill("long ones")
     page.keyboard.press("Enter")
-    saved = page.get_by_role("region", name="Saved filters").get_by_role("button", name="long ones", exact=True)
+    saved = page.get_by_role("region", name="Saved views").get_by_role("button", name="long ones", exact=True)
     expect(saved).to_have_attribute("aria-pressed", "true")
     saved.click()
     expect(page.get_by_role("gridcell")).to_have_count(4)
@@ -73,7 +73,7 @@ def test_filters_are_kept_chosen_shared_and_taken_back(page: Any, open_studio: S
     other = visit_of(open_studio).open(page.url.removeprefix(open_studio.url))
     expect(other.get_by_role("gridcell")).to_have_count(3)
     expect(other.get_by_role("button", name="long ones", exact=True)).to_have_attribute("aria-pressed", "true")
-    page.get_by_role("button", name="Remove filter long ones").click()
+    page.get_by_role("button", name="Remove view long ones").click()
     expect(saved).to_have_count(0)
     page.get_by_role("status").get_by_role("button", name="Undo").click()
     expect(saved).to_be_visible()
@@ -115,3 +115,70 @@ def test_a_range_and_all_are_selected_with_clips_that_were_never_in_sight(open_s
     cards.nth(3).click(modifiers=["Shift"])
     expect(page.get_by_role("toolbar", name="4 selected")).to_be_visible()
     expect(page.get_by_role("button", name="Select all 130")).to_be_visible()
+
+
+def test_filters_of_a_narrow_screen_are_a_sheet_for_keys_too(page: Any) -> None:
+    page.set_viewport_size({"width": 390, "height": 800})
+    page.get_by_role("button", name="Filters", exact=True).press("Enter")
+    sheet = page.get_by_role("dialog", name="Filters")
+    bars = sheet.get_by_role("region", name="Length").locator(".histogram button:enabled")
+    expect(bars).to_have_count(4)
+    bars.nth(3).press("Enter")
+    done = sheet.get_by_role("button", name="Show 1 clip")
+    expect(done).to_be_visible()
+    done.press("Enter")
+    expect(sheet).to_have_count(0)
+    button = page.get_by_role("button", name="Filters, 1 active")
+    expect(button).to_be_focused()
+    expect(page.get_by_role("gridcell")).to_have_count(1)
+    assert button.bounding_box()["x"] + button.bounding_box()["width"] <= 390
+    button.press("Enter")
+    sheet.get_by_role("button", name="Clear all filters").press("Enter")
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("gridcell")).to_have_count(4)
+
+
+def test_folders_of_a_property_have_the_counts_of_the_library(open_studio: Served, visit_of: Any) -> None:
+    for number in range(7):
+        subject = "Ana" if number < 5 else "Bo: left"
+        open_studio.upload(
+            f"c{number}.bvh", walk(3, seed=number), property=f"subject={subject}", project=f"p{number % 2}"
+        )
+    page = visit_of(open_studio).open("/library?sort=name")
+    page.get_by_label("Folders by").select_option("subject")
+    folders = page.get_by_role("list", name="Folders").get_by_role("link")
+    expect(folders).to_have_text([re.compile("Ana.*5 clips"), re.compile("Bo: left.*2 clips")])
+    folders.first.press("ArrowDown")
+    folders.nth(1).press("Enter")
+    cards = page.get_by_role("gridcell")
+    expect(cards).to_have_text([re.compile("c5"), re.compile("c6")])
+    path = page.get_by_role("navigation", name="Folders")
+    expect(path).to_contain_text("Bo: left")
+    page.reload()
+    expect(cards).to_have_count(2)
+    path.get_by_role("link", name="subject").click()
+    # Counts are those under the other filters.
+    page.get_by_role("region", name="Project").get_by_role("button", name="p1").click()
+    expect(folders).to_have_text([re.compile("Ana.*2 clips"), re.compile("Bo: left.*1 clip")])
+    page.get_by_role("button", name="Show all clips without folders").click()
+    expect(cards).to_have_count(3)
+
+
+def test_a_saved_view_keeps_order_form_and_folders(page: Any, open_studio: Served, visit_of: Any) -> None:
+    page.goto(f"{open_studio.url}/library?sort=-name&view=list&length=1..&folders=format")
+    page.get_by_role("button", name="Save view").click()
+    page.get_by_role("textbox", name="Name").fill("long by format")
+    page.keyboard.press("Enter")
+    saved = page.get_by_role("region", name="Saved views").get_by_role("button", name="long by format", exact=True)
+    expect(saved).to_have_attribute("aria-pressed", "true")
+    assert open_studio.get("/collections/long by format")["view"] == {
+        "sort": "-name", "layout": "list", "folders": "format",
+    }  # fmt: skip
+    # Of another person, who looks at the library otherwise.
+    other = visit_of(open_studio).open("/library?sort=name")
+    other.get_by_role("button", name="long by format", exact=True).click()
+    expect(other).to_have_url(re.compile(r"(?=.*sort=-name)(?=.*view=list)(?=.*folders=format)(?=.*length=1)"))
+    other.get_by_role("button", name="Show all clips without folders").click()
+    expect(other.get_by_role("row").locator("strong")).to_have_text(["of_3000", "of_300"])
+    shown = other.get_by_role("region", name="Saved views").get_by_role("button", name="long by format", exact=True)
+    expect(shown).to_have_attribute("aria-pressed", "false")

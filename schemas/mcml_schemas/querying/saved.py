@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -42,6 +42,14 @@ class Conditions(RequestBody):
     rate: str | None = Field(None, max_length=1024, description="LEAST..GREATEST")
 
 
+class LibraryView(RequestBody):
+    """How a collection of conditions is shown: order and form of the list, and the property of its folders."""
+
+    sort: str | None = Field(None, max_length=64, pattern=r"^(newest|-?[a-z]+)$", examples=["-duration"])
+    layout: Literal["grid", "list"] | None = None
+    folders: str | None = _SHORT
+
+
 class CollectionToSave(RequestBody):
     """Ids of documents; or conditions, so that the collection always has the documents that currently match."""
 
@@ -49,12 +57,15 @@ class CollectionToSave(RequestBody):
 
     documents: Annotated[list[str], Field(max_length=100_000)] | None = None
     where: Conditions | None = None
+    view: LibraryView | None = Field(None, description="How the studio shows it; with `where`")
     description: str = Field("", max_length=4096)
 
     @model_validator(mode="after")
     def _one_kind(self) -> CollectionToSave:
         if (self.documents is None) == (self.where is None):
             raise ValueError("give documents or where")
+        if self.view is not None and self.where is None:
+            raise ValueError("view needs where")
         return self
 
 
@@ -88,6 +99,7 @@ class Collection(_Kept):
 
     documents: list[str] | None = None
     where: Conditions | None = None
+    view: LibraryView | None = None
     description: str = ""
     total: int | None = Field(None, description="Documents that are in it now")
 

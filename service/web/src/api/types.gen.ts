@@ -2623,6 +2623,7 @@ export interface components {
             changed: string;
             documents?: string[] | null;
             where?: components["schemas"]["Conditions"] | null;
+            view?: components["schemas"]["LibraryView"] | null;
             /** @default  */
             description: string;
             total?: number | null;
@@ -2634,6 +2635,7 @@ export interface components {
         CollectionToSave: {
             documents?: string[] | null;
             where?: components["schemas"]["Conditions"] | null;
+            view?: components["schemas"]["LibraryView"] | null;
             /** @default  */
             description: string;
         };
@@ -3917,6 +3919,11 @@ export interface components {
             name?: string | null;
             project?: string | null;
             parameters?: components["schemas"]["ExpressionLevelChoice"];
+        };
+        LibraryView: {
+            sort?: string | null;
+            layout?: ("grid" | "list") | null;
+            folders?: string | null;
         };
         LockFrames: {
             first: number;

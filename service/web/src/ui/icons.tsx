@@ -37,6 +37,8 @@ const PATHS = {
   more: "M3.5 8h.1M8 8h.1M12.5 8h.1",
   label: "M2.5 3.500h6l5 4.5-5 4.500h-6z",
   layer: "M8 2L14 5.500 8 9 2 5.500zM2 9l6 3.500L14 9",
+  folder: "M2 4.500v8h12v-7H8L6.500 3.500H2z",
+  filter: "M2.5 4h11M4.500 8h7M6.500 12h3",
   mirror: "M8 2v12M6 4.500L2 11.500h4zM10 4.500l4 7h-4z",
 } as const;
 

@@ -160,10 +160,10 @@ export const en = {
   "button.toComposerFirst": "Send first {n} to composer", "help.noAnswerHelp": "Widen the scope, or start with a single condition.",
 
   // Saved filters, first start
-  "label.lengthInSeconds": "Length (s)", "button.clear": "Clear", "label.savedFilters": "Saved filters", "button.saveFilter": "Save filter",
-  "help.saveFilterHelp": "The filter is saved for the team. You can share its link.",
-  "help.saveFilterNot": "Filters with a collection or XPath cannot be saved; copy their link instead (Y).", "button.removeFilter": "Remove filter {name}",
-  "label.filterRemoved": "Filter removed: {name}", "label.welcome": "Your motion library",
+  "label.lengthInSeconds": "Length (s)", "button.clear": "Clear", "label.savedFilters": "Saved views", "button.saveFilter": "Save view",
+  "help.saveFilterHelp": "The filter, sort order, grid or list, and folders are saved for the team. You can share the link of the page (Y).",
+  "help.saveFilterNot": "Views with a collection cannot be saved, nor with XPath and another filter; copy their link instead (Y).", "button.removeFilter": "Remove view {name}",
+  "label.filterRemoved": "View removed: {name}", "label.welcome": "Your motion library",
   "help.welcomeHelp": "This library has {n} demo clips. Explore them, or import your own.", "button.welcomeDrop": "Import your files",
   "help.welcomeDropHelp": "Motion files, folders or a zip, from any program.", "label.welcomeAsk": "Try a query",
   "help.welcomeAskHelp": "Find all frames in which someone waves.", "label.welcomeMake": "Compose a motion",

@@ -149,9 +149,9 @@ export const ko: typeof en = {
   "help.cutOff": "한도에서 멈췄습니다. 지금까지의 결과입니다. 범위를 좁히거나 질의에 라벨을 더하세요.", "button.toComposerFirst": "처음 {n}개를 이어붙이기로 보내기", "help.noAnswerHelp": "범위를 넓히거나, 조건 하나로 시작해 더해 보세요.",
 
   // Saved filters, first start
-  "label.lengthInSeconds": "길이(초)", "button.clear": "지우기", "label.savedFilters": "저장한 필터", "button.saveFilter": "필터 저장",
-  "help.saveFilterHelp": "필터를 팀에 저장합니다. 링크로 공유할 수 있습니다.", "help.saveFilterNot": "모음이나 XPath가 있는 필터는 저장할 수 없습니다. 대신 링크를 복사하세요(Y).", "button.removeFilter": "필터 {name} 제거",
-  "label.filterRemoved": "필터를 제거했습니다: {name}", "label.welcome": "내 모션 라이브러리", "help.welcomeHelp": "데모 클립 {n}개가 들어 있습니다. 둘러보거나 내 파일로 시작하세요.", "button.welcomeDrop": "내 파일 가져오기",
+  "label.lengthInSeconds": "길이(초)", "button.clear": "지우기", "label.savedFilters": "저장한 보기", "button.saveFilter": "보기 저장",
+  "help.saveFilterHelp": "필터, 정렬, 격자 또는 목록, 폴더를 팀에 저장합니다. 페이지 링크로 공유할 수 있습니다(Y).", "help.saveFilterNot": "모음이 있거나 XPath와 다른 필터를 함께 쓴 보기는 저장할 수 없습니다. 대신 링크를 복사하세요(Y).", "button.removeFilter": "보기 {name} 제거",
+  "label.filterRemoved": "보기를 제거했습니다: {name}", "label.welcome": "내 모션 라이브러리", "help.welcomeHelp": "데모 클립 {n}개가 들어 있습니다. 둘러보거나 내 파일로 시작하세요.", "button.welcomeDrop": "내 파일 가져오기",
   "help.welcomeDropHelp": "어느 프로그램에서 온 모션 파일이든, 폴더나 zip도 됩니다.", "label.welcomeAsk": "질의해 보기", "help.welcomeAskHelp": "손을 흔드는 모든 프레임 찾기.", "label.welcomeMake": "동작 이어붙이기",
   "help.welcomeMakeHelp": "데모 클립 두 개로 걷다가 춤추기.", "button.welcomeGone": "다시 보지 않기", "label.welcomePlays": "{name} 재생 중",
 };

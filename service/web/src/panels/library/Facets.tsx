@@ -7,6 +7,7 @@ import { nameColour } from "../../motion/timeline/colours";
 import { useRoving } from "../../ui/useRoving";
 import { useAsync } from "../../ui/useAsync";
 import { SavedFilters, useCollections } from "./SavedFilters";
+import { FolderChoice } from "./Folders";
 import { Histogram } from "./Histogram";
 import { Trouble } from "../../ui/Trouble";
 import { duration, number, w, type Word } from "../../words";
@@ -45,6 +46,7 @@ export function Facets() {
           {w("button.clearFilters")}
         </button>
       )}
+      <FolderChoice found={found} />
       <SavedFilters collections={collections} />
       <Group
         word="label.project"

@@ -20,6 +20,8 @@ import { chooseFiles } from "../../state/importing/uploads";
 import { CardGrid } from "./CardGrid";
 import { CardList } from "./CardList";
 import { Facets } from "./Facets";
+import { FilterSheet } from "./FilterSheet";
+import { FolderGrid, FolderPath, foldersShown } from "./Folders";
 import { PickedBar } from "./PickedBar";
 import { Preview } from "./Preview";
 import { SortMenu } from "./SortMenu";
@@ -66,7 +68,6 @@ export function LibraryPage() {
     ]);
   }, []);
   const filtered = Object.keys(library.filter.value).length > 0;
-  const newProject = Object.keys(library.filter.value).join() === "project" && param("project");
   // Asked only where it may matter: until it was closed, and again when clips come.
   const asks = !welcomed.value && !filtered && total !== null && total > 0;
   const projects = useAsync(
@@ -97,6 +98,7 @@ export function LibraryPage() {
             </button>
           </div>
           <SortMenu />
+          <FilterSheet />
           <span class="grow" />
           <span class="dim" role="status">
             {total === null ? "" : w("label.clips", { n: total })}
@@ -109,43 +111,9 @@ export function LibraryPage() {
         <DemoProgress hidden={total === 0} />
         {first && <Welcome clips={total} />}
         <PickedBar />
+        <FolderPath />
         <Trouble error={library.trouble.value} retry={library.refresh} />
-        {total === 0 && !library.trouble.value ? (
-          newProject ? (
-            <div class="empty">
-              <h2>{w("label.emptyProject", { name: newProject })}</h2>
-              <p>{w("help.emptyProjectHelp")}</p>
-              <p>
-                <button type="button" class="button primary" onClick={() => chooseFiles()}>
-                  {w("button.chooseFiles")}
-                </button>
-              </p>
-            </div>
-          ) : filtered ? (
-            <div class="empty">
-              <h2>{w("label.noneMatch")}</h2>
-              <p>{w("help.noneMatchHelp")}</p>
-              <p>
-                <a class="button" href="/library">
-                  {w("button.clearFilters")}
-                </a>
-              </p>
-            </div>
-          ) : (
-            <EmptyState
-              picture="library"
-              title={w("label.emptyLibrary")}
-              makes={w("help.emptyLibraryHelp")}
-              parts={ALL_PARTS}
-            >
-              <p class="dim">{w("help.dropAnywhere")}</p>
-            </EmptyState>
-          )
-        ) : view === "grid" ? (
-          <CardGrid />
-        ) : (
-          <CardList />
-        )}
+        {total === 0 && !library.trouble.value ? <NoClips isFiltered={filtered} /> : <Clips isList={view === "list"} />}
       </section>
       {previewOpen.value && (
         <>
@@ -156,5 +124,45 @@ export function LibraryPage() {
         </>
       )}
     </div>
+  );
+}
+
+/** The clips under the filters: as folders until one is open, as cards or as rows. */
+function Clips({ isList }: { isList: boolean }) {
+  const { grouping, isClosed } = foldersShown();
+  if (grouping && isClosed) return <FolderGrid grouping={grouping} />;
+  return isList ? <CardList /> : <CardGrid />;
+}
+
+function NoClips({ isFiltered }: { isFiltered: boolean }) {
+  const newProject = Object.keys(library.filter.value).join() === "project" && param("project");
+  if (newProject)
+    return (
+      <div class="empty">
+        <h2>{w("label.emptyProject", { name: newProject })}</h2>
+        <p>{w("help.emptyProjectHelp")}</p>
+        <p>
+          <button type="button" class="button primary" onClick={() => chooseFiles()}>
+            {w("button.chooseFiles")}
+          </button>
+        </p>
+      </div>
+    );
+  if (isFiltered)
+    return (
+      <div class="empty">
+        <h2>{w("label.noneMatch")}</h2>
+        <p>{w("help.noneMatchHelp")}</p>
+        <p>
+          <a class="button" href="/library">
+            {w("button.clearFilters")}
+          </a>
+        </p>
+      </div>
+    );
+  return (
+    <EmptyState picture="library" title={w("label.emptyLibrary")} makes={w("help.emptyLibraryHelp")} parts={ALL_PARTS}>
+      <p class="dim">{w("help.dropAnywhere")}</p>
+    </EmptyState>
   );
 }

@@ -1,8 +1,19 @@
-/** Filters under names: saved, chosen by one press, shared by the address that they become. */
+/** Filters and views under names: saved, opened by one press, shared by the address that they become. */
 import { useState } from "preact/hooks";
 import { ask, get, type Schemas } from "../../api/client";
 import { collectionsChanged } from "../../state/library/collections";
-import { addressOf, asConditions, asFilter, sameFilter, type Filter } from "../../state/library/filters";
+import {
+  asConditions,
+  asFilter,
+  asSavedView,
+  asView,
+  sameFilter,
+  sameView,
+  viewAddress,
+  viewOf,
+  type Filter,
+  type View,
+} from "../../state/library/filters";
 import * as library from "../../state/library/library";
 import { note, refuse } from "../../state/session/notes";
 import { go, route } from "../../state/session/route";
@@ -17,6 +28,8 @@ interface Saved {
   name: string;
   project: string;
   filter: Filter;
+  /** null: of any order and form. */
+  view: View | null;
   version: number;
   body: object;
 }
@@ -33,7 +46,7 @@ export function SavedFilters({ collections }: { collections: readonly Schemas["C
   );
   const now = library.filter.value;
   const saved: Saved[] = [
-    ...collections.flatMap(({ where, name, project, version, description }) =>
+    ...collections.flatMap(({ where, view, name, project, version, description }) =>
       where
         ? [
             {
@@ -42,7 +55,8 @@ export function SavedFilters({ collections }: { collections: readonly Schemas["C
               project,
               version,
               filter: asFilter(where),
-              body: { where, description },
+              view: asView(view),
+              body: { where, view, description },
             },
           ]
         : [],
@@ -50,17 +64,33 @@ export function SavedFilters({ collections }: { collections: readonly Schemas["C
     ...(queries.value?.items ?? []).flatMap(({ q, variables, name, project, version, description }) =>
       Object.keys(variables ?? {}).length
         ? []
-        : [{ kind: "queries" as const, name, project, version, filter: { xpath: q }, body: { q, description } }],
+        : [
+            {
+              kind: "queries" as const,
+              name,
+              project,
+              version,
+              filter: { xpath: q },
+              view: null,
+              body: { q, description },
+            },
+          ],
     ),
   ];
   const filtered = Object.keys(now).length > 0;
-  const known = saved.some((one) => sameFilter(one.filter, now));
+  const view = viewOf(route.value.params);
+  const isShown = (one: Saved) => sameFilter(one.filter, now) && (!one.view || sameView(one.view, view));
+  const known = saved.some(isShown);
   const conditions = asConditions(now);
   const question = typeof now.xpath === "string" && Object.keys(now).length === 1 ? now.xpath : null;
   const keep = async (name: string) => {
     if (question !== null)
       await ask("put", "/queries/{name}", { path: { name }, body: { q: question, description: "" } });
-    else await ask("put", "/collections/{name}", { path: { name }, body: { where: conditions, description: "" } });
+    else
+      await ask("put", "/collections/{name}", {
+        path: { name },
+        body: { where: conditions, view: asSavedView(view), description: "" },
+      });
     collectionsChanged.value++;
     note(w("label.savedAs", { name }));
   };
@@ -70,17 +100,21 @@ export function SavedFilters({ collections }: { collections: readonly Schemas["C
     <section class="facet" aria-label={w("label.savedFilters")} {...roving}>
       <h3>{w("label.savedFilters")}</h3>
       {saved.map((one) => {
-        const chosen = sameFilter(one.filter, now);
+        const chosen = isShown(one);
         return (
           <div key={`${one.kind} ${one.project} ${one.name}`} class="row saved-filter">
             <button
               type="button"
               class="facet-item"
               aria-pressed={chosen}
-              title={Object.entries(one.filter)
-                .map(([name, value]) => `${name}: ${String(value)}`)
+              title={[...Object.entries(one.filter), ...Object.entries(one.view ?? {})]
+                .map(([name, value]) => `${name}: ${[value].flat().join(", ")}`)
                 .join("\n")}
-              onClick={() => go(addressOf(chosen ? {} : one.filter, route.peek().params, library.FILTERS))}
+              onClick={() =>
+                go(
+                  viewAddress(chosen ? {} : one.filter, chosen ? null : one.view, route.peek().params, library.FILTERS),
+                )
+              }
             >
               <Icon name={one.kind === "queries" ? "xpath" : "search"} />
               <span class="cut">{one.name}</span>
