@@ -130,6 +130,14 @@ def test_guesses_are_left_out_by_a_switch(open_studio: Served, visit_of: Any) ->
     page.get_by_role("button", name="Exclude guessed units").click()
     expect(page.get_by_role("heading", name="No matches")).to_be_visible()
     page.wait_for_url("**guesses=no*")
+    # Composing cannot leave out guesses: the button says so, and is not hidden.
+    open_studio.upload("kick.bvh", walk(), label="kick:10-25")
+    page.goto(open_studio.url + "/xpath?guesses=no&q=" + quote("//frame[motion_name='kick']"))
+    save = page.get_by_role("button", name="Save as clip")
+    expect(save).to_be_disabled()
+    expect(save).to_have_attribute("title", re.compile("guessed units"))
+    page.get_by_role("button", name="Exclude guessed units").click()
+    expect(save).to_be_enabled()
 
 
 @pytest.mark.slow

@@ -62,6 +62,7 @@ def test_a_lead_invites_and_reviews(visit: Visit, studio: Served) -> None:
         dialog = second.get_by_role("dialog")
         expect(dialog.get_by_text("This project requires a review of changes.")).to_be_visible()
         expect(dialog.get_by_role("button", name="Apply")).to_have_count(0)
+        dialog.get_by_label("Message (optional)").fill("Left and right were swapped")
         hand.press(dialog.get_by_role("button", name="Propose"))
         expect(second.get_by_text("Proposal 1 created for review")).to_be_visible()
         assert revision(page, studio, document) == 1
@@ -69,6 +70,7 @@ def test_a_lead_invites_and_reviews(visit: Visit, studio: Served) -> None:
         page.goto(f"{studio.url}/clips/{document}")
         ready(page)
         hand.press(page.get_by_role("button", name="1 proposal"))
+        expect(page.get_by_text("Left and right were swapped")).to_be_visible()
         difference = page.get_by_role("region", name="Difference")
         expect(difference.locator(".apart button").first).to_contain_text(re.compile(r"cm"))
         expect(page.get_by_role("button", name="Apply", exact=True)).to_be_disabled()
@@ -124,13 +126,14 @@ def test_a_viewer_proposes_and_comments(visit: Visit, studio: Served, visit_of: 
     field.press("Enter")
     expect(page.get_by_text("Draft: 1 change")).to_be_visible()
     expect(page.get_by_role("button", name="Save", exact=True)).to_have_count(0)
+    page.get_by_label("Message (optional)").fill("Bend the leg")
     page.get_by_role("button", name="Propose", exact=True).click()
     expect(page.get_by_text("Proposal 2 created for review")).to_be_visible()
     expect(page.get_by_text("Draft: 1 change")).to_have_count(0)
     expect(page.get_by_role("button", name="2 proposals")).to_be_visible()
     made = studio.get(f"/documents/{document}/proposals/2")
-    assert (made["kind"], made["author"], made["changes"]["frames"][0]["columns"]) == (
-        "changes", "vic", ["left_up_leg.Rx"],
+    assert (made["kind"], made["author"], made["message"], made["changes"]["frames"][0]["columns"]) == (
+        "changes", "vic", "Bend the leg", ["left_up_leg.Rx"],
     )  # fmt: skip
     studio.client().post(f"/documents/{document}/proposals/2/close").raise_for_status()
 

@@ -14,6 +14,7 @@ import { ExportMenu } from "./ExportMenu";
 import { OthersEdit, People } from "./People";
 import { ConflictBanner } from "./ConflictBanner";
 import { proposeClip, saveClip } from "./keys";
+import { MessageField } from "./review/MessageField";
 import { PendingProposals } from "./review/PendingProposals";
 import { r } from "./words";
 import { mustPropose } from "../../state/clip/review";
@@ -57,6 +58,7 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
             <span class="draft-words" role="status">
               {w("label.draft", { n: clip.draft.value.steps })}
             </span>
+            <MessageField />
             {!mustPropose() && (
               <button
                 type="button"

@@ -3,7 +3,7 @@ import { useEffect } from "preact/hooks";
 import { ask } from "../../api/client";
 import type { Clip } from "../../state/clip/clip";
 import { besideIds, putBeside } from "../../state/clip/comparison";
-import { mustPropose } from "../../state/clip/review";
+import { message, mustPropose } from "../../state/clip/review";
 import { offer, type Command } from "../../state/session/keys";
 import { note, refuse } from "../../state/session/notes";
 import { param, setParams } from "../../state/session/route";
@@ -18,14 +18,17 @@ export function noteProposal(n: number): void {
 
 /** Propose the draft, which others review. */
 export async function proposeClip(clip: Clip): Promise<void> {
-  const number = await clip.propose();
-  if (number !== null) noteProposal(number);
+  const number = await clip.propose(message.peek().trim());
+  if (number === null) return;
+  message.value = "";
+  noteProposal(number);
 }
 
 export async function saveClip(clip: Clip, reload: () => void, merge = false): Promise<void> {
   if (mustPropose()) return proposeClip(clip);
-  const revision = await clip.save("", merge);
+  const revision = await clip.save(message.peek().trim(), merge);
   if (revision === null) return;
+  message.value = "";
   note(w("label.saved", { n: revision }), {
     action: { text: w("button.undo"), run: () => void undoSaved(clip, revision, reload) },
   });

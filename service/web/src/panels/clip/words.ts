@@ -3,7 +3,7 @@ import { wordsOf } from "../../words/table";
 export const r = wordsOf(
   {
     "label.proposals": "Proposals", "label.proposalNumber": "Proposal {n}", "label.proposed": "Proposal {n} created for review",
-    "button.propose": "Propose", "help.propose": "Suggest this change; others review it before it is applied.",
+    "button.propose": "Propose", "label.message": "Message (optional)", "help.propose": "Suggest this change; others review it before it is applied.",
     "help.viewersPropose": "Viewers propose changes; editors apply them.", "help.reviewRequired": "This project requires a review of changes.",
     "label.pending": "1 proposal|{n} proposals", "help.noProposals": "No open proposals. Use Propose beside Save, or in an edit of frames.",
     "label.state_open": "Open", "label.state_approved": "Approved by {name}", "label.state_applied": "Applied as revision {n}", "label.state_closed": "Closed",
@@ -17,7 +17,7 @@ export const r = wordsOf(
   },
   {
     "label.proposals": "제안", "label.proposalNumber": "제안 {n}", "label.proposed": "검토할 제안 {n}을(를) 만들었습니다",
-    "button.propose": "제안", "help.propose": "변경을 제안합니다. 다른 사람이 검토한 뒤 적용됩니다.",
+    "button.propose": "제안", "label.message": "메시지(선택)", "help.propose": "변경을 제안합니다. 다른 사람이 검토한 뒤 적용됩니다.",
     "help.viewersPropose": "보기 권한으로는 변경을 제안하고, 편집자가 적용합니다.", "help.reviewRequired": "이 프로젝트는 변경에 검토가 필요합니다.",
     "label.pending": "제안 {n}개", "help.noProposals": "열린 제안이 없습니다. 저장 옆이나 프레임 편집에서 ‘제안’을 누르세요.",
     "label.state_open": "열림", "label.state_approved": "{name} 승인", "label.state_applied": "리비전 {n}(으)로 적용됨", "label.state_closed": "닫힘",

@@ -77,8 +77,14 @@ export function AnswerStatus({ answer, runs }: { answer: Answered; runs: Run[] }
       <Explain explain={answer.explain} />
       <Copies answer={answer} />
       <Exports answer={answer} hasRuns={runs.length > 0} />
-      {runs.length > 0 && !answer.per && answer.guesses && (
-        <button type="button" class="button dense" disabled={saving} onClick={() => void saveAsClip()}>
+      {runs.length > 0 && !answer.per && (
+        <button
+          type="button"
+          class="button dense"
+          disabled={saving || !answer.guesses}
+          title={answer.guesses ? undefined : x("help.saveWithGuesses")}
+          onClick={() => void saveAsClip()}
+        >
           {w("button.saveAsClip")}
         </button>
       )}

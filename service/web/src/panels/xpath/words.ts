@@ -28,7 +28,7 @@ export const x = wordsOf(
     "help.beyondBuilder": "The builder cannot show this expression. It stays as it is.",
     "label.rangeOf": "{low} to {high} in 90 % of the frames",
     "label.hitCards": "First matches, moving", "label.minimum": "min", "label.maximum": "max", "label.mean": "mean", "label.sortBy": "Sort by {column}", "help.sortsLoaded": "Sorts the {n} ranges that are loaded.",
-    "label.withoutGuesses": "Exclude guessed units", "help.withoutGuesses": "Leave out clips whose unit, up axis or floor is guessed, if the query depends on it.",
+    "label.withoutGuesses": "Exclude guessed units", "help.saveWithGuesses": "A clip of all results includes guessed units. Include them again to save it, or send the results to the composer.", "help.withoutGuesses": "Leave out clips whose unit, up axis or floor is guessed, if the query depends on it.",
     "label.notes": "{n} note|{n} notes", "label.lengthFrames": "Frames",
   },
   {
@@ -58,7 +58,7 @@ export const x = wordsOf(
     "help.beyondBuilder": "이 식은 조건 만들기로 나타낼 수 없습니다. 식은 그대로 둡니다.",
     "label.rangeOf": "프레임의 90 %가 {low}~{high}",
     "label.hitCards": "처음 결과, 움직이는 그림", "label.minimum": "최소", "label.maximum": "최대", "label.mean": "평균", "label.sortBy": "{column} 기준 정렬", "help.sortsLoaded": "불러온 구간 {n}개를 정렬합니다.",
-    "label.withoutGuesses": "추정 단위 제외", "help.withoutGuesses": "질의가 단위, 위쪽 축, 바닥에 달려 있을 때 그 값을 추정한 클립을 뺍니다.",
+    "label.withoutGuesses": "추정 단위 제외", "help.saveWithGuesses": "결과 전체로 만드는 클립에는 추정 단위가 포함됩니다. 저장하려면 추정 단위를 다시 포함하거나, 결과를 이어붙이기로 보내세요.", "help.withoutGuesses": "질의가 단위, 위쪽 축, 바닥에 달려 있을 때 그 값을 추정한 클립을 뺍니다.",
     "label.notes": "참고 {n}개", "label.lengthFrames": "프레임",
   },
 );

@@ -279,9 +279,10 @@ export class Clip {
   }
 
   /** Propose the draft instead of saving it. The number of the proposal. */
-  async propose(): Promise<number | null> {
-    const answer = await this.send((changes, match) =>
-      ask("post", "/documents/{id}/proposals", { path: { id: this.id }, match, body: { changes } }),
+  async propose(message: string): Promise<number | null> {
+    const answer = await this.send(
+      (changes, match) => ask("post", "/documents/{id}/proposals", { path: { id: this.id }, match, body: { changes } }),
+      message,
     );
     return answer?.number ?? null;
   }

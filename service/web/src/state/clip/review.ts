@@ -12,6 +12,9 @@ export const terms = signal({ edits: true, review: false });
 /** Whether a change can be proposed alone. */
 export const mustPropose = (): boolean => !terms.value.edits || terms.value.review;
 
+/** Reason of the next change: for reviewers of a proposal, and in the history of the clip. */
+export const message = signal("");
+
 let followed: string | null = null;
 
 export async function followTerms(project: string | null): Promise<void> {

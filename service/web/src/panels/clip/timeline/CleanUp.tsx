@@ -12,6 +12,7 @@ import { w } from "../../../words";
 import { CurvePreview } from "./CurvePreview";
 import { mustPropose, terms } from "../../../state/clip/review";
 import { r } from "../words";
+import { MessageField } from "../review/MessageField";
 import { editFrames, extractFrames, previewEdits, proposeFrames, type Made } from "./editFrames";
 import { EditFields } from "./EditFields";
 import { editOf, isSeen, seenFrames, START, type Choices, type Edits, type Kind, type Seen } from "./edits";
@@ -136,8 +137,9 @@ export function CleanUp({
 function Acts({ ready, name, onPropose }: { ready: boolean; name: string | null; onPropose: () => void }) {
   if (mustPropose())
     return (
-      <div class="row">
+      <div class="row wrap">
         <span class="dim grow">{r(terms.value.edits ? "help.reviewRequired" : "help.viewersPropose")}</span>
+        <MessageField />
         <button type="submit" class="button primary" title={r("help.propose")} disabled={!ready}>
           {r("button.propose")}
         </button>
@@ -146,6 +148,7 @@ function Acts({ ready, name, onPropose }: { ready: boolean; name: string | null;
   return (
     <div class="row">
       <span class="grow" />
+      {name === null && <MessageField />}
       {name === null && (
         <button type="button" class="button" title={r("help.propose")} disabled={!ready} onClick={onPropose}>
           {r("button.propose")}

@@ -6,7 +6,7 @@ import type { Clip } from "../../../state/clip/clip";
 import { note, refuse } from "../../../state/session/notes";
 import { w } from "../../../words";
 import { go } from "../../../state/session/route";
-import { mustPropose } from "../../../state/clip/review";
+import { message, mustPropose } from "../../../state/clip/review";
 import { markReplaced } from "./replacedMarks";
 import { noteProposal, saveClip, undoSaved } from "../keys";
 import type { Edits, Seen } from "./edits";
@@ -48,8 +48,9 @@ export async function proposeFrames(clip: Clip, reload: () => void, edits: Edits
     const made = await ask("post", "/documents/{id}/proposals", {
       path: { id: clip.id },
       match: clip.detail.revision,
-      body: { edits: { edits, renumber: true, message: "" } },
+      body: { edits: { edits, renumber: true, message: message.peek().trim() } },
     });
+    message.value = "";
     noteProposal(made.number);
   } catch (error) {
     refuse(error);
