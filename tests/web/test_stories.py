@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import re
 import struct
@@ -14,9 +15,14 @@ import pytest
 
 import mcml
 from mcml.formats import FORMATS
+from mcml_service.actions.importing.load_demo import add_clips
 from mcml_service.demo import body
+from mcml_service.demo.dance_clips import dance_clip
 from mcml_service.demo.walks import turning_walk
+from mcml_service.settings import Settings
+from tests.laboratory.walkers import Gait, events_of, make_c3d
 from tests.web.conftest import Served
+from tests.web.test_dance import song
 from tests.web.test_journeys import ready
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect
@@ -158,3 +164,76 @@ def test_an_engineer_gets_an_array_of_a_query(open_studio: Served, visit_of: Any
         assert arrays["values"].ndim == 3
         assert set(arrays["names"]) == {"ahead", "curve"}
     assert len(hand.clicks) <= 6, hand.clicks
+
+
+def test_a_biomechanist_gets_a_gait_table_of_25_trials(
+    open_studio: Served, visit_of: Any, shared: Path, tmp_path: Path
+) -> None:
+    """25 C3D files, five of them real trials of laboratories, as a gait table in CSV: at most 15 clicks."""
+    real = [
+        shared / "lab" / f"{name}.c3d" for name in ("bmc_gait", "ja1gait35", "s4_am_gait04", "hc030a05", "walking5")
+    ]
+    files = [str(path) for path in real]
+    for number in range(20):
+        gait = Gait(seconds=5, width=0.12 + 0.002 * number, speed=1.0 + 0.02 * number)
+        path = tmp_path / f"trial{number:02}.c3d"
+        path.write_bytes(make_c3d(gait, sorted(events_of(gait))))
+        files.append(str(path))
+    hand = Hand()
+    page = visit_of(open_studio).open("/library")
+    with page.expect_file_chooser() as chooser:
+        hand.press(page.get_by_role("button", name="Import", exact=True))
+    chooser.value.set_files(files)
+    tray = page.get_by_role("region", name="Import")
+    hand.press(tray.get_by_role("button", name="Select all 25 imported clips"), timeout=120_000)
+    hand.press(page.get_by_role("toolbar", name="25 selected").get_by_role("button", name="Measure"))
+    hand.press(page.get_by_role("button", name="Add gait angles"))
+    hand.choose(page.get_by_role("combobox", name="Frame ranges"), "Strides of gait")
+    save = page.get_by_role("button", name="Download CSV")
+    expect(page.get_by_role("status").filter(has_text=re.compile(r"rows of \d+ clips"))).to_be_visible(timeout=120_000)
+    expect(save).to_be_enabled()
+    with page.expect_download() as saved:
+        hand.press(save)
+    with Path(saved.value.path()).open() as file:
+        rows = list(csv.DictReader(file))
+    measured = {row["name"] for row in rows}
+    assert {f"trial{number:02}" for number in range(20)} <= measured
+    assert measured & {path.stem for path in real}, "no real trial has strides"
+    knee = [
+        float(row["maximum"])
+        for row in rows
+        if row["quantity"] == "angle:left-knee-flexion" and row["name"] in {path.stem for path in real}
+    ]
+    assert 45 < np.median(knee) < 80  # People bend the knee by about 60 degrees in swing.
+    assert len(hand.clicks) <= 15, hand.clicks
+
+
+@pytest.mark.usefixtures("lent_workers")
+def test_a_dancer_gets_a_dance_to_a_song_and_takes_it_back(open_studio: Served, visit_of: Any) -> None:
+    """Song, a dance to its beats, undo: at most 10 clicks."""
+    pytest.importorskip("librosa", reason="the extra audio is not installed")
+    clips = [dance_clip("groove", bars=8, seed=seed, name=f"groove {seed}").clip for seed in (1, 2, 3)]
+    add_clips(open_studio.database, Settings(), "dances", clips, (), "")
+    hand = Hand()
+    page = visit_of(open_studio).open("/library")
+    expect(page.get_by_role("gridcell")).to_have_count(3)
+    press_keys(page, "g", "d")
+    hand.choose(page.get_by_label("Project"), "dances")
+    hand.press(page.get_by_role("button", name="Open clips"))
+    expect(page.locator(".bench-row")).to_have_count(3)
+    with page.expect_file_chooser() as chooser:
+        hand.press(page.locator("label.button").filter(has=page.get_by_label("Music", exact=True)))
+    chooser.value.set_files({"name": "song.wav", "mimeType": "audio/wav", "buffer": song(120, 20)})
+    expect(page.get_by_role("slider", name="Audio offset")).to_be_visible(timeout=120_000)
+    hand.press(page.get_by_role("button", name="Create dance", exact=True))
+    page.wait_for_url(re.compile(r"/dance/[0-9a-f-]{36}"), timeout=60_000)
+    expect(page.get_by_role("button", name="Save…")).to_be_visible()
+    result = page.url.split("/dance/")[1].split("?")[0]
+    made = open_studio.get(f"/results/{result}")["parts"]["clip"]["document"]
+    assert open_studio.get(f"/documents/{made}")["media"]["name"] == "song.wav"
+    hand.press(page.get_by_role("button", name=re.compile("Play: Transition from bar")).first)
+    page.wait_for_function("() => window.mcmlDance.frame() > 0")
+    hand.press(page.get_by_role("button", name="Undo", exact=True).last)
+    expect(page.get_by_text("dance deleted")).to_be_visible()
+    assert made not in {one["id"] for one in open_studio.get("/documents")["items"]}
+    assert len(hand.clicks) <= 10, hand.clicks
