@@ -54,3 +54,29 @@ def test_own_clips_end_it(demo_studio: Served, visit_of: Any) -> None:
     expect(welcome).to_be_visible()
     demo_studio.upload("mine.bvh", walk(10))
     expect(welcome).to_have_count(0)
+
+
+def test_a_tour_leads_over_the_pages_by_keys_and_is_left(open_studio: Served, visit_of: Any) -> None:
+    open_studio.upload("walk.bvh", walk(20))
+    page = visit_of(open_studio).open("/library")
+    expect(page.get_by_role("gridcell")).to_have_count(1)
+    tour = page.get_by_role("region", name="Guided tour")
+    expect(tour).to_have_count(0)  # It never begins by itself.
+    page.get_by_role("button", name="Keyboard shortcuts").click()
+    page.get_by_role("button", name="Start the guided tour").press("Enter")
+    go_on = tour.get_by_role("button", name="Show next")
+    seen = []
+    for step in range(1, 7):
+        expect(tour).to_contain_text(f"{step} of 7")
+        expect(go_on).to_be_focused()
+        box, below = page.locator("main").bounding_box(), tour.bounding_box()
+        assert box["y"] + box["height"] <= below["y"] + 1
+        seen.append(page.url.removeprefix(open_studio.url))
+        page.keyboard.press("Enter")
+    assert seen == ["/library", "/library?folders=project", "/xpath", "/compose", "/measure", "/dance"]
+    tour.get_by_role("button", name="Go back").click()
+    expect(tour).to_contain_text("6 of 7")
+    tour.get_by_role("button", name="Close tour").click()
+    expect(tour).to_have_count(0)
+    page.reload()
+    expect(tour).to_have_count(0)

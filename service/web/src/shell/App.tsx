@@ -17,6 +17,7 @@ import { focusHeading } from "./focusHeading";
 import { Keys } from "./Keys";
 import { lazy } from "../ui/lazy";
 import { Palette } from "./Palette";
+import { Tour } from "./Tour";
 import { Toasts } from "./Toasts";
 import { Connection } from "./Connection";
 import { UploadTray } from "../panels/library/importing/UploadTray";
@@ -71,6 +72,7 @@ export function App() {
         <Connection />
         <PageOf />
       </main>
+      <Tour />
       <UploadTray />
       <Toasts />
       <DropTarget />

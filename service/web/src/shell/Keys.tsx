@@ -1,6 +1,8 @@
 /** The keys that work now. */
 import { Dialog } from "../ui/Dialog";
 import { commands, commandsOf, type Command } from "../state/session/keys";
+import { tourStep } from "../state/session/tour";
+import { Icon } from "../ui/icons";
 import { w } from "../words";
 
 export function Keys({ onClose }: { onClose: () => void }) {
@@ -26,6 +28,20 @@ export function Keys({ onClose }: { onClose: () => void }) {
     );
   return (
     <Dialog title={w("label.help")} onClose={onClose} wide>
+      <p>
+        <button
+          type="button"
+          class="button"
+          onClick={() => {
+            onClose();
+            tourStep.value = 0;
+          }}
+        >
+          <Icon name="play" />
+          {w("button.startTour")}
+        </button>{" "}
+        <span class="dim">{w("help.tour")}</span>
+      </p>
       <div class="keys-columns">
         {table(
           w("label.onThisPage"),

@@ -48,6 +48,15 @@ export const en = {
 
   // Import
   "label.dropTitle": "Drop to import", "help.dropHelp": "Files, folders or a zip. Drop an ASF together with its AMC.", "button.lookFirst": "Preview without importing", "help.lookFirstHelp": "Opens the files without importing them.",
+  "label.tour": "Guided tour", "label.tourStep": "{n} of {of}", "button.startTour": "Start the guided tour", "help.tour": "Seven steps, about two minutes. Leave it at any time.",
+  "button.tourNext": "Show next", "button.tourBack": "Go back", "button.tourEnd": "Close tour",
+  "help.tourLibrary": "The library shows every clip as a moving picture: import files, search and filter, or load the demo clips if it is empty.",
+  "help.tourFolders": "Folders group the clips by project, label, skeleton or subject, with the number of clips in each.",
+  "help.tourAsk": "Here you find frames in all clips: click a joint, choose a measurement such as speed or height, and drag a threshold.",
+  "help.tourCompose": "The composer joins frame ranges of clips to a new one, with smooth transitions.",
+  "help.tourMeasure": "Measure compares many clips: mean curves, a table with outliers first, and downloads as CSV.",
+  "help.tourMake": "The pages Reach, Dance and Faces make new motion from your clips, for example a dance to a song.",
+  "help.tourEnd": "Open any clip to play, label, edit and export it; press ? for all keys and for this tour.",
   "button.queue": "Import", "label.queued": "waiting", "label.sending": "uploading", "label.reading": "reading", "label.stored": "imported", "label.refused": "import failed", "label.cancelled": "cancelled",
   "label.skippedTwin": "already in the library (skipped)", "button.retry": "Retry", "label.uploads": "{done} of {n} done", "label.uploadsPace": "{done} of {of} · {speed} · {left} left", "label.filesASecond": "1 file a second|{n} files a second", "label.filesAMinute": "1 file a minute|{n} files a minute", "label.receipts": "Import report", "button.hideQueue": "Close",
   "button.undoImport": "Undo import", "label.receiptUnit": "Unit", "label.receiptRate": "Rate", "label.receiptUp": "Up axis", "label.receiptBody": "Body", "label.receiptJoints": "Joints", "label.receiptNumbers": "Samples",

@@ -25,8 +25,9 @@ export async function editFrames(clip: Clip, reload: () => void, edits: Edits): 
     const made = await ask("post", "/documents/{id}/frames", {
       path: { id: clip.id },
       match: clip.detail.revision,
-      body: { edits, renumber: true, message: "" },
+      body: { edits, renumber: true, message: message.peek().trim() },
     });
+    message.value = "";
     markReplaced(clip.id, made);
     const { player } = clip;
     player.pause();
