@@ -50,13 +50,13 @@ export function foldersOf(found: FacetList, grouping: Grouping): Folder[] {
 
 type Filter = typeof filterNow.value;
 
-const conditionsOf = (filter: Filter): string[] => [filter.property ?? []].flat();
+const folderConditions = (filter: Filter): string[] => [filter.property ?? []].flat();
 
 /** The value of the folder that a filter opens; null where none is open. */
 export function openFolder(filter: Filter, grouping: Grouping): string | null {
   if (!grouping.startsWith("property:")) return [filter[grouping] ?? []].flat()[0] ?? null;
   const beginning = `${grouping.slice("property:".length)}:`;
-  const own = conditionsOf(filter).find((one) => one.startsWith(beginning));
+  const own = folderConditions(filter).find((one) => one.startsWith(beginning));
   return own === undefined ? null : own.slice(beginning.length);
 }
 
@@ -72,7 +72,7 @@ export function folderAddress(
   );
   if (grouping.startsWith("property:")) {
     const name = grouping.slice("property:".length);
-    const others = conditionsOf(filter).filter((one) => !one.startsWith(`${name}:`));
+    const others = folderConditions(filter).filter((one) => !one.startsWith(`${name}:`));
     next.property = value === null ? others : [...others, `${name}:${value}`];
   } else if (value !== null) next[grouping] = value;
   return addressOf(next, params, FILTERS);
