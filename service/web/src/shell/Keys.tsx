@@ -28,7 +28,7 @@ export function Keys({ onClose }: { onClose: () => void }) {
     );
   return (
     <Dialog title={w("label.help")} onClose={onClose} wide>
-      <p>
+      <p class="row wrap tour-start">
         <button
           type="button"
           class="button"
@@ -39,7 +39,7 @@ export function Keys({ onClose }: { onClose: () => void }) {
         >
           <Icon name="play" />
           {w("button.startTour")}
-        </button>{" "}
+        </button>
         <span class="dim">{w("help.tour")}</span>
       </p>
       <div class="keys-columns">
