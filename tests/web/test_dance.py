@@ -46,7 +46,7 @@ def dances(open_studio: Served) -> list[str]:
 def bench(open_studio: Served, visit_of: Any, dances: list[str]) -> Any:
     """The page with their rows."""
     page = visit_of(open_studio).open("/dance?" + "&".join(f"doc={one}" for one in dances))
-    expect(page.locator(".bench-row")).to_have_count(3)
+    expect(page.locator(".bench-row")).to_have_count(3, timeout=60_000)  # of an analysis
     return page
 
 
@@ -72,7 +72,7 @@ def test_a_bench_is_opened_from_a_project(open_studio: Served, visit_of: Any, da
     page.get_by_label("Project").select_option("dances")
     page.get_by_role("checkbox", name="groove 3").uncheck()
     page.get_by_role("button", name="Open clips").click()
-    expect(page.locator(".bench-row")).to_have_count(2)
+    expect(page.locator(".bench-row")).to_have_count(2, timeout=60_000)  # of an analysis
     assert page.url.count("doc=") == 2
     page.get_by_role("button", name="Other clips").click()
     expect(page.get_by_role("button", name="Open clips")).to_be_visible()
@@ -252,7 +252,7 @@ def test_a_tempo_is_tapped_and_one_that_does_not_work_says_what_does(
     visit = visit_of(open_studio)
     visit.wanted = {400, 422}
     page = visit.open(f"/dance?doc={dances[0]}")
-    expect(page.locator(".bench-row")).to_have_count(1)
+    expect(page.locator(".bench-row")).to_have_count(1, timeout=60_000)
     page.evaluate(
         """() => { const clock = performance.now; let time = 1000;
         performance.now = () => time; const key = () => document.body.dispatchEvent(new KeyboardEvent("keydown",

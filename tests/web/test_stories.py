@@ -166,6 +166,7 @@ def test_an_engineer_gets_an_array_of_a_query(open_studio: Served, visit_of: Any
     assert len(hand.clicks) <= 6, hand.clicks
 
 
+@pytest.mark.slow
 def test_a_biomechanist_gets_a_gait_table_of_25_trials(
     open_studio: Served, visit_of: Any, shared: Path, tmp_path: Path
 ) -> None:
@@ -208,6 +209,7 @@ def test_a_biomechanist_gets_a_gait_table_of_25_trials(
     assert len(hand.clicks) <= 15, hand.clicks
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("lent_workers")
 def test_a_dancer_gets_a_dance_to_a_song_and_takes_it_back(open_studio: Served, visit_of: Any) -> None:
     """Song, a dance to its beats, undo: at most 10 clicks."""
@@ -220,7 +222,7 @@ def test_a_dancer_gets_a_dance_to_a_song_and_takes_it_back(open_studio: Served, 
     press_keys(page, "g", "d")
     hand.choose(page.get_by_label("Project"), "dances")
     hand.press(page.get_by_role("button", name="Open clips"))
-    expect(page.locator(".bench-row")).to_have_count(3)
+    expect(page.locator(".bench-row")).to_have_count(3, timeout=60_000)  # of an analysis
     with page.expect_file_chooser() as chooser:
         hand.press(page.locator("label.button").filter(has=page.get_by_label("Music", exact=True)))
     chooser.value.set_files({"name": "song.wav", "mimeType": "audio/wav", "buffer": song(120, 20)})
