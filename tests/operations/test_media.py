@@ -140,7 +140,7 @@ def test_edits_that_put_frames_elsewhere_leave_it_in_step(client: TestClient, da
 
     for turn in range(30):
         quarter = len(frames) // 4
-        kind = ("delete", "keep", "insert", "reverse", "undo", "restore")[turn % 6]
+        kind = ("delete", "keep", "insert", "undo", "restore")[turn % 5]
         first = int(random.integers(1, quarter + 2))
         last = first + int(random.integers(2 * quarter, 3 * quarter) if kind == "keep" else random.integers(quarter))
         part = frames[first - 1 : last]
@@ -156,7 +156,9 @@ def test_edits_that_put_frames_elsewhere_leave_it_in_step(client: TestClient, da
             edit = {"do": "insert", "at": 1, "first": first, "last": last}
             check(copies + frames, send("frames", {"edits": [edit]}))
         else:
-            now = {"delete": rest, "keep": part, "reverse": frames[: first - 1] + part[::-1] + frames[last:]}[kind]
-            check(now, send("frames", {"edits": [{"do": kind, "first": first, "last": last}]}))
+            check(
+                part if kind == "keep" else rest,
+                send("frames", {"edits": [{"do": kind, "first": first, "last": last}]}),
+            )
     assert len(past) > 20
     assert database.check() == []

@@ -41,6 +41,23 @@ def test_a_comment_leads_to_its_frame_and_joint(visit: Visit, studio: Served) ->
 
 
 @pytest.mark.slow
+def test_a_comment_follows_its_frames_into_later_revisions(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("slide.bvh", walk())
+    with studio.client() as client:
+        for text, first in (("stays", 30), ("goes", 5)):
+            client.post(f"/documents/{uuid}/comments", json={"text": text, "first": first}).raise_for_status()
+        edit = {"edits": [{"do": "delete", "first": 1, "last": 10}]}
+        client.post(f"/documents/{uuid}/frames", json=edit, headers={"If-Match": '"1"'}).raise_for_status()
+    page = visit.open(f"/clips/{uuid}?tab=comments")
+    ready(page)
+    page.get_by_role("button", name="Frame 20", exact=True).click()
+    expect(page.get_by_label("Frame 20", exact=True)).to_be_visible()
+    page.get_by_role("link", name="Frame 5 · revision 1").click()
+    ready(page)
+    expect(page.get_by_label("Frame 5", exact=True)).to_be_visible()
+
+
+@pytest.mark.slow
 def test_tabs_that_do_not_fit_are_in_a_menu(visit: Visit, studio: Served) -> None:
     page = visit.open(f"/clips/{studio.upload('slide.bvh', walk())}")
     ready(page)
@@ -53,9 +70,9 @@ def test_tabs_that_do_not_fit_are_in_a_menu(visit: Visit, studio: Served) -> Non
     expect(page.get_by_role("tabpanel", name="Info")).to_be_visible()
     # Arrows reach those in the menu, too.
     info.press("ArrowLeft")
-    expect(tabs.get_by_role("tab", name="Comments")).to_be_focused()
+    expect(tabs.get_by_role("tab", name="Video")).to_be_focused()
     page.set_viewport_size({"width": 1920, "height": 1080})
     page.get_by_role("separator", name="Panels").focus()
     for _ in range(24):
         page.keyboard.press("ArrowLeft")
-    expect(tabs.get_by_role("tab")).to_have_count(10)
+    expect(tabs.get_by_role("tab")).to_have_count(11)

@@ -22,6 +22,8 @@ _COMMENT = {
     "id": 7,
     "revision": 3,
     **_PLACE,
+    "first_now": 80,
+    "last_now": 122,
     "author": "sam",
     "created": TIME,
     "text": _TEXT,
@@ -55,9 +57,10 @@ class CommentChange(RequestBody):
 
 
 class CommentView(BaseModel):
-    """revision: that was looked at; first, last: frames there, None for all. proposal: number of the proposal that it
-    is about, None for the document itself. edited, resolved: when, None for never. mentions: people of the project whom
-    the text names.
+    """revision: that was looked at; first, last: frames there, None for all. first_now, last_now: the smallest range of
+    the current revision with these frames; None if no frame is left, or if that revision is no longer kept. proposal:
+    number of the proposal that it is about, None for the document itself. edited, resolved: when, None for never.
+    mentions: people of the project whom the text names.
     """
 
     model_config = ConfigDict(json_schema_extra=shown(_COMMENT))
@@ -70,6 +73,8 @@ class CommentView(BaseModel):
     mentions: list[str]
     first: int | None = None
     last: int | None = None
+    first_now: int | None = None
+    last_now: int | None = None
     bone: str | None = None
     proposal: int | None = None
     edited: str | None = None

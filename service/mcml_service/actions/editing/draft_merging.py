@@ -23,8 +23,8 @@ from mcml_service.actions.editing.element_edits import ElementEdit
 from mcml_service.actions.editing.single_element import Change
 from mcml_service.actions.reading.read_element import read_element
 from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.documents.timelines import common_frames
 from mcml_service.storage.transaction import Transaction
-from mcml_service.storage.undo.differences import common_frames
 
 MOST_VALUES = 1000
 """Limit of values reported for a conflict."""

@@ -10,8 +10,8 @@ import numpy as np
 from mcml.motion.clip import FrameBlock
 from mcml.motion.skeleton import CHANNELS
 from mcml.numerics.runs import find_true
+from mcml_service.storage.documents.timelines import Run
 from mcml_service.storage.documents.tracks import Piece
-from mcml_service.storage.undo.differences import Run
 from mcml_service.storage.undo.frame_pairs import compose_pairs, pair_frames
 
 

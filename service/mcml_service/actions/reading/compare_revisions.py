@@ -23,8 +23,9 @@ from mcml_schemas.revisions import (
 )
 from mcml_service.clips.read_clip import read_clip
 from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.documents.timelines import Run, common_frames
 from mcml_service.storage.transaction import Transaction
-from mcml_service.storage.undo.differences import Run, common_frames, find_changed_chunks, missing, within_chunks
+from mcml_service.storage.undo.differences import find_changed_chunks, missing, within_chunks
 from mcml_service.storage.undo.frame_pairs import join_runs
 
 MOST_HEAD = 1000

@@ -8,8 +8,8 @@ from mcml_schemas.documents import LabelRequest
 from mcml_service.actions.editing.draft_merging import Merge
 from mcml_service.actions.editing.drafts import Changes, Values
 from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.documents.timelines import Run
 from mcml_service.storage.transaction import Transaction
-from mcml_service.storage.undo.differences import Run
 from mcml_service.storage.undo.frame_pairs import pair_frames
 
 

@@ -23,8 +23,8 @@ from mcml_service.clips.read_clip import read_clip
 from mcml_service.operations.arguments import DocumentId, IfMatch, Shown, find_for_write, tag
 from mcml_service.operations.call import Call
 from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.documents.timelines import Run
 from mcml_service.storage.transaction import Transaction
-from mcml_service.storage.undo.differences import Run
 
 MOST_CURVES = 8
 MOST_RANGES = 2000

@@ -13,6 +13,7 @@ from mcml_service.operations.call import Call
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.team.comments import Comment
 from mcml_service.storage.transaction import Transaction
+from mcml_service.storage.undo.frame_history import FrameHistory
 
 CommentId = Annotated[int, Field(ge=1, le=MOST, description="Number of the comment", examples=[7])]
 
@@ -31,7 +32,8 @@ def list_comments(
         stored = tx.documents.get(id)
         comments = tx.comments.of(stored, 0 if after is None else after[0], page.most(call) + 1, proposal)
         shown, more = page.cut(call, comments, lambda comment: (comment.number,))
-        return CommentPage(items=[_view(tx, stored, comment) for comment in shown], next_cursor=more)
+        history = FrameHistory(tx, stored)
+        return CommentPage(items=[_view(tx, stored, comment, history) for comment in shown], next_cursor=more)
 
 
 def add_comment(call: Call, id: DocumentId, comment: CommentRequest) -> CommentView:
@@ -82,6 +84,12 @@ def _resolve(call: Call, id: str, comment: int, *, resolved: bool) -> CommentVie
         return _view(tx, stored, tx.comments.resolve(stored, comment, resolved=resolved))
 
 
-def _view(tx: Transaction, stored: StoredDocument, comment: Comment) -> CommentView:
+def _view(
+    tx: Transaction, stored: StoredDocument, comment: Comment, history: FrameHistory | None = None
+) -> CommentView:
     facts = {name: value for name, value in vars(comment).items() if name != "number"}
+    if comment.first is not None:
+        last = comment.first if comment.last is None else comment.last
+        found = (history or FrameHistory(tx, stored)).find(comment.revision, comment.first, last)
+        facts["first_now"], facts["last_now"] = found or (None, None)
     return CommentView(id=comment.number, mentions=tx.comments.find_mentioned(stored, comment.text), **facts)

@@ -11,7 +11,8 @@ from mcml.motion.skeleton import CHANNELS, Array
 from mcml.numerics.runs import find_consecutive
 from mcml_service.storage.core.schema import CHUNK
 from mcml_service.storage.core.tables import CLOSED_TRACK, span, track
-from mcml_service.storage.undo.differences import common_frames, find_changed_chunks, missing
+from mcml_service.storage.documents.timelines import common_frames
+from mcml_service.storage.undo.differences import find_changed_chunks, missing
 
 if TYPE_CHECKING:
     from mcml_service.storage.transaction import Transaction

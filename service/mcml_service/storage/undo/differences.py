@@ -3,39 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import Column, Table, select
 
 from mcml_service.storage.core.schema import CHUNK
 from mcml_service.storage.core.tables import CLOSED_TRACK, shape_run, track
+from mcml_service.storage.documents.timelines import Run
 from mcml_service.storage.documents.tracks import Piece
 
 if TYPE_CHECKING:
     from mcml_service.storage.transaction import Transaction
-
-
-@dataclass(frozen=True)
-class Run:
-    """`count` frames that both states have: at positions from `before` in the one, from `after` in the other."""
-
-    before: int
-    after: int
-    count: int
-
-
-def common_frames(before: list[Piece], after: list[Piece]) -> list[Run]:
-    """Return the frames with the same slots in two timelines, in the order of the later one."""
-    runs: list[Run] = []
-    old = sorted(before, key=lambda piece: piece.slot)
-    for piece in after:
-        for other in old:
-            start = max(piece.slot, other.slot)
-            end = min(piece.slot + piece.count, other.slot + other.count)
-            if start < end:
-                runs.append(Run(other.first + start - other.slot, piece.first + start - piece.slot, end - start))
-    return sorted(runs, key=lambda run: run.after)
 
 
 def missing(runs: list[tuple[int, int]], frames: int) -> list[tuple[int, int]]:

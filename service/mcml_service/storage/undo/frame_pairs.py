@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
+from mcml_service.storage.documents.timelines import Run, common_frames
 from mcml_service.storage.documents.tracks import Piece
-from mcml_service.storage.undo.differences import Run, common_frames
 
 
 def pair_frames(before: list[Piece], after: list[Piece]) -> list[Run]:

@@ -2677,6 +2677,8 @@ export interface components {
             mentions: string[];
             first?: number | null;
             last?: number | null;
+            first_now?: number | null;
+            last_now?: number | null;
             bone?: string | null;
             proposal?: number | null;
             edited?: string | null;

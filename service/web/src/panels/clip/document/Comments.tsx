@@ -111,30 +111,43 @@ export function Comments({ clip, proposal }: { clip: Clip; proposal?: number }) 
   );
 }
 
-/** What a comment is about, as a button that goes there. */
+/** The frames that a comment is about, in the revision that is shown; null where it has none of them. */
+function framesHere(clip: Clip, { revision, first, last, first_now, last_now }: Comment): [number, number] | null {
+  if (revision === clip.detail.revision) return first ? [first, last ?? first] : null;
+  return clip.pinned === null && first_now ? [first_now, last_now ?? first_now] : null;
+}
+
+const framesText = (first: number, last: number): string =>
+  last > first ? w("label.commentFrames", { first, last }) : w("label.commentFrame", { n: first });
+
+/** What a comment is about, as a button that goes there; frames that were deleted, as a link to their revision. */
 function Place({ clip, comment }: { clip: Clip; comment: Comment }) {
   const { first, last, bone } = comment;
   const old = comment.revision !== clip.detail.revision && (
     <span class="dim">{w("label.revision", { n: comment.revision })}</span>
   );
   if (!first && !bone) return <>{old}</>;
+  const here = framesHere(clip, comment);
+  if (first && !here) {
+    const there = new URLSearchParams({ rev: String(comment.revision), f: String(first), tab: "comments" });
+    return (
+      <a class="button dense" href={`/clips/${clip.id}?${there}`} title={r("help.notHere")}>
+        {[framesText(first, last ?? first), bone].filter(Boolean).join(", ")} ·{" "}
+        {w("label.revision", { n: comment.revision })}
+      </a>
+    );
+  }
   const go = () => {
-    if (first) {
+    if (here) {
       clip.player.pause();
-      clip.player.seek(first - 1);
+      clip.player.seek(here[0] - 1);
     }
     if (bone) clip.select([bone]);
   };
-  const frames =
-    first && last && last > first
-      ? w("label.commentFrames", { first, last })
-      : first
-        ? w("label.commentFrame", { n: first })
-        : "";
   return (
     <>
       <button type="button" class="button dense" onClick={go}>
-        {[frames, bone].filter(Boolean).join(", ")}
+        {[here && framesText(...here), bone].filter(Boolean).join(", ")}
       </button>
       {old}
     </>
