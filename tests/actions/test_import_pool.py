@@ -98,6 +98,7 @@ def test_short_clips_are_sent_some_at_a_time(
     assert sqlite.check() == []
 
 
+@pytest.mark.slow
 def test_a_worker_that_dies_costs_no_clip(sqlite: Database, pool: ImportPool) -> None:
     imported(sqlite, CLIPS, pool)
     executor = pool._start(2)

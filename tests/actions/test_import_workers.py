@@ -206,6 +206,7 @@ def test_no_worker_for_what_is_stored_or_beside_threads(sqlite: Database, monkey
     assert calls == []
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="workers are forked on Linux only")
 def test_workers_end_with_an_importer_that_is_killed(tmp_path: Path) -> None:
     Database(url := f"sqlite:///{tmp_path / 'store.db'}").migrate()

@@ -206,6 +206,7 @@ def test_a_file_of_a_program_without_proposals_is_read(database: Database) -> No
     assert database.check() == []
 
 
+@pytest.mark.slow
 def test_it_holds_what_people_can_read(database: Database) -> None:
     fill(database, 2)
     with zipfile.ZipFile(io.BytesIO(exported(database))) as archive:
@@ -224,6 +225,7 @@ def test_it_holds_what_people_can_read(database: Database) -> None:
     assert not any(name in ("account.jsonl", "token.jsonl", "session.jsonl") for name in names)
 
 
+@pytest.mark.slow
 def test_what_is_damaged_is_not_moved(database: Database) -> None:
     fill(database, 3)
     with database.write() as tx:

@@ -67,6 +67,7 @@ def result(database: Database, name: str, inputs: list[str], clip: int | None = 
         return uuid
 
 
+@pytest.mark.slow
 def test_nothing_stays_and_nothing_else_goes(database: Database, tmp_path: Path) -> None:
     twin = store(database, {"twin.bvh": bvh(700)})[0]
     gone = store(database, {f"{NAME}.bvh": bvh(700)})[0]

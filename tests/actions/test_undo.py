@@ -103,6 +103,7 @@ def undone_at_random(database: Database, seed: int, steps: int) -> None:
     assert taken > steps // 8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "seed"), OTHER_SEEDS[:2], indirect=["kind"])
 def test_random_undo(database: Database, seed: int) -> None:
     undone_at_random(database, seed, 20)

@@ -149,6 +149,7 @@ def test_pages_run_and_show_what_their_policy_names(asked: TestClient, path: str
         assert policy["connect-src"] == "'self'"
 
 
+@pytest.mark.slow
 def test_answers_without_a_tag_get_none_when_compressed(asked: TestClient) -> None:
     for path in ("/openapi.json", "/docs/problems", "/api/v1/motion-names"):
         answer = asked.get(path, headers={"accept-encoding": "gzip"})

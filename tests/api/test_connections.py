@@ -158,6 +158,7 @@ def test_a_body_that_hardly_comes(database: Database) -> None:
         assert answers(port)
 
 
+@pytest.mark.slow
 @one_kind
 def test_an_answer_that_is_not_taken(database: Database) -> None:
     (uuid,) = store(database, {"long.bvh": bvh(20_000)})

@@ -168,6 +168,7 @@ def pages(client: TestClient, **asked: object) -> list[str]:
     return seen
 
 
+@pytest.mark.slow
 def test_lists_have_any_order(client: TestClient) -> None:
     still = bvh(9).replace(b"Frame Time: 0.0083333", b"Frame Time: 0")
     only(client, {"still.bvh": still}, project="b")
@@ -219,6 +220,7 @@ def test_writes_need_the_revision_that_was_read(client: TestClient) -> None:
     assert client.patch(address, json={"nonsense": 1}, headers={"if-match": "*"}).status_code == 422
 
 
+@pytest.mark.slow
 def test_delete_hides_and_restore_brings_back(client: TestClient) -> None:
     uuid = only(client, {"walk.bvh": bvh(4)})
     address = f"{API}/documents/{uuid}"

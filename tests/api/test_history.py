@@ -96,6 +96,7 @@ QUESTIONS = [
 ]
 
 
+@pytest.mark.slow
 def test_any_revision_is_asked(client: TestClient, address: str) -> None:
     uuid = address.rpartition("/")[2]
     edits = [

@@ -83,6 +83,7 @@ def test_the_stored_motion_follows_the_path(client: TestClient, walks: list[str]
     assert {label["name"] for label in labels} == {"walk"}
 
 
+@pytest.mark.slow
 def test_the_composition_can_be_made_again(client: TestClient, walks: list[str]) -> None:
     made = follow(client)
     again = client.post(f"{API}/compose", json={"segments": made["composition"], "style": "inertial"}).json()
@@ -98,6 +99,7 @@ def test_a_preview_stores_nothing(client: TestClient, walks: list[str]) -> None:
     assert client.get(f"{API}/documents").json() == before
 
 
+@pytest.mark.slow
 def test_documents_that_are_left_out_are_told(client: TestClient, walks: list[str]) -> None:
     other = store(client, "tall", body.clip("tall", 200.0, *body.walk(200.0, 3.0, 1.0, 6.0)), **WALKS)
     short = store(client, "short", curved_walk(0.0, seconds=0.03), **WALKS)
@@ -217,6 +219,7 @@ def test_an_axis_up_that_no_file_states_is_that_of_the_body(client: TestClient) 
     assert np.ptp(made[0][:, 2]) < 10
 
 
+@pytest.mark.slow
 def test_the_command(database: Database, walks: list[str]) -> None:
     where = ["--all-of", "walks", "--database", str(database.url)]
     run = CliRunner().invoke(app, ["follow", "0,0", "3,0", "3,3", "--name", "corner", "--speed", "1.2", *where])

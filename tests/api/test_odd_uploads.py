@@ -198,6 +198,7 @@ def test_archives_within_each_other_are_bounded(client: TestClient) -> None:
     assert "deep" in answer.json()["detail"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pack", ["gz", "tar.gz", "zip in zip", "gz in gz"])
 @one_kind
 def test_bombs_are_refused(client: TestClient, pack: str) -> None:

@@ -71,6 +71,7 @@ def test_nothing_changes_in_an_archived_project(database: Database) -> None:
         assert uploaded.status_code == 201
 
 
+@pytest.mark.slow
 def test_a_project_holds_no_more_documents_than_it_may(database: Database) -> None:
     """Of uploads one after the other, of many files at once, at the same time, and of what comes from elsewhere."""
     with served(database) as client:

@@ -197,6 +197,7 @@ def test_each_role_may_in_its_project_what_is_declared(
     assert done > 120
 
 
+@pytest.mark.slow
 @one_kind
 def test_a_document_is_seen_where_it_is_now(
     team: tuple[dict[str, TestClient], Things, Things], database: Database
@@ -221,6 +222,7 @@ def test_a_document_is_seen_where_it_is_now(
     assert clients["reader"].get(f"{API}/documents/{theirs.id}/frames?revision=1").status_code == 200
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("role", ["stranger", "reader", "limited"])
 def test_questions_see_the_same_documents_as_lists(
     team: tuple[dict[str, TestClient], Things, Things], role: str

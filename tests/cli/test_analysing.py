@@ -119,6 +119,7 @@ def test_a_failed_analysis_says_why(mcml: Run) -> None:
     assert mcml("analyse", "reach", "fit", "--project", REACHES, "nonsense")[0] == 2
 
 
+@pytest.mark.slow
 def test_a_queued_job_waits_for_a_server(mcml: Run, request: pytest.FixtureRequest) -> None:
     code, output, _ = mcml("analyse", "dance", "beats", "--project", "dances", "--queue", "--json")
     assert code == 0

@@ -76,6 +76,7 @@ def test_names_of_any_bytes(mcml, tmp_path: Path) -> None:  # noqa: F811
     assert names == {item["name"] for item in json.loads(shown.stdout.decode("unicode_escape"))["items"]}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     fuzz.share(

@@ -16,6 +16,7 @@ from tests.odd_documents import ODD
 pytestmark = one_kind
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reference", ["1", "597", None])
 def test_what_is_derived_in_parts_is_the_same(
     client: TestClient, database: Database, monkeypatch: pytest.MonkeyPatch, reference: str | None

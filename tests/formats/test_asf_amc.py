@@ -240,6 +240,7 @@ def test_frame_ids_are_kept_as_written() -> None:
     assert b"\n+02\nroot" in written(FORMATS[NAME], clip)["amc"]
 
 
+@pytest.mark.slow
 def test_regular_and_irregular_frames_give_the_same() -> None:
     """The fast way of regular frames against the slow one, which a comment in every block forces."""
     rng = np.random.default_rng(5)

@@ -175,6 +175,7 @@ def test_six_encodings_of_one_trial_are_alike(shared: Path) -> None:
         assert np.allclose(residuals, others, rtol=1e-6, equal_nan=True)
 
 
+@pytest.mark.slow
 def test_real_files_leave_with_the_same_numbers(shared: Path) -> None:
     checked = 0
     for path in real(shared):

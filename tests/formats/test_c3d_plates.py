@@ -179,6 +179,7 @@ def test_plates_of_types_with_other_counts_of_channels() -> None:
 NUMBERS = st.lists(st.floats(width=32), max_size=80)
 
 
+@pytest.mark.slow
 @given(
     used=st.floats(width=32),
     types=st.lists(st.one_of(st.integers(0, 9).map(float), st.floats(width=32)), max_size=9),
@@ -228,6 +229,7 @@ def test_real_files(shared: Path) -> None:
     assert compared > 20
 
 
+@pytest.mark.slow
 def test_real_files_as_ezc3d_computes_them(shared: Path) -> None:
     compared = 0
     for path in sorted(

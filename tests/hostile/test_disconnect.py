@@ -87,6 +87,7 @@ WAYS = list(itertools.product((0, len(BODY) // 2, len(BODY) - 3), (False, True),
 """(bytes of the body that are sent, whether in chunks, whether the connection is reset instead of closed)."""
 
 
+@pytest.mark.slow
 def test_a_client_that_goes_away_leaves_nothing(served: tuple[Watched, int], database: Database) -> None:
     watched, port = served
     for sent, chunked, abruptly in WAYS:

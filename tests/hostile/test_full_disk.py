@@ -68,6 +68,7 @@ def assert_full(answer) -> None:  # type: ignore[no-untyped-def]
     assert "room" in answer.json()["remedy"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("flushed", ["at once", "in parts"])
 @pytest.mark.parametrize("room", [0, 3, 10])
 def test_an_upload_to_a_full_store_leaves_nothing(

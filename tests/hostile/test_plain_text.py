@@ -89,6 +89,7 @@ def test_the_studio_makes_no_markup_of_text() -> None:
     assert [path.name for path in sources if raw.search(path.read_text(encoding="utf-8"))] == []
 
 
+@pytest.mark.slow
 def test_the_service_runs_nothing_that_was_put_together() -> None:
     """No code, no line of a shell, no pickles of others; and no digest that is broken."""
     wrong = []

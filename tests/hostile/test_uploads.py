@@ -66,6 +66,7 @@ def assert_refused(client: TestClient, name: str, content: bytes) -> dict[str, o
     return problem
 
 
+@pytest.mark.slow
 def test_refused_with_a_reason(client: TestClient) -> None:
     for name, content in REFUSED.items():
         problem = assert_refused(client, name, content)
@@ -82,6 +83,7 @@ def test_random_bytes(client: TestClient) -> None:
         assert_refused(client, f"{number}.bin", head + chance.randbytes(chance.randint(0, 3000)))
 
 
+@pytest.mark.slow
 def test_truncation_anywhere_stores_nothing_or_a_valid_document(client: TestClient) -> None:
     chance = random.Random(6)
     for whole in (bvh(2), HTR, MCML):

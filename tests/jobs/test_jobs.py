@@ -74,6 +74,7 @@ def instead(monkeypatch: pytest.MonkeyPatch, work: Callable[..., Any]) -> None:
     monkeypatch.setattr(mcml_service.jobs.runner, "work_on", work)
 
 
+@pytest.mark.slow
 def test_a_model_is_fitted_used_and_deleted(server: TestClient, database: Database) -> None:
     job = start(server)
     # The runner is woken before the answer is read, and may have been quicker.

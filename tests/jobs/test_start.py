@@ -35,6 +35,7 @@ def start(client: TestClient, analysis: str, inputs: Any, status: int = 202, **b
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("dances")
 def test_clips_that_an_analysis_made_are_left_out(client: TestClient) -> None:
     project = {"project": "dances"}
@@ -105,6 +106,7 @@ def test_an_unknown_analysis_is_answered_with_the_list(client: TestClient) -> No
         assert all(name in answer.json()["remedy"] for name in ANALYSES)
 
 
+@pytest.mark.slow
 @one_kind
 @pytest.mark.usefixtures("dances")
 def test_clips_of_several_skeletons_are_brought_onto_one(client: TestClient) -> None:

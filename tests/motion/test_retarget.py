@@ -178,6 +178,7 @@ def test_feet_that_stand_slide_less_when_cleaned(shared: Path, name: str) -> Non
     assert fastest[1] < 1.25 * fastest[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["bvh/bandai/dataset-1_walk_normal_001.bvh", "bvh/bandai/dataset-1_walk_tired_001.bvh",
                                   "bvh/bandai/dataset-1_walk_old_001.bvh"])  # fmt: skip
 def test_feet_of_a_body_with_hinges_are_held_too(shared: Path, name: str) -> None:

@@ -144,6 +144,7 @@ def test_a_dry_run_lists_every_fault_and_writes_nothing(client: TestClient, data
     assert database.check() == []
 
 
+@pytest.mark.slow
 def test_disjoint_changes_are_merged(client: TestClient, database: Database, uuid: str) -> None:
     """Frames went meanwhile, other values and names were set: what nobody touched is carried to where it is now."""
     send(

@@ -124,6 +124,7 @@ def test_an_unknown_unit_leaves_lengths_out(client: TestClient) -> None:
     assert any("because the unit is" in warning for warning in found["warnings"])
 
 
+@pytest.mark.slow
 def test_contacts_of_feet_follow_events_and_labels(client: TestClient) -> None:
     gait = replace(GAIT, on_belt=True)
     uuid = stored(client, make_c3d(gait))

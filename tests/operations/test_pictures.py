@@ -76,6 +76,7 @@ def test_every_analysis_draws_its_results(client: TestClient, database: Database
     assert Image.open(io.BytesIO(image.content)).size == (300, 200)
 
 
+@pytest.mark.slow
 @one_kind
 def test_what_no_analysis_draws_is_drawn_by_its_kind(client: TestClient, database: Database) -> None:
     plain = {

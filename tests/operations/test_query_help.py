@@ -49,6 +49,7 @@ def people(client: TestClient, database: Database) -> list[str]:
     return found
 
 
+@pytest.mark.slow
 def test_eight_examples_find_frames_and_six_are_about_bodies(client: TestClient, people: list[str]) -> None:
     found = examples(client)
     assert found["document"] in people
@@ -72,6 +73,7 @@ def test_no_example_is_unchecked_when_the_time_is_up(
     assert examples(client)["items"]
 
 
+@pytest.mark.slow
 def test_examples_follow_the_library(client: TestClient, people: list[str]) -> None:
     before = examples(client)
     assert examples(client) == before
@@ -86,6 +88,7 @@ def test_a_library_without_bodies_has_examples_of_elements_only(client: TestClie
     assert [each["kind"] for each in found["items"]] == ["begin", "every"]
 
 
+@pytest.mark.slow
 def test_a_project_has_examples_of_its_own(client: TestClient, people: list[str]) -> None:
     answer = client.post(f"{API}/documents", files={"file": ("other.bvh", person(8, 60))}, data={"project": "others"})
     (other,) = [each["id"] for each in answer.json()["documents"]]

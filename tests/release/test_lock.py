@@ -118,6 +118,7 @@ def lock(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_a_known_fault_is_named(lock: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with faults_of({"lxml": [FAULT]}) as address:
         assert audit(lock, more=("--osv-url", address)) == 1

@@ -216,6 +216,7 @@ def test_a_file_that_is_no_database_is_told(tmp_path: Path) -> None:
         database.require_schema()
 
 
+@pytest.mark.slow
 def test_backups_carry_checksums(database: Database, tmp_path: Path) -> None:
     uuid = store(database, {"a.bvh": bvh(30)})[0]
     before = content(database, uuid)

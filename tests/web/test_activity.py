@@ -12,6 +12,7 @@ from tests.web.conftest import Served, Visit, one_door, walk
 expect: Any = pytest.importorskip("playwright.sync_api").expect
 
 
+@pytest.mark.slow
 @one_door
 def test_what_was_done_is_listed_narrowed_and_heard(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("walk.bvh", walk(), project="gait")

@@ -39,6 +39,7 @@ def test_answers_and_clips_are_saved_under_names_of_their_own(visit: Visit, stud
         assert saved(page, page.get_by_role("menuitem", name=re.compile(f"^{text}"))) == name
 
 
+@pytest.mark.slow
 @one_door
 def test_a_guessed_unit_is_told_where_it_matters_and_confirmed_there(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("person.bvh", walk(30).replace(b"OFFSET 0 0 0", b"OFFSET 0 45 0"))

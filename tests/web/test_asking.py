@@ -204,6 +204,7 @@ def test_one_value_is_read_at_once_also_where_runs_were_asked_for(asked: Any, qu
     expect(page.get_by_role("alert")).to_have_count(0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("locale", "switch", "by_itself"),
     [("en", "per clip", "each clip separately"), ("ko", "클립마다", "클립마다 따로")],

@@ -79,6 +79,7 @@ def test_frames_are_played_faster_by_a_curve(visit: Visit, studio: Served, steps
     assert studio.get(f"/documents/{steps}")["frames"] == 240
 
 
+@pytest.mark.slow
 def test_the_loop_is_extracted_and_the_menu_stays_in_the_window(visit: Visit, studio: Served, steps: str) -> None:
     page = visit.open(f"/clips/{steps}?in=41&out=100")
     ready(page)

@@ -27,6 +27,7 @@ def dragged(page: Any, box: dict[str, float], to: float, dy: float) -> None:
     page.mouse.up()
 
 
+@pytest.mark.slow
 @one_door
 def test_a_label_is_drawn_within_another_and_its_name_is_typed(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk(60), label="kick:1-60")
@@ -51,6 +52,7 @@ def test_a_label_is_drawn_within_another_and_its_name_is_typed(visit: Visit, stu
     expect(page.get_by_role("button", name="Play", exact=True)).to_be_visible()
 
 
+@pytest.mark.slow
 @one_door
 def test_in_a_low_window_nothing_lies_over_play(visit: Visit, studio: Served) -> None:
     """720 by 450 pixels are a window of 1440 by 900 at 200 %."""

@@ -76,6 +76,7 @@ def test_each_dropped_file_has_a_row_with_what_became_of_it(visit: Visit, studio
     assert studio.get("/documents")["total"] == 4
 
 
+@pytest.mark.slow
 @one_door
 def test_a_long_file_of_an_unknown_kind_is_not_sent_whole(visit: Visit, studio: Served) -> None:
     sent: list[int] = []

@@ -21,6 +21,7 @@ expect: Any = pytest.importorskip("playwright.sync_api").expect
 pytestmark = one_door
 
 
+@pytest.mark.slow
 def test_a_loop_is_exported_tall_and_in_place(visit: Visit, studio: Served, tmp_path: Path) -> None:
     clip = body.clip("walk", 170.0, *body.walk(170.0, 4.0, 1.0, 6.0))
     uuid = studio.upload("steps.bvh", b"".join(FORMATS["bvh"].write(clip, "bvh")), unit="cm", up="Y")

@@ -180,6 +180,7 @@ def test_a_mesh_of_ones_own_follows_the_markers(
     expect(page.get_by_text("No mesh found in this file")).to_be_visible()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("lent_workers")
 def test_a_map_is_built_from_takes(open_studio: Served, visit_of: Any) -> None:
     takes = [take.clip for take in face_takes(2, expressions=EXPRESSIONS[:2], every_marker=5, fps=20)]
@@ -191,6 +192,7 @@ def test_a_map_is_built_from_takes(open_studio: Served, visit_of: Any) -> None:
     assert json.loads(json.dumps(open_studio.get("/results")["items"][0]["inputs"]))
 
 
+@pytest.mark.slow
 def test_real_takes_are_walked(open_studio: Served, visit_of: Any, shared: Path) -> None:
     folder = shared / "trc_facial"
     if not folder.is_dir():

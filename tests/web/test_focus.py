@@ -37,6 +37,7 @@ def test_the_first_card_is_a_few_stops_away(visit: Visit, studio: Served) -> Non
     page.wait_for_url("**/clips/*")
 
 
+@pytest.mark.slow
 def test_a_filter_is_one_stop_with_arrows_inside(visit: Visit, studio: Served) -> None:
     for n in range(3):
         studio.upload(f"walk_{n}.bvh", walk(30), project=f"study {n}")

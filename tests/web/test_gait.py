@@ -16,6 +16,7 @@ expect: Any = pytest.importorskip("playwright.sync_api").expect
 GAIT = Gait(seconds=5, heading=-40)
 
 
+@pytest.mark.slow
 @one_door
 def test_events_of_positions_become_labels_with_undo(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("walk.c3d", make_c3d(GAIT, []))

@@ -85,6 +85,7 @@ def test_a_refused_file_says_why_and_stops_no_other(visit: Visit, studio: Served
     assert studio.get("/documents")["total"] == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("language", "pace", "done"),
     [
@@ -152,6 +153,7 @@ def test_files_that_share_a_request_have_their_own_rows(visit: Visit, studio: Se
         expect(row.get_by_role("link", name="Open")).to_have_attribute("href", f"/clips/{document['id']}")
 
 
+@pytest.mark.slow
 @one_door
 def test_frames_are_found_by_name_and_played(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk(), label="left-leg-flexion:10-25")
@@ -168,6 +170,7 @@ def test_frames_are_found_by_name_and_played(visit: Visit, studio: Served) -> No
     assert "out=25" in page.url
 
 
+@pytest.mark.slow
 @open_door
 def test_two_clips_are_composed(visit: Visit, studio: Served) -> None:
     one, two = studio.upload("one.bvh", walk(40)), studio.upload("two.bvh", walk(30, seed=3))
@@ -231,6 +234,7 @@ def test_deleted_clips_come_back(visit: Visit, studio: Served) -> None:
     expect(cards).to_have_count(3)
 
 
+@pytest.mark.slow
 @one_door
 def test_picked_clips_are_named_collected_and_exported(visit: Visit, studio: Served) -> None:
     ids = [studio.upload(name, walk(5)) for name in ("a.bvh", "b.bvh", "c.bvh")]

@@ -131,6 +131,7 @@ def press_curve(page: Any, answer: dict[str, Any], row: dict[str, Any]) -> None:
     page.mouse.click(box["x"] + x * scale, box["y"] + y * scale)
 
 
+@pytest.mark.slow
 def test_plots_and_arrays_are_downloaded(measured: tuple[Any, str]) -> None:
     page, _ = measured
 
@@ -148,6 +149,7 @@ def test_plots_and_arrays_are_downloaded(measured: tuple[Any, str]) -> None:
     assert any(text is not None and "left_hand" in text for text in texts)
 
 
+@pytest.mark.slow
 def test_measurements_are_chosen_and_removed(measured: tuple[Any, str]) -> None:
     page, _ = measured
     page.get_by_role("button", name="Remove Speed left_hand").click()

@@ -45,6 +45,7 @@ def test_two_people_see_each_other(visit_of: Any, studio: Served) -> None:
     expect(kim.get_by_text("is editing this clip")).to_have_count(0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("studio", ["open"], indirect=True)
 def test_alone_nothing_is_sent(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk())

@@ -48,6 +48,7 @@ def test_a_project_is_bounded_archived_and_comes_back_as_another(visit: Visit, s
     expect(page.get_by_label("Project", exact=True)).to_have_value("gait 2")
 
 
+@pytest.mark.slow
 @one_door
 def test_a_project_s_file_is_dropped_and_a_broken_one_is_told(visit: Visit, studio: Served) -> None:
     page = visit.open("/settings/projects")

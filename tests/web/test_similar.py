@@ -127,6 +127,7 @@ def test_all_hits_are_labelled_at_once_and_taken_back(visit: Visit, studio: Serv
     assert studio.get(f"/documents/{uuid}/labels")["items"] == []
 
 
+@pytest.mark.slow
 def test_hits_are_collected_composed_and_exported(visit: Visit, studio: Served) -> None:
     uuid, other = studio.upload("kick.bvh", person(1, 120)), studio.upload("twin.bvh", person(1, 120))
     hits = [one for one in found(studio, uuid, first=10, last=40) if one["distance"] <= 0.1]
@@ -149,6 +150,7 @@ def test_hits_are_collected_composed_and_exported(visit: Visit, studio: Served) 
     assert f"s={ranges}" in page.url.replace("%3A", ":").replace("%2C", ",")
 
 
+@pytest.mark.slow
 def test_a_label_and_a_brushed_range_are_examples(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", person(1, 120))
     with studio.client() as client:

@@ -45,6 +45,7 @@ def test_a_curve_is_gone_when_another_is_asked_for(visit: Visit, studio: Served)
     expect(page.get_by_role("alert")).to_have_count(0)
 
 
+@pytest.mark.slow
 @one_door
 def test_an_answer_is_gone_when_another_question_runs(visit: Visit, studio: Served) -> None:
     studio.upload("kick.bvh", walk(), label="kick:1-10")

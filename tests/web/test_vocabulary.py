@@ -14,6 +14,7 @@ expect: Any = pytest.importorskip("playwright.sync_api").expect
 pytestmark = one_door
 
 
+@pytest.mark.slow
 def test_names_that_a_project_agreed_on_come_first(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("walk.bvh", walk(), project="gait")
     words = [{"name": "zigzag", "description": "to both sides", "colour": 5}, {"name": "amble"}]

@@ -23,6 +23,7 @@ def sending(sqlite_template: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPat
     yield from serve(sqlite_template, tmp_path, closed=True)
 
 
+@pytest.mark.slow
 def test_an_address_is_told_and_its_log_is_read(sending: Served, visit_of: Any) -> None:
     visit = visit_of(sending)
     visit.wanted.add(422)

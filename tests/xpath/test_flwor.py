@@ -100,6 +100,7 @@ def flwor(chance: Random) -> str:
     return text + f" return string({chance.choice(keys)})"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "seed"), OTHER_SEEDS[:2], indirect=["kind"])
 def test_answers_are_saxons(engine: tuple[Queries, Oracle], seed: int) -> None:
     queries, oracle = engine

@@ -111,6 +111,7 @@ def test_the_best_are_those_of_the_scope(engine: Queries, text: str, per: str | 
         engine.answer(QueryRequest(q=text, per=per))
 
 
+@pytest.mark.slow
 def test_contexts(engine: Queries) -> None:
     """A node inside of a frame is that frame; a head has no frame, but the document's leg and unit."""
     assert nodes(engine, "//motion_name[mo:time() > 0.05]") == [("hand", "/mcml/motion/frame[3]/motion_name")]
@@ -135,6 +136,7 @@ def test_documents_are_contexts_of_what_is_asked_of_nothing_else(engine: Queries
     assert values(engine, "(1, 2) ! mo:height('Root')") == ["NaN", "NaN"]
 
 
+@pytest.mark.slow
 def test_bounds_that_are_no_numbers(engine: Queries) -> None:
     """No frames are between such; what has no end ends with the document."""
     everything = nodes(engine, "//frame", limit=1000)
@@ -145,6 +147,7 @@ def test_bounds_that_are_no_numbers(engine: Queries) -> None:
     assert sorted(nodes(engine, "mo:top(1 div 0, //frame, 1)")) == sorted(everything)
 
 
+@pytest.mark.slow
 def test_runs_of_sequences(engine: Queries) -> None:
     """They are those of their nodes, each once, in the order of documents."""
     known = "//frame[mo:time() >= 0]"
@@ -225,6 +228,7 @@ def test_streams_are_the_pages(engine: Queries, text: str) -> None:
     assert found
 
 
+@pytest.mark.slow
 def test_the_best_runs_come_best_first(engine: Queries) -> None:
     """On every page, and as runs; those of one score in the order of the scope."""
     frames = "//frame[mo:height('left_hand') > 1]"
@@ -244,6 +248,7 @@ def test_the_best_runs_come_best_first(engine: Queries) -> None:
     assert nodes(engine, "mo:top(9, //frame[mo:time() = 0], mo:height('nobody'))") == []
 
 
+@pytest.mark.slow
 def test_documents_are_named_by_their_names_or_ids(engine: Queries) -> None:
     twin = twins(engine)["a"]
     by_name = nodes(engine, "//frame[mo:pose-distance('a', 3) < 0.3]")

@@ -48,6 +48,7 @@ def parts(database: Database) -> list[tuple[bytes, str]]:
     return rows(path)
 
 
+@pytest.mark.slow
 def test_first_queries_read_no_columns_of_the_store(library: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     wanted = expected(library)
     built, of = build(library)
@@ -84,6 +85,7 @@ def test_the_work_goes_on_where_it_was_interrupted(library: Database) -> None:
     assert parts(library) == whole
 
 
+@pytest.mark.slow
 def test_columns_asked_for_lately_are_built_for_new_documents(library: Database) -> None:
     asked = name_samples(("left_low_leg", 4))
     build(library)

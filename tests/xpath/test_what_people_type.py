@@ -44,6 +44,7 @@ def ask(engine: Queries, text: str) -> None:
         engine.answer(QueryRequest(q=text, limit=3))
 
 
+@pytest.mark.slow
 @one_kind
 def test_every_function_takes_or_refuses_what_is_odd(engine: Queries) -> None:
     chance = Random(5)

@@ -196,6 +196,7 @@ def test_answers_are_libxml2s(database: Database, skeletons: int) -> None:
     run(database, count=90, skeletons=skeletons, rounds=1, asked=8, seed=skeletons)
 
 
+@pytest.mark.slow
 @pytest.mark.above_store
 @pytest.mark.usefixtures("small_groups")
 def test_answers_are_libxml2s_with_columns_on_disk(database: Database, tmp_path: Path) -> None:

@@ -248,6 +248,7 @@ def test_moved_frames_stay_in_order(engine: Queries, monkeypatch: pytest.MonkeyP
             assert shown(engine.answer(request)) == first
 
 
+@pytest.mark.slow
 def test_what_is_kept_is_of_the_revision_that_is_read(engine: Queries) -> None:
     questions = [
         "//frame[motion_name='jump']/@id", "//frame[last()]", "count(//frame_bone)", "max(//frame_bone/@Rx)",

@@ -173,6 +173,7 @@ def test_nodes_are_true_beside_a_boolean(processor: Any, documents: Library, tex
             assert check(processor, documents, {uuid: tree}, text, Random(1)) is not None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "text",
     ["distinct-values(for $x in //frame_bone return ($x/@name, count($x/preceding-sibling::*)))",

@@ -93,6 +93,7 @@ def test_the_order_of_clips_changes_nothing(analysis: Any, parameters: Any) -> N
         assert np.array_equal(made(one).translations, made(other).translations)
 
 
+@pytest.mark.slow
 @fuzz.examples(5)
 @given(heading=st.floats(-3, 3), x=st.floats(-500, 500), z=st.floats(-500, 500))
 def test_a_rigid_motion_of_a_clip_changes_nothing(heading: float, x: float, z: float) -> None:

@@ -84,6 +84,7 @@ def test_in_unison_all_keep_their_spacing(count: int, spacing: float, staged: bo
         assert value_of(parts, "outside_stage") == Stage(6.0).outside(ways).max() == 0
 
 
+@pytest.mark.slow
 @fuzz.examples(6)
 @given(count=st.integers(2, 4), delay=st.integers(1, 3), staged=st.booleans())
 def test_in_canon_each_dances_like_the_first_some_bars_later(count: int, delay: int, staged: bool) -> None:
@@ -133,6 +134,7 @@ def test_dancers_on_own_paths_never_touch(count: int, seed: int, stage: Any) -> 
     assert all((paths[one] != paths[other]).mean() > 0.5 for one in range(count) for other in range(one))
 
 
+@pytest.mark.slow
 def test_the_search_for_own_paths_keeps_dancers_apart() -> None:
     """Dancers in canon do not look at each other."""
     ways = [make_group(2, mode, bars=40, spacing=0.6, stage=2.0)[2] for mode in ("canon", "free")]

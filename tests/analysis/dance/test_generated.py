@@ -130,6 +130,7 @@ def test_a_cut_is_not_continuous() -> None:
     assert value_of(parts, "greatest_rotation_speed") > bound
 
 
+@pytest.mark.slow
 def test_ten_minutes_do_not_drift() -> None:
     parts = danced("groove", 30.0, bpm=113.0, bars=280)
     clip, grid, found = parts["clip"].clip, parts["speed"].arrays["grid"], parts["speed"].arrays["beats"]

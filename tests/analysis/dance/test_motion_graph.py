@@ -188,6 +188,7 @@ def test_without_any_connection_the_greatest_distance_stands() -> None:
     assert (len(single), level) == (0, 0.0)
 
 
+@pytest.mark.slow
 def test_memory_is_bounded_by_rows() -> None:
     """A row of clouds at a time, and the pairs kept: four times the bars take four times the memory, not sixteen."""
 

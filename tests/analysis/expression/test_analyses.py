@@ -84,6 +84,7 @@ def child(answer: Any, method: str = "robust") -> Stored:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["robust", "paper"])
 def test_parts_are_those_announced(method: str) -> None:
     parts = result(method)
@@ -96,6 +97,7 @@ def test_parts_are_those_announced(method: str) -> None:
             assert np.isfinite(array).all(), name
 
 
+@pytest.mark.slow
 def test_the_summary_says_what_was_built() -> None:
     summary = result()["space"].data["summary"]
     total = sum(len(motion) for motion in motions())
@@ -165,6 +167,7 @@ def of_six() -> Parts:
     return EXPRESSION.run(motions(noise=0.1)[:6], ExpressionParameters(), silent)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
 def test_heads_that_stand_elsewhere_change_nothing(seed: int) -> None:
     moved = [_moved(motion, 10 * seed + place) for place, motion in enumerate(motions(noise=0.1)[:6])]

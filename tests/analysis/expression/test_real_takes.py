@@ -56,6 +56,7 @@ def faces(shared: Path, every: int) -> list[Motion]:
     return [read(path, every) for path in sorted(folder.glob("*.trc"))]
 
 
+@pytest.mark.slow
 def test_faces_of_two_takes(shared: Path) -> None:
     given = faces(shared, 4)
     assert [motion.translations.shape[1] for motion in given] == [41, 41]

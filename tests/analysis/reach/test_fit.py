@@ -38,6 +38,7 @@ def same(first: dict[str, np.ndarray], second: dict[str, np.ndarray], tolerance:
     )
 
 
+@pytest.mark.slow
 @fuzz.examples(5)
 @given(st.integers(0, 1000), st.sampled_from(["robust", "paper"]))
 def test_order_of_clips_changes_nothing(seed: int, method: str) -> None:
@@ -62,6 +63,7 @@ def test_signs_of_quaternions_change_nothing(seed: int, method: str, space: str 
     assert same(to_arrays(again.model), to_arrays(fitted(method=method, **options).model), 1e-9)
 
 
+@pytest.mark.slow
 def test_the_rate_of_the_clips_changes_next_to_nothing() -> None:
     made = [
         synthesize(fit(generated(fps=fps, noise=False)[0], options_of()).model, replace(WISH, fps=30))

@@ -69,6 +69,7 @@ def test_the_hand_arrives(way: tuple[float, float, float], fps: float) -> None:
     assert answer.hand.frame == round(answer.times[1] * fps)
 
 
+@pytest.mark.slow
 @given(st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda parts: np.linalg.norm(parts) > 0.1))
 def test_the_hand_has_its_orientation_at_the_target(parts: tuple[float, float, float, float]) -> None:
     wanted = np.array(parts) / np.linalg.norm(parts)
@@ -302,6 +303,7 @@ def moved_anywhere(motions: list[Motion]) -> list[Motion]:
     return result
 
 
+@pytest.mark.slow
 def test_clips_captured_anywhere_are_brought_to_one_start() -> None:
     here = fit(generated()[0], options_of(align="start")).model
     anywhere = fit(moved_anywhere(generated()[0]), options_of(align="start")).model
@@ -327,6 +329,7 @@ def test_courses_of_the_hand_stay_smooth() -> None:
     assert after < 1.2 * before
 
 
+@pytest.mark.slow
 def test_width_and_ridge_by_the_hand_have_the_least_error_of_hands() -> None:
     by_hand = fitted(choose_by="hand")
     assert by_hand.selected.choice is not None

@@ -74,6 +74,7 @@ def test_the_file_is_recognised_by_its_content() -> None:
     assert find_format("a", b"Kaydara FBX Binary  \0\x1a\0" + bytes(99)) == (FBX, "fbx")
 
 
+@pytest.mark.slow
 def test_damaged_files_are_read_or_refused() -> None:
     data = fbx_text()
     chance = np.random.default_rng(4)

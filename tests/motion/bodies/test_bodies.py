@@ -94,6 +94,7 @@ def test_every_quantity_is_asked_for() -> None:
     assert {name for name, *_ in ASKED} | {"activity"} == {name for name in QUANTITIES if not QUANTITIES[name].of_file}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("convention", CONVENTIONS)
 @fuzz.examples(3)
 @given(seed=st.integers(0, 100_000))
@@ -106,6 +107,7 @@ def test_quantities_are_those_of_the_twin(convention: Convention, seed: int) -> 
     check_twin(stretch, twin.Twin.of(clip, stretch.calibration))
 
 
+@pytest.mark.slow
 @fuzz.examples(4)
 @given(seed=st.integers(0, 100_000))
 def test_gaps_leaps_and_any_axis_that_is_up(seed: int) -> None:
@@ -383,6 +385,7 @@ def test_what_cannot_be_asked_is_refused() -> None:
         compute("position", ["Root", "sideways"], stretch)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     ["bvh/bandai/dataset-1_walk_angry_001.bvh", "asfamc/cmu_misc/07_05-walk.amc", "htr/xbot_walk_mixamo.com.htr"],

@@ -118,6 +118,7 @@ def test_standing_on_the_toes_and_being_lifted_is_no_jump() -> None:
     assert "jump" not in names(lifted.body(4.0))
 
 
+@pytest.mark.slow
 @BODIES
 def test_postures(rate: float, size: float, heading: float) -> None:
     feet = {"left": still(HALF_HIPS, ANKLE, 0.5), "right": still(-HALF_HIPS, ANKLE, 0.5)}
