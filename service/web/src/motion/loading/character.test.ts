@@ -2,6 +2,7 @@
 import { afterEach, expect, it, vi } from "vitest";
 import { itemAt } from "../../lists";
 import { skeletonOf } from "../body/skeleton";
+import { keptBytes } from "./blocks";
 import { characterOf, forgetMissing, wornAt, type Character, type Wearer } from "./character";
 
 afterEach(() => vi.unstubAllGlobals());
@@ -78,6 +79,10 @@ it("brings a character of the library with the frames of its own joints", async 
   expect([...wornAt(body, 1)!.turns]).toEqual([4, 5, 6, 7]);
   const frames = asked.filter((url) => url.includes("/frames"));
   expect(frames.every((url) => url.includes("character=avatar") && url.includes("/worn/"))).toBe(true);
+  // Blocks are counted for the whole page.
+  positions.close();
+  rotations.close();
+  expect(keptBytes()).toBe(0);
 });
 
 it("brings the own body, which follows the joints of the clip", async () => {
