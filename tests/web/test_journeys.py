@@ -303,7 +303,10 @@ def test_keys_alone(visit: Visit, studio: Served) -> None:
     page = visit.open("/library")
     expect(page.get_by_role("gridcell")).to_have_count(1)
     page.keyboard.press("?")
-    expect(page.get_by_role("dialog", name="Keyboard shortcuts")).to_be_visible()
+    help = page.get_by_role("dialog", name="Keyboard shortcuts")
+    expect(help).to_be_visible()
+    keys = help.locator("kbd").all_inner_texts()
+    assert len(set(keys)) == len(keys) > 10, "no key has two meanings"
     page.keyboard.press("Escape")
     page.keyboard.press("Control+k")
     expect(page.get_by_role("combobox", name="Search everything")).to_be_focused()

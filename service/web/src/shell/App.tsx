@@ -57,7 +57,7 @@ export function App() {
         { id: "left", word: "button.leftPanel", keys: ["["], run: () => (leftFolded.value = !leftFolded.value) },
         { id: "right", word: "button.rightPanel", keys: ["]"], run: () => (rightFolded.value = !rightFolded.value) },
         ...toPages(),
-        { id: "goA", word: "button.goActivity", keys: ["G then A"], run: () => go("/settings/activity") },
+        { id: "goY", word: "button.goActivity", keys: ["G then Y"], run: () => go("/settings/activity") },
       ]),
     [],
   );
