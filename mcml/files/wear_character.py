@@ -46,7 +46,7 @@ def wear_file(clip: ClipStream, file: SourceFile, limits: FileLimits) -> ClipStr
 
 
 def wear(clip: ClipStream, moved: ClipStream, rigged: RiggedCharacter) -> ClipStream:
-    """Return a clip that was moved to the rig of a character, with the character. Its notices are those of all."""
+    """Return a clip on the rig of a character with its mesh, and the notices of both clips and of the mesh."""
     rigged.check_skeleton(moved.head.skeleton, reading_of(moved.head))
     notices = clip.notices
     notices += [notice for notice in (*rigged.notices, *moved.notices) if notice not in notices]

@@ -34,7 +34,7 @@ def figure(tmp_path: Path) -> bytes:
     return path.read_bytes()
 
 
-def stored(client: TestClient, **files: bytes) -> list[str]:
+def store_files(client: TestClient, **files: bytes) -> list[str]:
     names = {name.replace("_", "."): content for name, content in files.items()}
     return [upload(client, {name: content})["documents"][0]["id"] for name, content in names.items()]
 
@@ -49,7 +49,7 @@ def frames(client: TestClient, document: str, **asked: Any) -> np.ndarray:
 def test_a_clip_moves_the_mesh_of_another_document(client: TestClient, figure: bytes) -> None:
     """The mesh, moved by the frames of the answer, is where the exported file has it, and as large as the clip's body
     once it is divided by the scale."""
-    walk, avatar = stored(client, walk_bvh=person(3, 12), figure_glb=figure)
+    walk, avatar = store_files(client, walk_bvh=person(3, 12), figure_glb=figure)
     found = client.get(f"{API}/documents/{walk}/character", params={"character": avatar}).json()
     assert (found["document"], found["revision"], found["reason"]) == (avatar, 1, None)
     assert any("joints matched" in note for note in found["notes"])
@@ -76,7 +76,7 @@ def test_a_clip_moves_the_mesh_of_another_document(client: TestClient, figure: b
 
 
 def test_windows_and_steps_are_those_of_the_whole_motion(client: TestClient, figure: bytes) -> None:
-    walk, avatar = stored(client, walk_bvh=person(3, 30), figure_glb=figure)
+    walk, avatar = store_files(client, walk_bvh=person(3, 30), figure_glb=figure)
     whole = frames(client, walk, character=avatar, space="positions")
     assert len(whole) == 30
     assert (frames(client, walk, character=avatar, space="positions", first=5, last=9) == whole[4:9]).all()
@@ -91,7 +91,7 @@ def test_windows_and_steps_are_those_of_the_whole_motion(client: TestClient, fig
 
 
 def test_a_clip_of_the_same_rig_moves_it_as_it_is(client: TestClient, figure: bytes) -> None:
-    (avatar,) = stored(client, figure_glb=figure)
+    (avatar,) = store_files(client, figure_glb=figure)
     found = client.get(f"{API}/documents/{avatar}/character", params={"character": avatar}).json()
     assert (found["scale"], found["notes"]) == (1.0, [])
     for space in ("positions", "rotations"):
@@ -101,7 +101,7 @@ def test_a_clip_of_the_same_rig_moves_it_as_it_is(client: TestClient, figure: by
 def test_characters_are_listed_once_with_their_vertices(client: TestClient, figure: bytes) -> None:
     takes = tube(3, 1)
     takes.model["animations"].append({**takes.model["animations"][0], "name": "Again"})
-    _, avatar, *_ = stored(client, walk_bvh=person(1, 3), figure_glb=figure, plain_glb=plain_glb())
+    _, avatar, *_ = store_files(client, walk_bvh=person(1, 3), figure_glb=figure, plain_glb=plain_glb())
     assert len(upload(client, {"tube.glb": takes.data()})["documents"]) == 2
     found = client.get(f"{API}/characters").json()
     assert [(item["name"], item["vertices"]) for item in found["items"]] == [
@@ -126,7 +126,7 @@ def test_files_of_earlier_versions_are_looked_into_once(
 ) -> None:
     from mcml_service.actions.reading import list_characters
 
-    stored(client, figure_glb=figure, plain_glb=plain_glb())
+    store_files(client, figure_glb=figure, plain_glb=plain_glb())
     with database.write("test") as tx:
         tx.run(update(uploads).values(vertices=None))
     monkeypatch.setattr(list_characters, "MOST_FILES", 1)
@@ -139,7 +139,7 @@ def test_files_of_earlier_versions_are_looked_into_once(
 
 
 def test_refusals_say_why(client: TestClient, figure: bytes) -> None:
-    walk, chain, points, avatar = stored(
+    walk, chain, points, avatar = store_files(
         client, walk_bvh=person(1, 4), chain_bvh=bvh(3), points_trc=TRC, figure_glb=figure
     )
 
@@ -183,7 +183,7 @@ def test_both_documents_must_be_readable(client: TestClient, database: Database,
 
 
 def test_an_edited_skeleton_no_longer_fits_its_mesh(client: TestClient, figure: bytes) -> None:
-    walk, avatar = stored(client, walk_bvh=person(1, 4), figure_glb=figure)
+    walk, avatar = store_files(client, walk_bvh=person(1, 4), figure_glb=figure)
     offset = "/mcml/skeleton/bone/bone[1]/position"
     change = {"do": "change", "xpath": offset, "text": "9 9 9"}
     answer = client.post(

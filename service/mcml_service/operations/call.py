@@ -75,7 +75,7 @@ class Repository:
         return Cache(MOST_EXAMPLES, lambda _: 1)
 
     @cached_property
-    def moved(self) -> MovedClips:
+    def clips_on_characters(self) -> MovedClips:
         """Documents on the rigs of characters."""
         from mcml_service.actions.exporting.wear_character import MovedClips
 

@@ -74,7 +74,7 @@ def get_character(
             return describe_character(then, stored)
         worn = At(tx, tx.documents.get(character))
         call.set_tag(tag(stored, f"character-{worn.stored.uuid}-{worn.stored.revision}"))
-        return describe_worn(At(then, stored), worn, call.repository.moved)
+        return describe_worn(At(then, stored), worn, call.repository.clips_on_characters)
 
 
 def list_characters(call: Call, project: InProject = None) -> CharacterList:

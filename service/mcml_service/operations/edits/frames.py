@@ -171,7 +171,7 @@ def get_frames(
         if worn is None:
             source = read_clip(then, stored, first=first, last=last, step=step, labelled=False)
         else:
-            source = call.repository.moved.clip(At(then, stored), worn, first, last, step)
+            source = call.repository.clips_on_characters.clip(At(then, stored), worn, first, last, step)
         point = origin_of(then, source) if origin == "subtract" else None
         numbers = read_numbers(source.clip, source.names, bone, space, origin=point, held=missing == "hold", tips=tips)
         if asked_for:
