@@ -20,7 +20,7 @@ from mcml_schemas.catalogues import (
     SkeletonPage,
 )
 from mcml_schemas.changes import ChangeSet, ChangesMade
-from mcml_schemas.compose import Composed, ComposeRequest, SplitParts, SplitRequest
+from mcml_schemas.compose import Composed, ComposeRequest, MadeSkeletons, SkeletonsRequest, SplitParts, SplitRequest
 from mcml_schemas.documents import (
     ChangedDocuments,
     DocumentChange,
@@ -1026,6 +1026,14 @@ class Operations:
         progress: FileProgress | None = None,
     ) -> SplitParts:
         """Split a document into several: at frames, or by the ranges of a label."""
+    def make_skeletons(
+        self,
+        *,
+        id: str,
+        request: SkeletonsRequest | dict[str, Any],
+        progress: FileProgress | None = None,
+    ) -> MadeSkeletons:
+        """Make skeletons for the people of a marker trial, each as a new document."""
     def retarget(
         self,
         *,

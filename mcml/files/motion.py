@@ -12,6 +12,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from mcml.errors import ConversionError
 from mcml.files.check_names import check_frame_time
 from mcml.files.convert_files import Converted, convert_files, result_paths, stated_format
 from mcml.files.gait_labels import find_exclusions, find_gait_labels, read_labels, read_spans
@@ -35,8 +36,10 @@ from mcml.motion.bodies.calibration import Calibration
 from mcml.motion.bodies.clip_body import ClipBody, body_of, quantity_values
 from mcml.motion.bodies.quantities import asked_quantity
 from mcml.motion.clip import ClipStream
+from mcml.motion.frames import joined
 from mcml.motion.markers import read_marker_positions
 from mcml.motion.skeleton import Array
+from mcml.motion.solving.marker_skeleton import has_markers, solve_people
 
 
 class Motion:
@@ -202,6 +205,17 @@ class Motion:
         exclusions = find_exclusions(read_spans(self._clip.blocks()))
         find_plates = partial(self._measurements.find_events, self._ids)
         return measure_gait(points, self._body.stretch(points.names), labels, events, find_plates, exclusions)
+
+    def skeletons(self) -> list[Motion]:
+        """Return the motion of every person of a marker trial with a skeleton, named by the prefix of its markers.
+
+        Joints are at the centres that markers tell, bones have one length (docs/api/compose.md). Raises ConversionError
+        for a motion with a skeleton, and for markers that show none.
+        """
+        if not has_markers(self._clip.head.skeleton):
+            raise ConversionError(f"{self.name!r} has a skeleton already.", remedy="Read a file of markers.")
+        people = solve_people(self._clip.head, joined(self._clip.blocks()))
+        return [Motion(" ".join(filter(None, (self.name, one.person))), one.clip()) for one in people]
 
     @cached_property
     def _ids(self) -> list[Any]:

@@ -19,7 +19,8 @@ from mcml.motion.frames import rows_of
 from mcml.motion.guesses import stated_up
 from mcml.motion.hub import HubReader, walked
 from mcml.motion.rotations import IDENTITY
-from mcml.motion.skeleton import Array, Convention, Skeleton
+from mcml.motion.skeleton import Array, Skeleton
+from mcml.motion.solving.marker_skeleton import has_markers
 from mcml.motion.units import metres_of, metres_per_unit, reading_of
 
 
@@ -41,14 +42,13 @@ class Shape:
 class Preset:
     """A program that clips are exported for.
 
-    bodies, markers: the shapes of clips of joints and of clips of markers; None if the program has no place for them.
-    why: the reason in one sentence.
+    bodies, markers: the shapes of clips of joints and of clips of markers. why: the reason in one sentence.
     """
 
     name: str
     title: str
-    bodies: Shape | None
-    markers: Shape | None
+    bodies: Shape
+    markers: Shape
     why: str
 
 
@@ -83,11 +83,11 @@ PRESETS: dict[str, Preset] = {
             "OpenSim reads joint angles as MOT, and markers as TRC in metres with Y up.",
         ),
         Preset(
-            "vrm", "VRM avatars", Shape("vrma", fps=30.0), None,
+            "vrm", "VRM avatars", Shape("vrma", fps=30.0), Shape("vrma", fps=30.0),
             "VRM Animation moves any avatar in VRM; its specification suggests 30 frames a second.",
         ),
         Preset(
-            "amass", "AMASS (SMPL)", Shape("smpl"), None,
+            "amass", "AMASS (SMPL)", Shape("smpl"), Shape("smpl"),
             "Programs for AMASS read axis-angles of SMPL's joints from NPZ, in metres with Z up.",
         ),
     )
@@ -107,27 +107,20 @@ def choose_format(preset: Preset | None, format: str | None, *, character: bool)
     one of its scenes, if it has any; None leaves it to the preset."""
     if format is not None or not character or preset is None:
         return format
-    shapes = [shape.format for shape in (preset.bodies, preset.markers) if shape is not None]
-    return next((name for name in shapes if name in SKINNED), None)
+    return next((shape.format for shape in (preset.bodies, preset.markers) if shape.format in SKINNED), None)
 
 
 def choose_shape(preset: Preset, skeleton: Skeleton, format: str | None = None) -> Shape:
     """Return the shape in which a clip leaves for a program.
 
-    format: of the user, which wins. Raises ConversionError for clips that the program has no place for, and
-    UnsupportedError for a format in which documents are neither scaled nor turned.
+    format: of the user, which wins. Raises UnsupportedError for a format in which documents are neither scaled nor
+    turned.
     """
     if format in ("mcml", "csv", "original"):
         raise UnsupportedError(
             f"Presets such as {preset.name!r} change no {format} files.", remedy="Leave out `for`, or the format."
         )
-    markers = any(joint.convention is Convention.MARKER for joint in skeleton.joints)
-    shape = preset.markers if markers else preset.bodies
-    if shape is None:
-        raise ConversionError(
-            f"{preset.title} has no place for {'markers' if markers else 'joints'}.",
-            remedy="Choose a format, such as c3d, instead of a preset.",
-        )
+    shape = preset.markers if has_markers(skeleton) else preset.bodies
     return shape if format is None else Shape(format, shape.unit, shape.up, shape.fps)
 
 

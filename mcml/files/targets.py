@@ -10,6 +10,7 @@ from mcml.language import joint_names
 from mcml.motion.clip import ClipStream
 from mcml.motion.conventions.blend_shapes import without_blend_shapes
 from mcml.motion.conventions.convert import convert
+from mcml.motion.solving.marker_skeleton import with_skeleton
 
 
 def targets() -> dict[str, tuple[str, str | None]]:
@@ -49,8 +50,15 @@ def part_without_frames(name: str) -> str | None:
 
 
 def convert_clip(clip: ClipStream, name: str, names: str | None = None) -> ClipStream:
-    """The clip as a format of the catalogue can write it; `names`: with joint names of that table."""
-    convention = WRITERS[name].convention
+    """The clip as a format of the catalogue can write it; `names`: with joint names of that table.
+
+    Markers get a skeleton for formats that hold only joints, and for a body with a skin. Raises ConversionError where
+    they show none.
+    """
+    writer = WRITERS[name]
+    convention = writer.convention
+    if not writer.markers or clip.character:
+        clip = with_skeleton(clip)
     clip = without_blend_shapes(clip) if convention is None else convert(clip, convention)
     if names:
         skeleton = joint_names.translate(clip.head.skeleton, names)

@@ -87,6 +87,22 @@ def present(values: Array, columns: Sequence[tuple[int, int]], joints: int) -> F
     return found
 
 
+def leave_out(block: FrameBlock, known: Flags) -> FrameBlock:
+    """The same frames without the samples of joints where these are unknown.
+
+    known: (n, J). The block has all of its columns in every frame.
+    """
+    if known.all():
+        return block
+    patterns, shape_of = np.unique(known, axis=0, return_inverse=True)
+    values = block.values.copy()
+    values[~known[:, [joint for joint, _ in block.columns]]] = np.nan
+    whole = full_shape(block.columns)
+    shapes = tuple(tuple((joint, bits if pattern[joint] else 0) for joint, bits in whole) for pattern in patterns)
+    places = None if len(shapes) == 1 else shape_of.reshape(-1).astype(np.intp)
+    return replace(block, values=values, shapes=shapes, shape_of=places)
+
+
 def reversed_frames(block: FrameBlock) -> FrameBlock:
     """The frames in the opposite order, under the ids in their old order."""
     return replace(

@@ -56,8 +56,8 @@ class FormatInfo(BaseModel):
     label: str = Field(description="A short title, for menus")
     parts: list[FormatPart]
     convention: str
-    bodies: bool = Field(description="Whether it can hold bodies")
-    markers: bool = Field(description="Whether it can hold markers")
+    bodies: bool = Field(description="Whether it can hold bodies; others hold their joints as points")
+    markers: bool = Field(description="Whether it can hold markers; others hold the skeleton that they make")
     needs: list[str] = Field(
         description="Facts that a document must state to be exported: frame_time, unit, force_plates"
     )
@@ -91,8 +91,8 @@ class PresetInfo(BaseModel):
 
     name: str
     title: str
-    bodies: PresetShape | None = Field(description="How clips of joints leave; null: not at all")
-    markers: PresetShape | None = Field(description="How clips of markers leave; null: not at all")
+    bodies: PresetShape = Field(description="How clips of joints leave")
+    markers: PresetShape = Field(description="How clips of markers leave")
     why: str = Field(description="The reason")
 
 

@@ -220,3 +220,67 @@ class SplitParts(BaseModel):
     )
 
     items: list[SplitPart]
+
+
+class SkeletonsRequest(RequestBody):
+    """Which people of a marker trial get a skeleton, and where its documents go."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"people": ["Anna"], "project": PROJECT}))
+
+    people: list[Annotated[str, Field(max_length=256)]] | None = Field(
+        None, min_length=1, max_length=100, description="Prefixes of their markers; default all of the trial"
+    )
+    name: str | None = Field(
+        None,
+        min_length=1,
+        max_length=1024,
+        description="Of the new document; of several, the beginning of their names. Default made from the trial's",
+    )
+    project: str | None = Field(None, min_length=1, max_length=256, description="Of the documents; default the trial's")
+    preview: bool = Field(False, description="Preview the quality without storing anything")
+
+
+class JointMiss(BaseModel):
+    """How far a joint is from the centre that markers tell, in metres if the unit is known, else in the trial's unit.
+
+    Bones keep one length, markers on skin do not.
+    """
+
+    joint: str
+    rms: float | None = Field(description="Root mean square over the frames; null without any")
+    most: float | None = Field(description="In the worst frame")
+    unknown: int = Field(description="Frames without the joint, as a marker is missing that it needs")
+
+
+class MadeSkeleton(BaseModel):
+    """A person of a trial with a skeleton."""
+
+    document: str | None = Field(description="Id of the new document; null in a preview")
+    name: str
+    person: str = Field(description="Prefix of the markers; empty if they have none")
+    frames: int
+    joints: list[JointMiss]
+    notices: list[str]
+
+
+class MadeSkeletons(BaseModel):
+    """A document for each person, in the order of their markers. The trial does not change."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {
+                "items": [
+                    {
+                        "document": DOCUMENT,
+                        "name": "trial Anna",
+                        "person": "Anna",
+                        "frames": 300,
+                        "joints": [{"joint": "left_foot", "rms": 0.008, "most": 0.019, "unknown": 0}],
+                        "notices": [],
+                    }
+                ]
+            }
+        )
+    )
+
+    items: list[MadeSkeleton]

@@ -116,6 +116,7 @@ CHANGING = {
     "edit_elements": {"edits": [{"do": "change", "xpath": "//frame[1]/frame_bone[1]", "attributes": {"Rx": "6"}}]},
     "make_changes": {"frames": [{"first": 2, "columns": ["Root.Rx"], "values": [[7.5]]}]},
     "split_document": {"at": [3]},
+    "make_skeletons": {},
     "add_comment": {"text": "@reader look"},
     "change_comment": {"text": "look again"},
     "keep_presence": {"doing": "editing"},

@@ -85,6 +85,7 @@ UNFIT = {
     "suggest_labels",
     "get_analog",
     "follow_path",
+    "make_skeletons",
     "get_matching_library",
 }
 """Those whose example cannot be done even by who may: short clips, a result without a model."""

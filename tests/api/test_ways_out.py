@@ -82,7 +82,7 @@ def test_many_at_once(client: TestClient) -> None:
     ) as archive:
         assert len(archive.namelist()) == 3
         refused = archive.read("refused.txt").decode()
-        assert "markers have no angles" in refused
+        assert "no pelvis with both hips" in refused
         assert "no angle of this body" in refused
 
 

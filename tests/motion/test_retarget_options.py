@@ -11,9 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcml.motion.clip import FrameBlock
-from mcml.motion.frames import joined
+from mcml.motion.frames import joined, leave_out, rows_of
 from mcml.motion.hub import HubReader
 from mcml.motion.hub_writer import HubWriter
+from mcml.motion.kinematics import unseen
 from mcml.motion.retargeting.bone_mapping import suggest_matches
 from mcml.motion.retargeting.hand_contacts import fade_weights
 from mcml.motion.retargeting.limits import clamp_joint, file_limits
@@ -176,3 +177,30 @@ def test_parts_of_the_body_are_measured() -> None:
     matches = [match for match in suggest_matches(source, target) if "arm" not in target.names[match.target]]
     less = retarget(source, block, target, matches, 1 / 60)
     assert not {"left arm", "shoulders", "trunk"} & {part.what for part in less.report.parts}
+
+
+@given(st.integers(0, 59), st.integers(1, 20), st.sampled_from(["left_low_leg", "right_up_arm", "waist"]))
+def test_a_gap_of_a_joint_stays_a_gap_below_it(first: int, length: int, joint: str) -> None:
+    """What hangs from a joint without a sample is not known in the result either; the rest does not change."""
+    (source, block), (target, _) = person(160.0), person(184.0)
+    block = rows_of(block, 0, 60)
+    known = np.ones((60, len(source)), dtype=bool)
+    known[first : first + length, source.names.index(joint)] = False
+    whole, made = made_of(source, block, target).block, made_of(source, leave_out(block, known), target).block
+    lost = unseen(target, made)
+    below = [name for name in target.names if joint in above(target, name)]
+    for index, name in enumerate(target.names):
+        expected = ~known[:, source.names.index(joint)] if name in below else np.zeros(60, dtype=bool)
+        np.testing.assert_array_equal(lost[:, index], expected, err_msg=name)
+    columns = [place for place, (index, _) in enumerate(made.columns) if target.names[index] not in below]
+    rows = np.flatnonzero(known.all(axis=1))
+    np.testing.assert_allclose(made.values[np.ix_(rows, columns)], whole.values[np.ix_(rows, columns)], atol=1e-6)
+
+
+def above(skeleton: Skeleton, name: str) -> list[str]:
+    """A joint and all above it."""
+    found, index = [], skeleton.names.index(name)
+    while index >= 0:
+        found.append(skeleton.names[index])
+        index = skeleton.joints[index].parent
+    return found

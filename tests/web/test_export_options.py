@@ -13,6 +13,7 @@ import mcml
 from mcml.formats import FORMATS
 from mcml_service.demo import body
 from tests.formats.scenes.reading import read_glb
+from tests.motion.solving.trials import pair, trial, with_gaps
 from tests.web.conftest import Served, Visit, one_door, walk
 from tests.web.test_journeys import ready
 
@@ -90,3 +91,23 @@ def test_the_loop_is_recorded_as_a_video(visit: Visit, studio: Served, tmp_path:
     saved.value.save_as(path)
     head = path.read_bytes()[:12]
     assert head[4:8] == b"ftyp" if path.suffix == ".mp4" else head.startswith(b"\x1a\x45\xdf\xa3")
+
+
+@pytest.mark.slow
+def test_markers_of_two_people_become_two_skeletons(visit: Visit, studio: Served) -> None:
+    content = b"".join(FORMATS["trc"].write(with_gaps(trial(pair())), "trc"))
+    uuid = studio.upload("match.trc", content)
+    page = visit.open(f"/clips/{uuid}")
+    ready(page)
+    page.get_by_role("button", name="Export").click()
+    expect(page.get_by_role("menuitem", name="BVH")).to_be_disabled()
+    page.get_by_role("menuitem", name="Make skeleton").click()
+    dialog = page.get_by_role("dialog", name="Make skeleton")
+    dialog.get_by_label("Anna").uncheck()
+    dialog.get_by_text("20 joints").last.click()
+    expect(dialog.get_by_role("cell", name="left_up_leg")).to_be_visible()
+    dialog.get_by_role("button", name="Make skeleton").click()
+    expect(page.get_by_role("heading", name="match Bea")).to_be_visible()
+    ready(page)
+    assert "/clips/" in page.url
+    assert uuid not in page.url

@@ -118,7 +118,7 @@ def centres_of(skeleton: Skeleton) -> tuple[Centre, ...]:
     centres: list[Centre] = []
     for body in bodies:
         before = f"{body.prefix}:" if len(bodies) > 1 and body.prefix else ""
-        for centre in _centres(body, _landmarks(skeleton, body), points, before):
+        for centre in _centres(body, index_landmarks(skeleton, body), points, before):
             points[centre.name] = len(skeleton) + len(centres)
             centres.append(centre)
     return tuple(centres)
@@ -134,7 +134,7 @@ def doubtful_names(skeleton: Skeleton) -> tuple[str, ...]:
     return (*skeleton.doubtful, *(centre.name for centre in centres_of(skeleton) if centre.is_guess))
 
 
-def _landmarks(skeleton: Skeleton, body: MarkerBody) -> dict[str, int]:
+def index_landmarks(skeleton: Skeleton, body: MarkerBody) -> dict[str, int]:
     """Index of each landmark that a body has once, and of each point that is in no set, by its own name."""
     often = Counter(body.landmarks.values())
     at = {landmark: index for index, landmark in body.landmarks.items() if often[landmark] == 1}

@@ -10,7 +10,7 @@ from mcml.motion.conventions.resizing import turn_up
 from mcml.motion.frames import joined
 from mcml.motion.retargeting.bone_mapping import suggest_matches
 from mcml.motion.retargeting.retarget import retarget
-from mcml.motion.skeleton import Convention, Skeleton
+from mcml.motion.solving.marker_skeleton import has_markers, with_skeleton
 from mcml.motion.units import reading_of
 
 MOST_POSES = 1_000_000
@@ -57,17 +57,21 @@ class MovedCharacter:
 def move_character(source: Movement, body: Movement, seconds: float) -> MovedCharacter:
     """Return the motion of a clip on the rig of a character.
 
-    body: the character with at least one frame. seconds: of a frame. Raises ConversionError where too few joints of
-    the two are the same, and for markers; LimitError for more than `MOST_POSES`.
+    body: the character with at least one frame. seconds: of a frame. Markers get a skeleton first. Raises
+    ConversionError where too few joints of the two are the same, for markers that show no skeleton and for a character
+    of markers; LimitError for more than `MOST_POSES`.
     """
-    own, rig = source.head.skeleton, body.head.skeleton
-    if any(_are_markers(skeleton) for skeleton in (own, rig)):
+    if has_markers(body.head.skeleton):
         raise ConversionError("Markers have no bones that could carry a body.", remedy="They are shown as points.")
-    check_size(len(source.block), len(own), len(rig))
+    check_size(len(source.block), len(source.head.skeleton), len(body.head.skeleton))
+    notices: list[Notice] = []
+    if has_markers(source.head.skeleton):
+        solved = with_skeleton(ClipStream(source.head, lambda: iter([source.block]), len(source.block)))
+        source, notices = Movement(solved.head, joined(solved.blocks()), source.up), solved.notices
+    own, rig = source.head.skeleton, body.head.skeleton
     head = replace(with_body(source.head, body.head), frame_time=source.head.frame_time)
     if own == rig and reading_of(source.head) == reading_of(body.head) and source.up == body.up:
-        return MovedCharacter(head, source.block, 1.0, ())
-    notices: list[Notice] = []
+        return MovedCharacter(head, source.block, 1.0, tuple(notices))
     if source.up != body.up:
         clip = ClipStream(source.head, lambda: iter([source.block]), len(source.block))
         turned = turn_up(clip, source.up, body.up)
@@ -102,7 +106,3 @@ def with_body(head: ClipHead, body: ClipHead) -> ClipHead:
     fields = {name: text for name, text in head.fields.items() if name not in (*_OF_BODY, "num_frames", "num_segments")}
     fields |= {name: text for name, text in body.fields.items() if name in _OF_BODY}
     return replace(head, format=body.format, skeleton=body.skeleton, fields=fields, sources=body.sources)
-
-
-def _are_markers(skeleton: Skeleton) -> bool:
-    return any(joint.convention is Convention.MARKER for joint in skeleton.joints)

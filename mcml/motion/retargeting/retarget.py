@@ -8,7 +8,7 @@ shortest arc. The hips are at the source's position, times the ratio of the leng
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,9 +17,10 @@ from mcml.errors import ConversionError
 from mcml.motion.clip import FrameBlock, full_shape
 from mcml.motion.feet.legs import legs_of
 from mcml.motion.feet.locking import FootReport, foot_contacts, lock_feet
-from mcml.motion.frames import rows_of
+from mcml.motion.frames import leave_out, rows_of
 from mcml.motion.hub import HubReader, walked
-from mcml.motion.hub_writer import HubWriter, Shortfall
+from mcml.motion.hub_writer import Flags, HubWriter, Shortfall
+from mcml.motion.kinematics import unseen
 from mcml.motion.retargeting.bone_mapping import Match, check_matches
 from mcml.motion.retargeting.checks import check_across, check_rest
 from mcml.motion.retargeting.connectors import without_hip_connectors
@@ -75,6 +76,7 @@ def retarget(
     stay there (`hand_contacts`). match_rest: joints rotate from rest as their sources do, for any directions of their
     bones at rest; else bones point as they do in the source. target_block: frames of the target, for the lengths of a
     skeleton without any at rest. frame_time: seconds, up: "X", "Y" or "Z", for the feet. Both have the same up axis.
+    A joint has no sample in frames in which that of its source, or of a joint above it, is missing.
     Raises ConversionError for a mapping that is empty, or names a joint twice or an unknown joint, and for impossible
     results: a rest pose without lengths, hips that point elsewhere (`checks`).
     """
@@ -114,6 +116,7 @@ def retarget(
     columns = target.columns()
     names = block.motion_names
     made = FrameBlock(values, columns, (full_shape(columns),), block.ids, None, names)
+    made = leave_out(made, _known(source, block, len(target), pairs))
     placed = walked(target, translations, rotations)[0]
     bones = transfer.bone_errors(positions, placed)
     parts = part_errors(one, two, pairs, bones, positions, placed)
@@ -133,6 +136,15 @@ def retarget(
         hands,
     )
     return Retargeted(made, writer.shortfall, report)
+
+
+def _known(source: Skeleton, block: FrameBlock, joints: int, pairs: Mapping[int, int]) -> Flags:
+    """(n, J) where the joints of the target that take their motion from one of the source can know it."""
+    known = np.ones((len(block), joints), dtype=bool)
+    lost = unseen(source, block)
+    for target, own in pairs.items():
+        known[:, target] = ~lost[:, own]
+    return known
 
 
 def _feet(

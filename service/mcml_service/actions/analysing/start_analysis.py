@@ -8,8 +8,8 @@ from pydantic import ValidationError
 
 from mcml.errors import NotFoundError, SizeError
 from mcml.files.check_names import given_name
+from mcml.motion.solving.marker_skeleton import has_markers
 from mcml_schemas.jobs import Selection
-from mcml_service.actions.composing.fit_skeleton import are_markers
 from mcml_service.actions.composing.select_documents import select_captured, select_documents
 from mcml_service.actions.editing.motion_processing import read_whole
 from mcml_service.analysis.catalogue import ANALYSES
@@ -78,7 +78,7 @@ def start_analysis(
     if skeleton is not None:
         with database.read() as tx:
             body = tx.documents.get(skeleton)
-            if are_markers(read_whole(tx, body, 1, 1).head.skeleton):
+            if has_markers(read_whole(tx, body, 1, 1).head.skeleton):
                 raise AnalysisError(
                     "no-skeleton", f"{body.name} has markers only.", remedy="Name a document of a body."
                 )

@@ -10,7 +10,8 @@ from mcml.motion.conventions.resizing import scale, turn_up
 from mcml.motion.frames import joined
 from mcml.motion.retargeting.bone_mapping import Match, suggest_matches
 from mcml.motion.retargeting.retarget import retarget
-from mcml.motion.skeleton import Convention, Skeleton
+from mcml.motion.skeleton import Skeleton
+from mcml.motion.solving.marker_skeleton import has_markers, with_skeleton
 from mcml.motion.units import metres_of
 from mcml_schemas.retarget import JointPair
 from mcml_service.actions.editing.motion_processing import Whole
@@ -39,22 +40,23 @@ def fit(source: Whole, body: Whole, mapping: JointMapping | None, frame_time: fl
     """Convert frames to the skeleton of `body`: bit by bit if it is the same one, in any order of its joints.
 
     Markers keep their places, in the unit of `body`. Another body is retargeted by its MCML names, or by `mapping`; its
-    travel is scaled by the legs, which also converts units. frame_time: seconds. The frames of `body` show lengths that
-    its skeleton lacks at rest. Raises DocumentError for markers on a skeleton or that lack some of `body`'s, and if
-    almost no joints match.
+    travel is scaled by the legs, which also converts units. Markers on a body get a skeleton first. frame_time:
+    seconds. The frames of `body` show lengths that its skeleton lacks at rest. Raises DocumentError for a body on
+    markers, for markers that lack some of `body`'s, and if almost no joints match; ConversionError for markers that
+    show no skeleton.
     """
     own, two = source.head.skeleton, body.head.skeleton
-    kinds = are_markers(own), are_markers(two)
-    if all(kinds):
+    if has_markers(own) and has_markers(two):
         return _markers(source, body)
     if mapping is None and _is_same_body(own, two):
         return Fitted(_renumber_joints(source, two))
-    if any(kinds):
+    if has_markers(two):
         raise DocumentError(
-            "Markers have no skeleton: they fit on no body, and no body on them.",
-            remedy="Choose documents of one kind.",
+            "The result has markers: a body does not fit on them.", remedy="Take the document of a body as skeleton."
         )
+    source, solved = give_skeleton(source)
     source, notices = upright(source, body.up)
+    notices = [*solved, *notices]
     own = source.head.skeleton
     matches = match_joints(own, two, mapping)
     if mapping is None and 2 * len(matches) <= min(len(own), len(two)):
@@ -107,9 +109,13 @@ def match_joints(source: Skeleton, target: Skeleton, mapping: JointMapping | Non
     return tuple(matches)
 
 
-def are_markers(skeleton: Skeleton) -> bool:
-    """Tell whether a skeleton consists of markers: points without bones."""
-    return any(joint.convention is Convention.MARKER for joint in skeleton.joints)
+def give_skeleton(whole: Whole) -> tuple[Whole, list[str]]:
+    """The same motion with a skeleton where it has markers, and notices about that. Raises as `with_skeleton` does."""
+    if not has_markers(whole.head.skeleton):
+        return whole, []
+    clip = with_skeleton(ClipStream(whole.head, lambda: iter([whole.block]), len(whole.block)))
+    made = replace(whole, head=clip.head, block=joined(clip.blocks()), names=clip.head.skeleton.names)
+    return made, [notice.what for notice in clip.notices]
 
 
 def _is_same_body(one: Skeleton, two: Skeleton) -> bool:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mcml.errors import DocumentError
+from mcml.errors import DocumentError, McmlError
 from mcml.motion.clip import ClipStream, FrameBlock
 from mcml.motion.conventions.convert import convert
 from mcml.motion.hub import HubReader
@@ -18,7 +18,7 @@ from mcml.motion.retargeting.retarget import retarget
 from mcml.motion.skeleton import Convention, Skeleton
 from mcml.motion.units import metres_of, reading_of
 from mcml_service.actions.checking.check_timed import seconds_of
-from mcml_service.actions.composing.fit_skeleton import are_markers, match_joints, upright
+from mcml_service.actions.composing.fit_skeleton import give_skeleton, match_joints, upright
 from mcml_service.actions.editing.motion_processing import Whole, read_whole
 from mcml_service.analysis.interface import Motion, Progress, silent
 from mcml_service.clips.read_clip import read_clip
@@ -97,11 +97,12 @@ def _motion(then: Transaction, stored: StoredDocument, body: Whole | None) -> Mo
 def _retarget_clip(then: Transaction, stored: StoredDocument, seconds: float, body: Whole) -> ClipStream:
     """Retarget a clip to the skeleton of a body; a clip with this skeleton is unchanged."""
     whole = read_whole(then, stored)
-    if are_markers(whole.head.skeleton):
+    try:
+        whole, _ = give_skeleton(whole)
+    except McmlError as error:
         raise DocumentError(
-            f"{stored.name} ({stored.uuid}) has markers only: it cannot be brought onto a skeleton.",
-            remedy="Leave it out, or do not name a skeleton.",
-        )
+            f"{stored.name} ({stored.uuid}): {error.what}", remedy="Leave it out, or do not name a skeleton."
+        ) from error
     if whole.head.skeleton == body.head.skeleton:
         return read_clip(then, stored).clip
     whole, _ = upright(whole, body.up)

@@ -16,6 +16,7 @@ from mcml.motion.retargeting.move_character import with_body
 from mcml.motion.retargeting.report import RetargetReport
 from mcml.motion.retargeting.retarget import retarget
 from mcml.motion.skeleton import Array
+from mcml.motion.solving.marker_skeleton import has_markers
 from mcml.motion.units import metres_of
 from mcml_schemas.retarget import (
     Retargeted,
@@ -27,7 +28,7 @@ from mcml_schemas.retarget import (
 from mcml_service.actions.checking.check_timed import seconds_of
 from mcml_service.actions.checking.describe_problem import problem_of
 from mcml_service.actions.composing.describe_retargeting import describe_retargeted
-from mcml_service.actions.composing.fit_skeleton import JointMapping, are_markers, match_joints, upright
+from mcml_service.actions.composing.fit_skeleton import JointMapping, give_skeleton, match_joints, upright
 from mcml_service.actions.composing.keep_mapping import mapping_of
 from mcml_service.actions.composing.select_documents import select_documents
 from mcml_service.actions.editing.motion_processing import Whole, read_whole
@@ -72,7 +73,7 @@ def retarget_many(
         target = read_whole(tx, other, 1, 1)
         if isinstance(request.mapping, str) and request.project is not None:
             mapping_of(tx, request.project, request.mapping)
-    if are_markers(target.head.skeleton):
+    if has_markers(target.head.skeleton):
         raise DocumentError("Markers have no skeleton.", remedy="Choose a document of a body.")
     return _each(database, settings, [str(item["document"]) for item in selected], (other, target), request, author)
 
@@ -114,9 +115,11 @@ def _retarget(
 ) -> Retargeted:
     (stored, source), (other, target) = motion, body
     seconds = seconds_of(stored)
-    if are_markers(source.head.skeleton) or are_markers(target.head.skeleton):
+    if has_markers(target.head.skeleton):
         raise DocumentError("Markers have no skeleton.", remedy="Choose a document of a body.")
-    source, notices = upright(source, target.up)
+    source, notices = give_skeleton(source)
+    source, turned = upright(source, target.up)
+    notices += turned
     source_skeleton, two = source.head.skeleton, target.head.skeleton
     metres, target_metres = metres_of(source.head), metres_of(target.head)
     known = metres is not None and target_metres is not None

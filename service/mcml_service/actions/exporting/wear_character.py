@@ -11,7 +11,7 @@ from mcml.files.wear_character import wear
 from mcml.formats import READERS
 from mcml.formats.format import CharacterReader, ReadOptions, SourceFile
 from mcml.motion.characters.rigged import RiggedCharacter
-from mcml.motion.clip import ClipStream, FrameBlock, full_shape
+from mcml.motion.clip import ClipStream
 from mcml.motion.frames import joined
 from mcml.motion.retargeting.move_character import MovedCharacter, Movement, check_size, move_character
 from mcml.motion.units import reading_of
@@ -98,7 +98,8 @@ class MovedClips:
         moved = self.read(of, character)
         chosen = slice(source.first - 1, source.last, step)
         block = moved.block
-        rows = FrameBlock(block.values[chosen], block.columns, (full_shape(block.columns),), block.ids[chosen])
+        shape_of = None if block.shape_of is None else block.shape_of[chosen]
+        rows = replace(block, values=block.values[chosen], ids=block.ids[chosen], shape_of=shape_of, motion_names=None)
         head = replace(moved.head, frame_time=source.clip.head.frame_time)
         clip = ClipStream(head, lambda: iter([rows]), len(rows), list(moved.notices))
         return replace(source, clip=clip, names=head.skeleton.names)

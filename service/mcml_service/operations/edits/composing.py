@@ -9,10 +9,11 @@ import orjson
 from pydantic import Field
 
 from mcml.answers import Content
-from mcml_schemas.compose import Composed, ComposeRequest, SplitParts, SplitRequest
+from mcml_schemas.compose import Composed, ComposeRequest, MadeSkeletons, SkeletonsRequest, SplitParts, SplitRequest
 from mcml_schemas.examples import example_of
 from mcml_schemas.retarget import Retargeted, RetargetedOne, RetargetMany, RetargetRequest, RetargetTable
 from mcml_service.actions.composing import compose_frames, retarget_motion
+from mcml_service.actions.composing import make_skeletons as making
 from mcml_service.actions.composing import split_document as splitting
 from mcml_service.actions.composing.describe_retargeting import retarget_table, table_csv
 from mcml_service.operations.arguments import DocumentId, Raw, Shown
@@ -34,6 +35,16 @@ def compose(call: Call, request: ComposeRequest, shown: Shown) -> Composed:
 def split_document(call: Call, id: DocumentId, request: SplitRequest) -> SplitParts:
     """The document itself stays. To shorten it, `keep` frames of it: `POST /documents/{id}/frames`."""
     return splitting.split_document(call.database, call.settings, id, request, call.author)
+
+
+def make_skeletons(call: Call, id: DocumentId, request: SkeletonsRequest) -> MadeSkeletons:
+    """Joints are at the centres that the markers of a known set tell; bones have one length, and point as the centres
+    do. The answer says how far each joint is from its centre. With `preview` nothing is stored.
+    """
+    made = making.make_skeletons(call.database, call.settings, id, request, call.author)
+    if request.preview or len(made.items) == 1:
+        call.makes(made.items[0].document)
+    return made
 
 
 def retarget(call: Call, id: DocumentId, request: RetargetRequest, shown: Shown) -> Retargeted:

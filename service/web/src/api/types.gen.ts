@@ -980,6 +980,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/documents/{id}/skeletons": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["make_skeletons"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/documents/{id}/retarget": {
         parameters: {
             query?: never;
@@ -3810,6 +3826,12 @@ export interface components {
             confidence: number;
             reason: string;
         };
+        JointMiss: {
+            joint: string;
+            rms: number | null;
+            most: number | null;
+            unknown: number;
+        };
         JointName: {
             number: number;
             name: string;
@@ -3973,6 +3995,17 @@ export interface components {
             bones: string[];
             /** @default 0 */
             ease: number;
+        };
+        MadeSkeleton: {
+            document: string | null;
+            name: string;
+            person: string;
+            frames: number;
+            joints: components["schemas"]["JointMiss"][];
+            notices: string[];
+        };
+        MadeSkeletons: {
+            items: components["schemas"]["MadeSkeleton"][];
         };
         ManyChanges: {
             selection: components["schemas"]["Selection"];
@@ -4437,8 +4470,8 @@ export interface components {
         PresetInfo: {
             name: string;
             title: string;
-            bodies: components["schemas"]["PresetShape"] | null;
-            markers: components["schemas"]["PresetShape"] | null;
+            bodies: components["schemas"]["PresetShape"];
+            markers: components["schemas"]["PresetShape"];
             why: string;
         };
         PresetShape: {
@@ -5287,6 +5320,13 @@ export interface components {
             /** @default [] */
             plates: components["schemas"]["FloorPlate"][];
             columns: string[];
+        };
+        SkeletonsRequest: {
+            people?: string[] | null;
+            name?: string | null;
+            project?: string | null;
+            /** @default false */
+            preview: boolean;
         };
         SmoothFrames: {
             first: number;
@@ -9776,6 +9816,65 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["SplitParts"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    make_skeletons: {
+        parameters: {
+            query?: never;
+            header?: {
+                "idempotency-key"?: string | null;
+            };
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SkeletonsRequest"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MadeSkeletons"];
+                };
+            };
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MadeSkeletons"];
                 };
             };
             503: {

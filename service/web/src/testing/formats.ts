@@ -50,8 +50,20 @@ export const PRESETS: Preset[] = [
     markers: { format: "glb", unit: "m", up: "Y", fps: null },
     why: "",
   },
-  { name: "maya", title: "Maya", bodies: { format: "usd", unit: "cm", up: "Y", fps: null }, markers: null, why: "" },
-  { name: "lab", title: "Lab", bodies: null, markers: { format: "trc", unit: "m", up: "Y", fps: null }, why: "" },
+  {
+    name: "maya",
+    title: "Maya",
+    bodies: { format: "usd", unit: "cm", up: "Y", fps: null },
+    markers: { format: "usd", unit: "cm", up: "Y", fps: null },
+    why: "",
+  },
+  {
+    name: "lab",
+    title: "Lab",
+    bodies: { format: "bvh", unit: "m", up: "Y", fps: null },
+    markers: { format: "trc", unit: "m", up: "Y", fps: null },
+    why: "",
+  },
 ];
 
 /** Have the formats asked of that server. */

@@ -9,6 +9,8 @@ import { exportItems } from "../../ui/exporting/exports";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
 import { w } from "../../words";
+import { SkeletonsDialog } from "./SkeletonsDialog";
+import { r } from "./words";
 
 export function ExportMenu({ clip, reload }: { clip: Clip; reload: () => void }) {
   const {
@@ -16,6 +18,8 @@ export function ExportMenu({ clip, reload }: { clip: Clip; reload: () => void })
     skeleton: { view },
   } = clip;
   const [exporting, setExporting] = useState(false);
+  const [solving, setSolving] = useState(false);
+  const solvable = view.centres.some((name) => name.endsWith("left_up_leg"));
   return (
     <>
       <Menu
@@ -35,6 +39,7 @@ export function ExportMenu({ clip, reload }: { clip: Clip; reload: () => void })
               up: detail.up ?? null,
               likelyUp: view.likely_up,
               hasRate: Boolean(detail.seconds_per_frame),
+              centres: view.centres,
             },
             clip.pinned === null && mayEdit()
               ? {
@@ -45,11 +50,23 @@ export function ExportMenu({ clip, reload }: { clip: Clip; reload: () => void })
           ),
           { text: w("button.composeThese"), icon: "compose", run: () => go(`/compose?s=${clip.id}`) },
           { text: w("label.retarget"), icon: "retarget", run: () => go(`/retarget?from=${clip.id}`) },
+          ...(view.markers && mayEdit()
+            ? [
+                {
+                  text: r("button.makeSkeleton"),
+                  icon: "retarget" as const,
+                  disabled: !solvable,
+                  detail: solvable ? undefined : r("label.noLandmarks"),
+                  run: () => setSolving(true),
+                },
+              ]
+            : []),
         ]}
       >
         {w("button.exportWord")}
         <Icon name="down" />
       </Menu>
+      {solving && <SkeletonsDialog clip={clip} onClose={() => setSolving(false)} />}
       {exporting && (
         <ExportDialog
           clip={clip}

@@ -15,6 +15,10 @@ export const r = wordsOf(
     "help.ghostProposed": "The proposed motion is the ghost. Hold C to see it alone.",
     "label.bodyChoice": "Body shown", "label.unknownCharacter": "removed character", "button.importCharacter": "Import a character…",
     "help.draftAsSticks": "The character shows the saved motion. Save your changes to see them on it.",
+    "button.makeSkeleton": "Make skeleton", "label.skeletonsMade": "Skeleton made as a clip|{n} skeletons made as clips",
+    "help.makeSkeleton": "Joints are placed at the centres that the markers show; bones keep one length. The trial does not change.",
+    "label.noPrefix": "without a prefix", "label.missMean": "From its centre (rms)", "label.framesUnknown": "Frames unknown",
+    "label.noLandmarks": "no known marker set", "label.jointsCount": "1 joint|{n} joints",
   },
   {
     "label.proposals": "제안", "label.proposalNumber": "제안 {n}", "label.proposed": "검토할 제안 {n}을(를) 만들었습니다",
@@ -30,6 +34,10 @@ export const r = wordsOf(
     "help.ghostProposed": "흐린 몸이 제안된 동작입니다. C를 누르고 있으면 그것만 보입니다.",
     "label.bodyChoice": "표시할 몸", "label.unknownCharacter": "삭제된 캐릭터", "button.importCharacter": "캐릭터 가져오기…",
     "help.draftAsSticks": "캐릭터는 저장된 동작을 보여 줍니다. 변경 내용을 저장하면 캐릭터에 나타납니다.",
+    "button.makeSkeleton": "골격 만들기", "label.skeletonsMade": "골격을 클립 {n}개로 만들었습니다",
+    "help.makeSkeleton": "마커로 알 수 있는 관절 중심에 관절을 두고 뼈 길이는 일정하게 유지합니다. 원본 측정은 바뀌지 않습니다.",
+    "label.noPrefix": "접두사 없음", "label.missMean": "중심과의 거리(rms)", "label.framesUnknown": "알 수 없는 프레임",
+    "label.noLandmarks": "알려진 마커 세트 없음", "label.jointsCount": "관절 {n}개",
   },
 );
 

@@ -34,9 +34,10 @@ export function readFormats(): Format[] {
   return [...read.filter((one) => one.name === LANGUAGE), ...read.filter((one) => one.name !== LANGUAGE)];
 }
 
-/** Those that are written, the language first. holds: only those for clips of bodies, or of markers. */
+/** Those that are written, the language first. holds: only those for clips of bodies, or of markers, which make a
+ * skeleton for the formats of bodies. */
 export function writtenFormats(holds?: "bodies" | "markers"): Format[] {
-  const written = formats().filter((one) => one.writes && (!holds || one[holds]));
+  const written = formats().filter((one) => one.writes && (holds !== "bodies" || one.bodies));
   return [...written.filter((one) => one.name === LANGUAGE), ...written.filter((one) => one.name !== LANGUAGE)];
 }
 
@@ -44,7 +45,7 @@ export function writtenFormats(holds?: "bodies" | "markers"): Format[] {
 export function presets(holds: "bodies" | "markers"): { preset: Preset; format: Format }[] {
   const written = writtenFormats(holds);
   return programs.value.flatMap((preset) => {
-    const format = written.find((one) => one.name === preset[holds]?.format);
+    const format = written.find((one) => one.name === preset[holds].format);
     return format ? [{ preset, format }] : [];
   });
 }

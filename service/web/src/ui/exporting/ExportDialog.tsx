@@ -43,8 +43,8 @@ function targetsOf(markers: boolean): Target[] {
     ...presets(holds).map(({ preset }) => ({
       key: `for:${preset.name}`,
       text: w("label.exportFor", { program: preset.title }),
-      unit: preset[holds]?.unit ?? null,
-      skins: !markers && [preset.bodies, preset.markers].some((shape) => shape && skinned.has(shape.format)),
+      unit: preset[holds].unit ?? null,
+      skins: [preset.bodies, preset.markers].some((shape) => skinned.has(shape.format)),
     })),
     ...writtenFormats(holds)
       .filter(({ name }) => name !== LANGUAGE)
@@ -52,7 +52,7 @@ function targetsOf(markers: boolean): Target[] {
         key: `format:${name}`,
         text: label,
         unit: assumes,
-        skins: !markers && skinned.has(name),
+        skins: skinned.has(name),
       })),
   ];
 }

@@ -13,6 +13,7 @@ describe("what a document can be exported as", () => {
   it("is what the server writes and what holds the clip", () => {
     expect(texts(false)).toEqual([
       "For Blender",
+      "For Lab",
       "MCML",
       "BVH",
       "ASF/AMC",
@@ -26,14 +27,16 @@ describe("what a document can be exported as", () => {
       "For Blender",
       "For Lab",
       "MCML",
-      "C3D",
-      "Trial",
-      "TRC",
-      "glTF",
-      "Tomorrow's",
+      ...LISTED.filter((one) => one.writes && one.name !== "mcml").map((one) => one.label),
       "CSV",
       "NumPy",
     ]);
+    const points = exportItems({ ...known, markers: true });
+    const detail = (text: string) => points.find((item) => item.text === text)!.detail;
+    expect([detail("BVH"), detail("TRC")]).toEqual(["skeleton made from markers", undefined]);
+    const two = exportItems({ ...known, markers: true, centres: ["Anna:left_up_leg", "Bea:left_up_leg"] });
+    expect(two.find((item) => item.text === "BVH")).toMatchObject({ disabled: true });
+    expect(two.find((item) => item.text === "TRC")!.href).toBeTruthy();
     expect(exportItems({ ...known, markers: true, format: "" }).find((item) => item.text === "glTF")!.href).toContain(
       "/documents/x/export?format=glb",
     );
@@ -45,8 +48,8 @@ describe("what a document can be exported as", () => {
     expect(item(false, "For Blender")).toMatchObject({ detail: "BVH" });
     expect(item(false, "For Blender")!.href).toContain("/documents/x/export?for=blender");
     expect(item(true, "For Blender")).toMatchObject({ detail: "glTF" });
-    // The server writes no USD, and the lab takes markers alone.
-    expect([item(false, "For Maya"), item(false, "For Lab")]).toEqual([undefined, undefined]);
+    // The server writes no USD.
+    expect(item(false, "For Maya")).toBe(undefined);
     const bare = exportItems({ ...known, markers: true, unit: null });
     expect(bare.find((one) => one.text === "For Lab")).toMatchObject({ disabled: true, detail: "needs a unit" });
   });

@@ -17,6 +17,8 @@ export interface Exported {
   up: string | null;
   likelyUp?: string | null;
   hasRate: boolean;
+  /** Joints whose centres markers tell, if known. */
+  centres?: readonly string[];
 }
 
 /** What a menu mends. accept: state a guess; give: where unit, up axis and rate are given. Absent: nothing can be written. */
@@ -28,19 +30,24 @@ export interface Mending {
 const METRES: Record<string, number> = { mm: 0.001, cm: 0.01, m: 1, inch: 0.0254, ft: 0.3048 };
 
 /** A fact that a format needs and the document does not state: nothing is written without it. */
-const factLacking = (one: Exported, needs: readonly string[]): string | null => {
+const factLacking = (one: Exported, { needs, markers }: Pick<Format, "needs" | "markers">): string | null => {
+  if (one.markers && !markers && one.centres && !one.centres.includes("left_up_leg")) return w("label.needsPerson");
   if (needs.includes("frame_time") && !one.hasRate) return w("label.needsRate");
   if (needs.includes("force_plates") && !holds(one.format, "force_plates")) return w("label.needsPlates");
   return needs.includes("unit") && !one.unit ? w("label.needsUnit") : null;
 };
 
+/** That markers get a skeleton for a format of joints. */
+const withSkeleton = ({ markers }: Exported, format: Format): string | undefined =>
+  markers && !format.markers ? w("label.skeletonMade") : undefined;
+
 /** What is wrong with a format as long as facts are not known; refused: the server would not write it. */
 export function lacking(
   one: Exported,
-  { name, needs, assumes }: Pick<Format, "name" | "needs" | "assumes">,
+  { name, needs, assumes, markers }: Pick<Format, "name" | "needs" | "assumes" | "markers">,
 ): { text: string; refused: boolean } | null {
   if (name === one.format && one.original) return null;
-  const fact = factLacking(one, needs);
+  const fact = factLacking(one, { needs, markers });
   if (fact) return { text: fact, refused: true };
   if (!assumes) return null;
   if (one.unit) return one.up ? null : { text: w("label.upTaken"), refused: false };
@@ -79,11 +86,11 @@ export function exportItems(one: Exported, { accept, give }: Mending = {}): Item
       : []),
     ...presets(markers ? "markers" : "bodies").map(({ preset, format: other }): Item => {
       const text = w("label.exportFor", { program: preset.title });
-      const lack = factLacking(one, other.needs);
+      const lack = factLacking(one, other);
       if (lack) return { text, detail: lack, disabled: true };
       return {
         text,
-        detail: other.label,
+        detail: withSkeleton(one, other) ?? other.label,
         href: address("/documents/{id}/export", { id }, { ...query, for: preset.name }),
         download: true,
       };
@@ -95,7 +102,7 @@ export function exportItems(one: Exported, { accept, give }: Mending = {}): Item
       if (lack?.refused) return { text, detail: lack.text, disabled: true };
       return {
         text,
-        detail: lack?.text ?? (name === format && original ? w("label.kept") : undefined),
+        detail: lack?.text ?? withSkeleton(one, other) ?? (name === format && original ? w("label.kept") : undefined),
         href: address("/documents/{id}/export", { id }, { ...query, format: name }),
         download: true,
       };
