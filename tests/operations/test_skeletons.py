@@ -62,7 +62,7 @@ def test_exports_and_retargeting_make_it_on_their_own(client: TestClient) -> Non
     assert [item["name"] for item in made] == ["trial skeleton"]
     answer = client.get(f"{API}/documents/{document}/export", params={"format": "bvh"})
     assert answer.status_code == 200, answer.text
-    assert "a skeleton of 20 joints was made from markers" in answer.headers["x-mcml-notices"]
+    assert "a skeleton of 21 joints was made from markers" in answer.headers["x-mcml-notices"]
     assert b"Frames: 15" in answer.content
     moved = client.post(f"{API}/documents/{document}/retarget", json={"skeleton": body})
     assert moved.status_code == 201, moved.text

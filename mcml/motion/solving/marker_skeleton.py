@@ -38,13 +38,17 @@ _PARENTS: Final[Mapping[str, str]] = {
     **{f"{side}_{one}": above for side in ("left", "right")
        for one, above in zip(_LEG, ("Root", *(f"{side}_{part}" for part in _LEG)), strict=False)},
     "waist": "Root",
-    "neck1": "waist",
+    "torso7": "waist",
+    "neck1": "torso7",
     "Head": "neck1",
     **{f"{side}_{one}": above for side in ("left", "right")
-       for one, above in zip(_ARM, ("waist", *(f"{side}_{part}" for part in _ARM)), strict=False)},
+       for one, above in zip(_ARM, ("torso7", *(f"{side}_{part}" for part in _ARM)), strict=False)},
 }  # fmt: skip
 """Joints from the root on, each with the one above."""
-_AT: Final[Mapping[str, str]] = {"waist": "Root", "left_shoulder": "neck1", "right_shoulder": "neck1"}
+_AT: Final[Mapping[str, str]] = {
+    "waist": "Root",
+    **dict.fromkeys(("torso7", "left_shoulder", "right_shoulder"), "neck1"),
+}
 """Joints that are at the centre of another one."""
 _HIPS: Final = ("left_up_leg", "right_up_leg")
 _FIELDS: Final[tuple[str, ...]] = ("dataframe_rate", "calibration_unit", "global_axis_of_gravity", "filename")
