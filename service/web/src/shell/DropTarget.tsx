@@ -2,13 +2,21 @@
 import { useEffect, useState } from "preact/hooks";
 import { filesOf } from "../state/importing/dropped";
 import { addFiles } from "../state/importing/uploads";
-import { dropHere } from "../state/importing/drop";
+import { dropHere, dropOnto } from "../state/importing/drop";
 import { lookFirst } from "../state/importing/inspect";
 import { Icon } from "../ui/icons";
 import { w } from "../words";
 
+type Field = "add" | "look" | "onto";
+
+/** The field under the pointer. */
+function fieldAt(event: DragEvent): Field {
+  const field = (event.target as Element).closest<HTMLElement>("[data-drop]")?.dataset.drop;
+  return field === "look" || field === "onto" ? field : "add";
+}
+
 export function DropTarget() {
-  const [over, setOver] = useState<"" | "add" | "look">("");
+  const [over, setOver] = useState<"" | Field>("");
   useEffect(() => {
     let depth = 0;
     const hasFiles = (event: DragEvent) => event.dataTransfer?.types.includes("Files") ?? false;
@@ -27,17 +35,18 @@ export function DropTarget() {
     const drag = (event: DragEvent) => {
       if (!hasFiles(event)) return;
       event.preventDefault();
-      setOver((event.target as Element).closest("[data-drop=look]") ? "look" : "add");
+      setOver(fieldAt(event));
     };
     const drop = async (event: DragEvent) => {
       if (!hasFiles(event)) return;
       event.preventDefault();
-      const look = Boolean((event.target as Element).closest("[data-drop=look]"));
+      const field = fieldAt(event);
       depth = 0;
       setOver("");
       const { files, missed } = await filesOf(event.dataTransfer!);
       if (dropHere.value) dropHere.value.take(files);
-      else if (look) void lookFirst(files, missed);
+      else if (field === "onto" && dropOnto.value) dropOnto.value.take(files);
+      else if (field === "look") void lookFirst(files, missed);
       else addFiles(files, missed);
     };
     const escape = (event: KeyboardEvent) => event.key === "Escape" && setOver("");
@@ -66,13 +75,21 @@ export function DropTarget() {
         </div>
       </section>
     );
+  const onto = dropOnto.value;
   return (
-    <section class="drop-cover" aria-label={w("label.dropTitle")}>
+    <section class={`drop-cover ${onto ? "three" : ""}`} aria-label={w("label.dropTitle")}>
       <div class={`drop-field ${over === "add" ? "over" : ""}`} data-drop="add">
         <Icon name="upload" />
         <h2>{w("label.dropTitle")}</h2>
         <p>{w("help.dropHelp")}</p>
       </div>
+      {onto && (
+        <div class={`drop-field ${over === "onto" ? "over" : ""}`} data-drop="onto">
+          <Icon name="retarget" />
+          <h2>{onto.title}</h2>
+          <p>{onto.help}</p>
+        </div>
+      )}
       <div class={`drop-field ${over === "look" ? "over" : ""}`} data-drop="look">
         <Icon name="eye" />
         <h2>{w("button.lookFirst")}</h2>

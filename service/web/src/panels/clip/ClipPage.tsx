@@ -14,6 +14,7 @@ import { Splitter } from "../../ui/Splitter";
 import { Trouble } from "../../ui/Trouble";
 import { w } from "../../words";
 import { ClipBar } from "./ClipBar";
+import { ReplaceMotion } from "./replacing/ReplaceMotion";
 import { Dock } from "./Dock";
 import { Similar } from "./similar/Similar";
 import { Timeline } from "./timeline/Timeline";
@@ -124,6 +125,7 @@ function OpenClip({ clip, coming, reload }: { clip: Clip; coming: { readonly cur
       <div class="clip-main">
         <h1 class="unseen">{clip.detail.name}</h1>
         <ClipBar clip={clip} reload={reload} />
+        <ReplaceMotion clip={clip} reload={reload} />
         <div class="viewer-row">
           <ViewerPane clip={clip} />
           <Similar clip={clip} reload={reload} />

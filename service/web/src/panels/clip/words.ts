@@ -19,6 +19,11 @@ export const r = wordsOf(
     "help.makeSkeleton": "Joints are placed at the centres that the markers show; bones keep one length. The trial does not change.",
     "label.noPrefix": "without a prefix", "label.missMean": "From its centre (rms)", "label.framesUnknown": "Frames unknown",
     "label.noLandmarks": "no known marker set", "label.jointsCount": "1 joint|{n} joints",
+    "button.replaceMotion": "Replace by a file", "label.dropReplace": "Drop to replace the motion",
+    "help.dropReplace": "Frames of {name} that differ are replaced, after you have seen the difference.",
+    "help.nothingDiffers": "No frame differs.", "button.replaceFrames": "Replace frames", "label.framesDiffer": "Frames that differ",
+    "label.jointsDiffer": "Joints that differ", "label.largestChange": "Largest change", "label.atFrame": "frame {n}",
+    "label.motionReplaced": "Motion replaced: 1 frame|Motion replaced: {n} frames",
   },
   {
     "label.proposals": "제안", "label.proposalNumber": "제안 {n}", "label.proposed": "검토할 제안 {n}을(를) 만들었습니다",
@@ -38,6 +43,11 @@ export const r = wordsOf(
     "help.makeSkeleton": "마커로 알 수 있는 관절 중심에 관절을 두고 뼈 길이는 일정하게 유지합니다. 원본 측정은 바뀌지 않습니다.",
     "label.noPrefix": "접두사 없음", "label.missMean": "중심과의 거리(rms)", "label.framesUnknown": "알 수 없는 프레임",
     "label.noLandmarks": "알려진 마커 세트 없음", "label.jointsCount": "관절 {n}개",
+    "button.replaceMotion": "파일로 바꾸기", "label.dropReplace": "놓으면 동작을 바꿉니다",
+    "help.dropReplace": "차이를 먼저 보여 준 뒤 {name}에서 다른 프레임을 바꿉니다.",
+    "help.nothingDiffers": "다른 프레임이 없습니다.", "button.replaceFrames": "프레임 바꾸기", "label.framesDiffer": "다른 프레임",
+    "label.jointsDiffer": "다른 관절", "label.largestChange": "가장 큰 변화", "label.atFrame": "프레임 {n}",
+    "label.motionReplaced": "동작을 바꿨습니다: 프레임 {n}개",
   },
 );
 

@@ -9,6 +9,8 @@ import { Icon } from "../../../ui/icons";
 import { Menu } from "../../../ui/Menu";
 import { number, w } from "../../../words";
 import { clipActions } from "../actions";
+import { chooseMotion } from "../replacing/asked";
+import { r } from "../words";
 import { CleanUp } from "./CleanUp";
 import { editFrames, extractFrames } from "./editFrames";
 import { CHANGES, REPAIRS } from "./edits";
@@ -71,6 +73,9 @@ export function FramesMenu({
       { text: w("button.holdFrame", { n: here }), run: () => setHolds(here) },
       ...CHANGES.map((kind) => ({ text: w(CHANGE_WORDS[kind]), run: () => setEdit(kind) })),
       { text: w("button.repairFrames"), run: () => setEdit("repair") },
+      ...(terms.value.edits && !terms.value.review
+        ? [{ text: r("button.replaceMotion"), disabled: clip.changed.value, run: () => chooseMotion(clip.id) }]
+        : []),
       { text: w("button.spanSplit"), detail: "S", run: () => clipActions.splitSpan(clip) },
     ];
   };
