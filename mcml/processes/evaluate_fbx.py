@@ -57,12 +57,14 @@ def _evaluate(options: Mapping[str, Any], source: BinaryIO, target: BinaryIO) ->
     takes = [
         WrittenTake(stack.name, 0, round((stack.time_end - stack.time_begin) * rate) + 1, rate) for stack in stacks
     ]
-    check_motion(options, sum(take.frames for take in takes), len(joints))
+    check_motion(options, sum(take.frames for take in takes), len(joints), len(scene.blend_channels))
+    shapes = [channel.name or f"shape_{place}" for place, channel in enumerate(_once(scene.blend_channels))]
     rig = WrittenRig(
         [nodes[node].name or f"node_{node}" for node in joints],
         parents_among(joints, parents),
         [_rows(nodes[node].node_to_world) for node in joints],
         [bound.get(node) for node in joints],
+        shapes,
     )
     unit, up, notices = _facts(scene.settings)
     poses = _poses(scene, stacks, takes, joints) if options["poses"] else ()
@@ -102,9 +104,10 @@ def _poses(scene: Any, stacks: list[Any], takes: list[WrittenTake], joints: list
         for number in range(take.frames):
             posed = ufbx.evaluate_scene(scene, animation, begin + number / take.rate)
             # Held until all are read, and released before their scene.
-            nodes = _once(posed.nodes)
+            nodes, channels = _once(posed.nodes), _once(posed.blend_channels)
             numbers = array("d")
             for node in joints:
                 numbers.extend(_rows(nodes[node].node_to_world))
-            del nodes
+            numbers.extend(channel.weight for channel in channels)
+            del nodes, channels
             yield numbers.tobytes()

@@ -114,16 +114,18 @@ def _write(
         place = {joint: index for index, joint in enumerate(order)}
         names = [str(query.GetJointOrder()[joint]) for joint in order]
         above = [place.get(parents[joint], -1) for joint in order]
+        shapes = _shapes_of(query)
         begin, end, notices = _span(query)
         count = int((end - begin) * rate / codes + 1e-6) + 1
-        check_motion(options, count + sum(take.frames for take in takes), len(order))
+        check_motion(options, count + sum(take.frames for take in takes), len(order), len(shapes))
         rest = _world(query, None)
-        rigs.append(WrittenRig(names, above, [rest[joint] for joint in order], [None] * len(order)))
+        rigs.append(WrittenRig(names, above, [rest[joint] for joint in order], [None] * len(order), shapes))
         takes.append(WrittenTake(str(query.GetPrim().GetPath()), number, count, rate, notices))
         spans.append((begin, codes / rate))
         orders.append(order)
     unit, up, notices = facts
-    poses = _poses(skeletons, takes, spans, orders) if options["poses"] else ()
+    counts = [len(rig.shapes) for rig in rigs]
+    poses = _poses(skeletons, takes, spans, orders, counts) if options["poses"] else ()
     write_scene(target, rigs, takes, poses, unit=unit, up=up, notices=notices)
 
 
@@ -131,10 +133,27 @@ def _span(query: Any) -> tuple[float, float, list[str]]:
     """The first and the last time code of the motion, and notices."""
     animation = query.GetAnimQuery()
     samples = list(animation.GetJointTransformTimeSamples()) if animation else []
+    if animation and _shapes_of(query):
+        samples = sorted({*samples, *animation.GetBlendShapeWeightTimeSamples()})
     if not samples:
         why = "the animation has no time samples" if animation else "the skeleton has no animation"
         return 0.0, 0.0, [f"{why}: one frame is read"]
     return float(samples[0]), float(samples[-1]), []
+
+
+def _shapes_of(query: Any) -> list[str]:
+    """The names of the blend shapes that the animation of a skeleton moves."""
+    animation = query.GetAnimQuery()
+    if not animation or not len(animation.GetBlendShapeWeightTimeSamples()):
+        return []
+    return [str(name) for name in animation.GetBlendShapeOrder()]
+
+
+def _weights(query: Any, time: float, count: int) -> list[float]:
+    weights = query.GetAnimQuery().ComputeBlendShapeWeights(time)
+    if weights is None or len(weights) != count:
+        raise UnreadableError(f"the animation has no weights of its {count} blend shapes", "Save the file again.")
+    return [float(weight) for weight in weights]
 
 
 def _world(query: Any, time: float | None) -> list[list[float]]:
@@ -155,12 +174,18 @@ def _world(query: Any, time: float | None) -> list[list[float]]:
 
 
 def _poses(
-    skeletons: list[Any], takes: list[WrittenTake], spans: list[tuple[float, float]], orders: list[list[int]]
+    skeletons: list[Any],
+    takes: list[WrittenTake],
+    spans: list[tuple[float, float]],
+    orders: list[list[int]],
+    shapes: list[int],
 ) -> Iterator[bytes]:
-    for query, take, (begin, step), order in zip(skeletons, takes, spans, orders, strict=True):
+    for query, take, (begin, step), order, count in zip(skeletons, takes, spans, orders, shapes, strict=True):
         for number in range(take.frames):
             world = _world(query, begin + number * step)
             numbers = array("d")
             for joint in order:
                 numbers.extend(world[joint])
+            if count:
+                numbers.extend(_weights(query, begin + number * step, count))
             yield numbers.tobytes()

@@ -1,9 +1,9 @@
 """The answer of a program that evaluates a scene: a line of JSON, then numbers.
 
-The line has `rigs` (names, parents, rest of each joint as 12 numbers, bound likewise or null), `takes` (name, rig,
-frames, rate, notices), unit, up and notices, or `error`, `remedy` and `kind` instead. The numbers are float64 in the
-order of the machine: of each frame of each take the transform (3, 4) of each joint to the world, row by row. Needs no
-NumPy, whose import takes longer than to read a short file.
+The line has `rigs` (names, parents, rest of each joint as 12 numbers, bound likewise or null, shapes), `takes` (name,
+rig, frames, rate, notices), unit, up and notices, or `error`, `remedy` and `kind` instead. The numbers are float64 in
+the order of the machine: of each frame of each take the transform (3, 4) of each joint to the world, row by row, then
+the weight of each blend shape. Needs no NumPy, whose import takes longer than to read a short file.
 """
 
 from __future__ import annotations
@@ -22,12 +22,14 @@ SEND = "Send a file with a skeleton and its animation."
 
 @dataclass(frozen=True)
 class WrittenRig:
-    """rest: of each joint 12 numbers. bound: likewise where a skin was bound to it, else None."""
+    """rest: of each joint 12 numbers. bound: likewise where a skin was bound to it, else None. shapes: names of blend
+    shapes."""
 
     names: Sequence[str]
     parents: Sequence[int]
     rest: Sequence[Sequence[float]]
     bound: Sequence[Sequence[float] | None]
+    shapes: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -89,13 +91,15 @@ def run_program(make: Callable[[Mapping[str, Any], BinaryIO, BinaryIO], None]) -
     target.flush()
 
 
-def check_motion(limits: Mapping[str, Any], frames: int, joints: int) -> None:
+def check_motion(limits: Mapping[str, Any], frames: int, joints: int, shapes: int = 0) -> None:
     """Raises UnreadableError where a motion is larger than the limits allow."""
-    if joints > limits["joints"]:
+    if joints + shapes > limits["joints"]:
         raise UnreadableError(
-            f"the skeleton has {joints} joints, the limit is {limits['joints']}", "Remove joints.", "limit"
+            f"the skeleton has {joints + shapes} joints and blend shapes, the limit is {limits['joints']}",
+            "Remove joints.",
+            "limit",
         )
-    if frames > limits["frames"] or frames * joints * 6 > limits["values"]:
+    if frames > limits["frames"] or frames * (joints * 6 + shapes) > limits["values"]:
         raise UnreadableError(
             f"the motion has {frames} frames of {joints} joints, which is more than the limits allow",
             "Cut it into parts, or ask for a lower `rate`.",

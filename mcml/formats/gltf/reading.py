@@ -15,6 +15,7 @@ import numpy as np
 from mcml.errors import FormatError, Notice
 from mcml.formats.format import ReadOptions
 from mcml.formats.gltf.document import DAMAGED, Document, as_number, as_numbers
+from mcml.formats.gltf.morphs import read_morphs
 from mcml.formats.gltf.tracks import DEFAULT_RATE, Track, find_rate, frame_times, read_tracks
 from mcml.formats.scenes.scene import (
     Rig,
@@ -38,6 +39,7 @@ class SceneReading:
         self.parents = _parents_of(self.nodes)
         self.order = sort_by_tree(self.parents, options.limits.depth)
         self.notices: list[str] = []
+        self.morphs = read_morphs(document)
         bones, self.human = self._find_bones()
         joints = set(choose_joints(self.parents, bones))
         self.joints = [node for node in self.order if node in joints]
@@ -50,26 +52,33 @@ class SceneReading:
         self.places = [place[node] for node in self.joints]
         self.rest = [_rest_of(self.nodes[node], node) for node in self.placing]
         parents = np.array(parents_among(self.joints, self.parents), np.intp)
-        self.rig = Rig(tuple(names), parents, self._world({}, np.zeros(1))[0])
+        self.morphed = self._morphed_nodes()
+        shapes = tuple(name for node in self.morphed for name in self.morphs[node].names)
+        for name in shapes:
+            options.limits.check_name(name)
+        self.rig = Rig(tuple(names), parents, self._world({}, np.zeros(1))[0], shapes)
 
     @cached_property
     def animations(self) -> list[tuple[list[Track], list[str]]]:
         """Tracks and notices of each animation."""
-        return [read_tracks(self.document, each, len(self.nodes)) for each in self.document.items("animations")]
+        targets = {node: len(morphs.names) for node, morphs in self.morphs.items()}
+        return [
+            read_tracks(self.document, each, len(self.nodes), targets) for each in self.document.items("animations")
+        ]
 
     def scene(self) -> Scene:
         chosen = set(self.placing)
         takes = []
         moving = 0
         for number, (tracks, notices) in enumerate(self.animations):
-            tracks = [track for track in tracks if track.node in chosen]
+            tracks = [track for track in tracks if track.path == "weights" or track.node in chosen]
             if tracks:
                 takes.append(self._take(number, tracks, notices))
                 moving += takes[-1].frames
         if not takes and has_skinned_mesh(self.document):
             takes.append(self._rest_take())
         check_takes(takes, len(self.joints))
-        self.options.limits.check_size(moving, 6 * len(self.joints))
+        self.options.limits.check_size(moving, 6 * len(self.joints) + len(self.rig.shapes))
         return Scene(tuple(takes), "m", "Y", tuple(Notice("note", what) for what in self.notices))
 
     def _rest_take(self) -> Take:
@@ -100,7 +109,25 @@ class SceneReading:
         def poses(first: int, end: int) -> Array:
             return self._world(by_node, times[first:end])
 
-        return Take(name, self.rig, len(times), rate, poses, tuple(Notice("note", what) for what in notices))
+        def weights(first: int, end: int) -> Array:
+            return self._weights(by_node, times[first:end])
+
+        told = tuple(Notice("note", what) for what in notices)
+        return Take(name, self.rig, len(times), rate, poses, told, weights=weights)
+
+    def _morphed_nodes(self) -> list[int]:
+        """Nodes whose morph targets an animation of the file moves."""
+        moved = {track.node for tracks, _ in self.animations for track in tracks if track.path == "weights"}
+        return [node for node in self.order if node in moved]
+
+    def _weights(self, tracks: Mapping[int, Mapping[str, Track]], times: Array) -> Array:
+        """(n, S) of the morph targets at times (n,)."""
+        parts = [np.empty((len(times), 0))]
+        for node in self.morphed:
+            track = tracks.get(node, {}).get("weights")
+            still = self.morphs[node].weights
+            parts.append(np.tile(still, (len(times), 1)) if track is None else track.sample(times))
+        return np.concatenate(parts, axis=1)
 
     def _world(self, tracks: Mapping[int, Mapping[str, Track]], times: Array) -> Array:
         """(n, J, 3, 4) of the joints in the world at times (n,)."""
@@ -140,9 +167,12 @@ class SceneReading:
         bones = bones or set(human)
         if not bones:
             meshes = {node for node, facts in enumerate(self.nodes) if "mesh" in facts}
-            bones = {track.node for tracks, _ in self.animations for track in tracks} - meshes
+            moving = {(track.node, track.path) for tracks, _ in self.animations for track in tracks}
+            bones = {node for node, path in moving if path != "weights"} - meshes
             if bones:
                 self.notices.append("the file has no skin and no humanoid: nodes that move are taken as joints")
+            elif bones := {node for node, path in moving if path == "weights"}:
+                self.notices.append("the file has no skeleton: nodes whose blend shapes move are taken as joints")
         if bones and max(bones) >= len(self.nodes):
             raise FormatError(f"a skin names node {max(bones)}, which there is not", remedy=DAMAGED)
         return bones, human

@@ -5,6 +5,7 @@ Source: glTF 2.0 specification, section 3.11 and appendix C (interpolation), Khr
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,8 +27,8 @@ DEFAULT_RATE, LEAST_RATE = 30.0, 10.0
 class Track:
     """The keys of one property of a node.
 
-    path: "translation", "rotation" or "scale". times: (k,) seconds. values: (k, width), or (k, 3, width) with tangents
-    around each value for CUBICSPLINE.
+    path: "translation", "rotation", "scale" or "weights" of the morph targets of its mesh. times: (k,) seconds. values:
+    (k, width), or (k, 3, width) with tangents around each value for CUBICSPLINE.
     """
 
     node: int
@@ -45,7 +46,9 @@ class Track:
         length = keys[right] - keys[left]
         share = np.where(length > 0, (times - keys[left]) / np.where(length > 0, length, 1.0), 0.0)
         if self.mode == "STEP":
-            return np.asarray(self.values[np.where(share >= 1, right, left)])
+            # Keys are in single precision, which may put them behind the frame that they are meant for.
+            reached = keys[right] - times <= np.spacing(np.abs(keys[right]).astype(np.float32))
+            return np.asarray(self.values[np.where(reached, right, left)])
         if self.mode == "CUBICSPLINE":
             return self._spline(left, right, share, length)
         first, second = self.values[left], self.values[right]
@@ -71,8 +74,13 @@ def _unit(values: Array) -> Array:
     return np.asarray(np.where(length > 0, values / np.where(length > 0, length, 1.0), np.nan))
 
 
-def read_tracks(document: Document, animation: dict[str, Any], nodes: int) -> tuple[list[Track], list[str]]:
-    """The tracks of an animation that move nodes, and notices. FormatError for damaged ones."""
+def read_tracks(
+    document: Document, animation: dict[str, Any], nodes: int, targets: Mapping[int, int]
+) -> tuple[list[Track], list[str]]:
+    """The tracks of an animation, and notices. FormatError for damaged ones.
+
+    targets: number of morph targets of each node that has some.
+    """
     samplers, channels = animation.get("samplers", []), animation.get("channels", [])
     if not isinstance(samplers, list) or not isinstance(channels, list):
         raise FormatError("an animation has no samplers or channels", remedy=DAMAGED)
@@ -81,25 +89,33 @@ def read_tracks(document: Document, animation: dict[str, Any], nodes: int) -> tu
     for channel in channels:
         target = channel.get("target") if isinstance(channel, dict) else None
         path = target.get("path") if isinstance(target, dict) else None
-        if not isinstance(target, dict) or path not in WIDTH or "node" not in target:
+        if not isinstance(target, dict) or path not in (*WIDTH, "weights") or "node" not in target:
             continue
         node, place = as_number(target["node"], "node"), as_number(channel.get("sampler"), "sampler")
         if node >= nodes or place >= len(samplers) or not isinstance(samplers[place], dict):
             raise FormatError(f"an animation names node {node} or sampler {place}, which there is not", remedy=DAMAGED)
+        if path == "weights" and node not in targets:
+            notices.append(f"node {node} has weights and no morph targets: they are left out")
+            continue
         if (node, path) in found:
             notices.append(f"two tracks have the {path} of node {node}: the last one is read")
-        found[node, path] = _read_track(document, samplers[place], node, path)
+        found[node, path] = _read_track(document, samplers[place], node, path, WIDTH.get(path, targets.get(node, 1)))
     return list(found.values()), notices
 
 
-def _read_track(document: Document, sampler: dict[str, Any], node: int, path: str) -> Track:
+def _read_track(document: Document, sampler: dict[str, Any], node: int, path: str, width: int) -> Track:
     mode = sampler.get("interpolation", "LINEAR")
     if mode not in _MODES:
         raise FormatError(f"interpolation {str(mode)[:40]!r} is not of glTF", remedy=DAMAGED)
     times = document.read(sampler.get("input"), 1)[:, 0]
-    values = document.read(sampler.get("output"), WIDTH[path])
+    if path == "weights":
+        # A key has a number for each target, each in an element of its own.
+        values = document.read(sampler.get("output"), 1)
+        values = values[: len(values) // width * width].reshape(-1, width)
+    else:
+        values = document.read(sampler.get("output"), width)
     if mode == "CUBICSPLINE":
-        values = values[: len(values) // 3 * 3].reshape(-1, 3, WIDTH[path])
+        values = np.reshape(values[: len(values) // 3 * 3], (-1, 3, width))
     if not len(times) or len(values) != len(times):
         raise FormatError(f"the {path} of node {node} has {len(times)} keys and {len(values)} values", remedy=DAMAGED)
     if not np.isfinite(times).all() or (np.diff(times) < 0).any():

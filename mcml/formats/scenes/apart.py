@@ -14,6 +14,7 @@ import numpy as np
 from mcml.errors import FormatError, LimitError, Notice
 from mcml.formats.format import Limits, ReadOptions, SourceFile
 from mcml.formats.scenes.scene import MOST_TAKES, Rig, Scene, Take
+from mcml.motion.frames import Rows
 from mcml.motion.nodes import sort_by_tree
 from mcml.motion.skeleton import Array
 from mcml.processes.programs import run_reader
@@ -28,11 +29,16 @@ def read_apart(module: str, file: SourceFile, options: ReadOptions) -> Scene:
         head = _read_head(answer)
         start = answer.tell()
         values = (answer.seek(0, 2) - start) // 8
-        sizes = [_POSE * take["frames"] * len(head["rigs"][take["rig"]]["names"]) for take in head["takes"]]
+        sizes = [take["frames"] * _count(head["rigs"][take["rig"]]) for take in head["takes"]]
         if values != sum(sizes):
             raise FormatError("the file is damaged: its reader ended early", remedy="Save it again.")
         numbers = np.memmap(answer, np.float64, "r", start, (values,)) if values else np.empty(0)
     return _make_scene(head, numbers, options.limits)
+
+
+def _count(rig: dict[str, Any]) -> int:
+    """How many numbers a frame has."""
+    return _POSE * len(rig["names"]) + len(rig["shapes"])
 
 
 def list_takes_apart(module: str, file: SourceFile, options: ReadOptions) -> list[str]:
@@ -58,18 +64,36 @@ def _read_head(answer: BinaryIO) -> dict[str, Any]:
 
 def _make_scene(head: dict[str, Any], numbers: Array, limits: Limits) -> Scene:
     orders = [sort_by_tree(rig["parents"], limits.depth) for rig in head["rigs"]]
-    rigs = [_make_rig(rig, order, limits) for rig, order in zip(head["rigs"], orders, strict=True)]
-    takes = []
+    parts = []
     at = 0
     for take in head["takes"]:
+        count = _count(head["rigs"][take["rig"]])
+        parts.append(numbers[at : at + count * take["frames"]].reshape(take["frames"], count))
+        at += parts[-1].size
+    moving = [_find_moving(number, head, parts) for number in range(len(orders))]
+    rigs = [_make_rig(*each, limits) for each in zip(head["rigs"], orders, moving, strict=True)]
+    takes = []
+    for take, frames in zip(head["takes"], parts, strict=True):
         limits.check_name(take["name"])
-        rig, order = rigs[take["rig"]], orders[take["rig"]]
-        size = _POSE * len(rig) * take["frames"]
-        poses = numbers[at : at + size].reshape(take["frames"], len(rig), 3, 4)
-        at += size
-        read = partial(_read_frames, poses, order)
-        takes.append(Take(take["name"], rig, take["frames"], take["rate"], read, _notices(take["notices"])))
+        rig, order, shapes = rigs[take["rig"]], orders[take["rig"]], moving[take["rig"]]
+        split = _POSE * len(rig)
+        poses = partial(_read_frames, frames[:, :split], order)
+        weights = partial(_read_weights, frames[:, split:], shapes) if len(shapes) else None
+        notices = _notices(take["notices"])
+        takes.append(Take(take["name"], rig, take["frames"], take["rate"], poses, notices, weights=weights))
     return Scene(tuple(takes), head["unit"], head["up"], _notices(head["notices"]), 8 * at)
+
+
+def _find_moving(rig: int, head: dict[str, Any], parts: list[Array]) -> Rows:
+    """The blend shapes of a rig whose weight changes within its takes, or from one to another."""
+    facts = head["rigs"][rig]
+    own = [part for part, take in zip(parts, head["takes"], strict=True) if take["rig"] == rig and len(part)]
+    if not facts["shapes"] or not own:
+        return np.empty(0, np.intp)
+    split = _POSE * len(facts["names"])
+    low = np.min([part[:, split:].min(axis=0) for part in own], axis=0)
+    high = np.max([part[:, split:].max(axis=0) for part in own], axis=0)
+    return np.flatnonzero(high != low)
 
 
 def _notices(sentences: list[str]) -> tuple[Notice, ...]:
@@ -77,18 +101,27 @@ def _notices(sentences: list[str]) -> tuple[Notice, ...]:
 
 
 def _read_frames(poses: Array, order: list[int], first: int, end: int) -> Array:
-    return np.array(poses[first:end])[:, order]
+    return np.array(poses[first:end]).reshape(end - first, len(order), 3, 4)[:, order]
 
 
-def _make_rig(rig: dict[str, Any], order: list[int], limits: Limits) -> Rig:
-    for name in rig["names"]:
+def _read_weights(weights: Array, shapes: Rows, first: int, end: int) -> Array:
+    return np.array(weights[first:end])[:, shapes]
+
+
+def _make_rig(rig: dict[str, Any], order: list[int], moving: Rows, limits: Limits) -> Rig:
+    for name in (*rig["names"], *rig["shapes"]):
         limits.check_name(name)
     place = {joint: index for index, joint in enumerate(order)}
     parents = [place.get(rig["parents"][joint], -1) for joint in order]
     default = np.array([rig["rest"][joint] for joint in order], np.float64).reshape(-1, 3, 4)
     bound = [rig["bound"][joint] for joint in order]
     names = tuple(rig["names"][joint] for joint in order)
-    return Rig(names, np.array(parents, np.intp), _find_rest(default, bound, parents))
+    return Rig(
+        names,
+        np.array(parents, np.intp),
+        _find_rest(default, bound, parents),
+        tuple(rig["shapes"][shape] for shape in moving),
+    )
 
 
 def _find_rest(default: Array, bound: list[list[float] | None], parents: list[int]) -> Array:

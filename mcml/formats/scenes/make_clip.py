@@ -57,7 +57,7 @@ def make_clip(scene: Scene, take: Take, format_name: str, source: SourcePart, li
     so that the takes of a file share one skeleton.
     """
     rig = take.rig
-    limits.check_size(take.frames, 6 * len(rig))
+    limits.check_size(take.frames, 6 * len(rig) + len(rig.shapes))
     turn = _turn_up(scene.up)
     if rig not in _RESTS:
         _RESTS[rig] = _find_rest(rig, [other for other in scene.takes if other.rig is rig], turn)
@@ -154,7 +154,7 @@ def _read_world(take: Take, turn: Array | None) -> Iterator[tuple[Array, Array, 
 
 
 def _make_skeleton(rig: Rig, rest: Rest) -> Skeleton:
-    names = unique_names([name.rpartition("/")[2] or name for name in rig.names])
+    names = unique_names([*(name.rpartition("/")[2] or name for name in rig.names), *rig.shapes])
     joints = [
         Joint(
             name=names[index],
@@ -169,6 +169,12 @@ def _make_skeleton(rig: Rig, rest: Rest) -> Skeleton:
         )
         for index in range(len(rig))
     ]
+    # Below the last root, so that they follow all joints, which keep their numbers.
+    root = int(np.flatnonzero(rig.parents < 0)[-1])
+    joints += [
+        Joint(name, root, source, Convention.BLEND_SHAPE, ("weight",))
+        for name, source in zip(names[len(rig) :], rig.shapes, strict=True)
+    ]
     return Skeleton(tuple(joints))
 
 
@@ -176,19 +182,24 @@ def _read_blocks(
     take: Take, skeleton: Skeleton, rest: Rest, turn: Array | None, notices: list[Notice]
 ) -> Iterator[FrameBlock]:
     columns = skeleton.columns()
-    angles_of: list[Array | None] = [None] * len(skeleton)
+    rig = take.rig
+    angles_of: list[Array | None] = [None] * len(rig)
     done = missing = 0
     for places, rotations, _ in _read_world(take, turn):
         translations, turned = make_local(places, rotations, take.rig.parents)
         away = np.round(translations - rest.offsets, rest.decimals)
         quaternions = from_matrix(np.swapaxes(rest.rotations, -1, -2) @ turned)
-        angles = np.empty((len(places), len(skeleton), 3))
-        for joint in range(len(skeleton)):
+        angles = np.empty((len(places), len(rig), 3))
+        for joint in range(len(rig)):
             angles[:, joint] = unroll(quaternions[:, joint], angles_of, joint)
         values = np.empty((len(places), len(columns)))
         degrees = np.round(np.degrees(angles), ANGLE_DECIMALS)
+        weights = None if take.weights is None else take.weights(done, done + len(places))
         for place, (joint, channel) in enumerate(columns):
-            values[:, place] = away[:, joint, channel] if channel < 3 else degrees[:, joint, 5 - channel]
+            if weights is not None and joint >= len(rig):
+                values[:, place] = weights[:, joint - len(rig)]
+            else:
+                values[:, place] = away[:, joint, channel] if channel < 3 else degrees[:, joint, 5 - channel]
         values += 0.0
         ids = np.arange(done + 1, done + len(values) + 1, dtype=np.int64)
         done += len(values)

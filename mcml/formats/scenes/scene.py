@@ -27,12 +27,13 @@ class Rig:
     """The joints of a scene. Parents stand before their children, subtrees are contiguous.
 
     names: as the file writes them; in USD the whole path in the skeleton. parents: (J,), -1 at a root. rest: (J, 3, 4)
-    from each joint to the world at rest.
+    from each joint to the world at rest. shapes: names of blend shapes.
     """
 
     names: tuple[str, ...]
     parents: NDArray[np.intp]
     rest: Array
+    shapes: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.names)
@@ -43,8 +44,9 @@ class Take:
     """One motion of a scene.
 
     name: "" where the file has only one motion and no name for it. rate: frames a second. poses: of the frames first to
-    end - 1 the transforms (n, J, 3, 4) of each joint to the world, NaN where there is no sample. properties: further
-    facts, (name, value, unit).
+    end - 1 the transforms (n, J, 3, 4) of each joint to the world, NaN where there is no sample. weights: of the same
+    frames the weights (n, S) of the rig's blend shapes, None if it has none. properties: further facts, (name, value,
+    unit).
     """
 
     name: str
@@ -54,6 +56,7 @@ class Take:
     poses: Callable[[int, int], Array]
     notices: tuple[Notice, ...] = ()
     properties: tuple[tuple[str, str, str], ...] = ()
+    weights: Callable[[int, int], Array] | None = None
 
 
 @dataclass(frozen=True, eq=False)

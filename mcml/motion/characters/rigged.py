@@ -34,7 +34,9 @@ class RiggedCharacter:
 
     def check_skeleton(self, skeleton: Skeleton, reading: Reading) -> None:
         """Raises ConversionError where a skeleton no longer has the joints, at rest, that the mesh is bound to."""
-        if tuple(joint.source_name for joint in skeleton.joints) == self.names:
+        shapes = set(skeleton.blend_shapes)
+        joints = [joint for index, joint in enumerate(skeleton.joints) if index not in shapes]
+        if tuple(joint.source_name for joint in joints) == self.names:
             places = rest_positions(skeleton, reading)[: len(self.names)]
             size = float(np.ptp(self.rest, axis=0).max())
             if np.abs(places - self.rest).max() <= _MOVED * max(size, np.finfo(float).tiny):

@@ -112,7 +112,7 @@ def retarget(
     if keep_hands:
         keeper = HandKeeper(target, pairs, positions, transfer.scale(), frame_time, transfer.allow)
         rotations, hands = keeper.keep(translations, rotations)
-    values = writer.write(translations, rotations, None)
+    values = writer.write(translations, rotations, _weights(source, target, hub.scales))
     columns = target.columns()
     names = block.motion_names
     made = FrameBlock(values, columns, (full_shape(columns),), block.ids, None, names)
@@ -136,6 +136,18 @@ def retarget(
         hands,
     )
     return Retargeted(made, writer.shortfall, report)
+
+
+def _weights(source: Skeleton, target: Skeleton, scales: Array) -> Array | None:
+    """(n, J) scales of the target: 1 of joints; of blend shapes the source's weights by their names, else 0."""
+    if not target.blend_shapes:
+        return None
+    found = np.ones((len(scales), len(target)))
+    own = {source.joints[index].name: index for index in source.blend_shapes}
+    for index in target.blend_shapes:
+        place = own.get(target.joints[index].name)
+        found[:, index] = 0.0 if place is None else scales[:, place]
+    return found
 
 
 def _known(source: Skeleton, block: FrameBlock, joints: int, pairs: Mapping[int, int]) -> Flags:

@@ -2,22 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 _SECOND = 46_186_158_000
 """Ticks of FBX' clock."""
 
 
 def fbx_text(
-    takes: Sequence[str] = ("Take 001",), frames: int = 11, rate: int = 30, *, unit: float = 1.0, up: int = 1
+    takes: Sequence[str] = ("Take 001",),
+    frames: int = 11,
+    rate: int = 30,
+    *,
+    unit: float = 1.0,
+    up: int = 1,
+    shapes: Mapping[str, Sequence[float]] | None = None,
 ) -> bytes:
     """Two bones, the second 10 above the first, which turns about z by 9 degrees a frame and moves along x by 1.
 
-    unit: centimetres of a unit. up: 0, 1 or 2.
+    unit: centimetres of a unit. up: 0, 1 or 2. shapes: percent of blend shapes of a mesh in each frame of all takes.
     """
+    shapes = shapes or {}
     mode = {24: 11, 25: 10, 30: 6, 60: 3, 120: 1}[rate]
     objects = [_bone(1, "Hips", (0, 100, 0)), _bone(2, "Spine", (0, 10, 0))]
     links = ['C: "OO",1,0', 'C: "OO",2,1', 'C: "OO",11,1', 'C: "OO",12,2']
+    if shapes:
+        objects.append(_MESH)
+        links += ['C: "OO",3,0', 'C: "OO",50,3', 'C: "OO",60,50']
+    for place, name in enumerate(shapes):
+        objects.append(_shape(61 + place, 71 + place, name))
+        links += [f'C: "OO",{61 + place},60', f'C: "OO",{71 + place},{61 + place}']
     for number, take in enumerate(takes):
         base = 100 * (number + 1)
         end = _SECOND * (frames - 1) // rate
@@ -41,6 +54,12 @@ def fbx_text(
                 values = [start[axis] + slope[axis] * frame for frame in range(frames)]
                 objects.append(_curve(node + 1 + axis, values, rate))
                 links.append(f'C: "OP",{node + 1 + axis},{node}, "d|{letter}"')
+        for place, percents in enumerate(shapes.values()):
+            node, curve = base + 40 + place, base + 60 + place
+            objects.append(f'AnimationCurveNode: {node}, "AnimCurveNode::DeformPercent", "" {{ Properties70: {{ }} }}')
+            objects.append(_curve(curve, list(percents), rate))
+            links += [f'C: "OO",{node},{base + 1}', f'C: "OP",{node},{61 + place}, "DeformPercent"']
+            links.append(f'C: "OP",{curve},{node}, "d|DeformPercent"')
     newline = "\n"
     return f"""; FBX 7.4.0 project file
 FBXHeaderExtension:  {{
@@ -67,6 +86,27 @@ Connections:  {{
 {newline.join(links)}
 }}
 """.encode()
+
+
+_MESH = """Model: 3, "Model::Face", "Mesh" { Version: 232 }
+Geometry: 50, "Geometry::Face", "Mesh" {
+ Vertices: *9 {
+ a: 0,0,0,1,0,0,0,1,0
+ }
+ PolygonVertexIndex: *3 {
+ a: 0,1,-3
+ }
+}
+Deformer: 60, "Deformer::Morpher", "BlendShape" { Version: 100 }"""
+
+
+def _shape(channel: int, geometry: int, name: str) -> str:
+    return (
+        f'Deformer: {channel}, "SubDeformer::{name}", "BlendShapeChannel" {{ Version: 100\n DeformPercent: 0\n'
+        " FullWeights: *1 {\n a: 100\n }\n}\n"
+        f'Geometry: {geometry}, "Geometry::{name}", "Shape" {{ Version: 100\n Indexes: *1 {{\n a: 0\n }}\n'
+        " Vertices: *3 {\n a: 0,0,1\n }\n}"
+    )
 
 
 def _bone(number: int, name: str, place: tuple[float, float, float]) -> str:
