@@ -104,7 +104,7 @@ def test_many_at_once(client: TestClient) -> None:
     seen = lines(preview=True)
     assert [item["source"] for item in seen[:3]] == walks
     assert ["made" in item for item in seen] == [True, True, True, False]
-    assert "Markers" in seen[3]["problem"]["detail"]
+    assert "markers show no pelvis" in seen[3]["problem"]["detail"]
     made = [item["made"]["document"] for item in lines()[:3]]
     listed = client.get(f"{API}/documents", params={"project": "large"}).json()["items"]
     assert sorted(item["id"] for item in listed) == sorted(made)
@@ -125,7 +125,7 @@ def test_one_table_of_many_with_problems_and_outliers_first(client: TestClient) 
     table = answer.json()
     assert (table["made"], table["failed"]) == (3, 1)
     rows = table["rows"]
-    assert "Markers" in rows[0]["problem"]
+    assert "markers show no pelvis" in rows[0]["problem"]
     assert {row["source"] for row in rows[1:]} == set(walks)
     for row in rows[1:]:
         assert max(row[part] for part in ("limbs", "hips", "shoulders", "trunk", "head")) < 0.1

@@ -29,10 +29,10 @@ def walk(tmp_path: Path) -> Path:
 
 def test_every_preset_names_formats_that_hold_such_clips() -> None:
     for preset in PRESETS.values():
-        assert preset.bodies or preset.markers
-        assert preset.bodies is None or WRITERS[preset.bodies.format].bodies
-        assert preset.markers is None or WRITERS[preset.markers.format].markers
-        assert all(len(WRITERS[shape.format].parts) == 1 for shape in (preset.bodies, preset.markers) if shape)
+        assert WRITERS[preset.bodies.format].bodies
+        # Formats of joints hold the skeleton that markers make.
+        assert WRITERS[preset.markers.format].markers or preset.markers == preset.bodies
+        assert all(len(WRITERS[shape.format].parts) == 1 for shape in (preset.bodies, preset.markers))
 
 
 def test_blender_gets_metres_of_a_guessed_person(walk: Path, tmp_path: Path) -> None:
