@@ -59,7 +59,10 @@ def convert_clip(clip: ClipStream, name: str, names: str | None = None) -> ClipS
     convention = writer.convention
     if not writer.markers or clip.character:
         clip = with_skeleton(clip)
-    clip = without_blend_shapes(clip) if convention is None else convert(clip, convention)
+    if convention is not None:
+        clip = convert(clip, convention)
+    elif "blend_shapes" not in writer.needs:
+        clip = without_blend_shapes(clip)
     if names:
         skeleton = joint_names.translate(clip.head.skeleton, names)
         clip = clip.with_head(replace(clip.head, skeleton=skeleton))

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from mcml.formats.arkit.format import Arkit
+from mcml.formats.arkit.writer import ArkitWriter
 from mcml.formats.asf_amc.format import AsfAmc
 from mcml.formats.bvh.format import Bvh
 from mcml.formats.c3d.format import C3d
@@ -57,6 +58,7 @@ WRITERS: dict[str, Writer] = {
     "sto": OpenSim("sto", "OpenSim storage"),
     "opensim": OpenSimTrial(),
     "smpl": SmplWriter(),
+    "arkit": ArkitWriter(),
 }
 """Every format that is written, by its name."""
 

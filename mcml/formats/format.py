@@ -138,8 +138,8 @@ class Writer(Protocol):
 
     name: as in the catalogue. title, label: for people, the label short. convention: the only one that `write` takes,
     None where it takes any. media_type: of its files. bodies, markers: which documents it can hold. needs: facts
-    without which a document is not written, of "frame_time", "unit" and "force_plates". assumes: the unit that
-    programs take the numbers for where the document states none, "" where they take none.
+    without which a document is not written, of "frame_time", "unit", "force_plates" and "blend_shapes". assumes: the
+    unit that programs take the numbers for where the document states none, "" where they take none.
     """
 
     @property
@@ -175,7 +175,7 @@ class Reader(Protocol):
     """A file format that is read.
 
     name: as in the catalogue. title, label: for people, the label short. states: facts of a document that its files
-    hold, of "unit", "up", "frame_time" and "force_plates".
+    hold, of "unit", "up", "frame_time", "force_plates" and "blend_shapes".
     """
 
     @property

@@ -59,13 +59,14 @@ class FormatInfo(BaseModel):
     bodies: bool = Field(description="Whether it can hold bodies; others hold their joints as points")
     markers: bool = Field(description="Whether it can hold markers; others hold the skeleton that they make")
     needs: list[str] = Field(
-        description="Facts that a document must state to be exported: frame_time, unit, force_plates"
+        description="Facts that a document must state to be exported: frame_time, unit, force_plates, blend_shapes"
     )
     assumes: str = Field(
         description="Unit that programs take its numbers for where the document states none; empty: they take none"
     )
     states: list[str] = Field(
-        [], description="Facts that its files hold: frame_time, unit, up, force_plates; empty where it is not read"
+        [],
+        description="Facts that its files hold: frame_time, unit, up, force_plates, blend_shapes; empty if not read",
     )
     reads: bool = Field(True, description="Whether it can be uploaded")
     takes: bool = Field(False, description="Whether one of its files may hold several clips")

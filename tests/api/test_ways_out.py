@@ -10,7 +10,7 @@ import pytest
 from fastapi.testclient import TestClient
 
 from mcml.formats import NEEDED, WRITERS
-from tests.builders import TRC, bvh, upload
+from tests.builders import FACE, TRC, bvh, upload
 from tests.formats.scenes.reading import read_glb
 from tests.motion.bodies.made import person
 
@@ -40,6 +40,18 @@ def test_they_are_asked_for_by_url(client: TestClient, format: str) -> None:
     assert f"walk.{format}" in answer.headers["content-disposition"]
     assert answer.content.startswith(BEGINNINGS[format])
     assert "states no" not in answer.headers.get("x-mcml-notices", "")
+
+
+def test_a_face_leaves_as_its_table_and_a_body_does_not(client: TestClient) -> None:
+    face = stored(client, {"face.mcml": FACE})
+    answer = client.get(f"{API}/documents/{face}/export", params={"format": "arkit"})
+    assert answer.headers["content-type"].partition(";")[0] == "text/csv"
+    assert "face.csv" in answer.headers["content-disposition"]
+    assert answer.text.splitlines()[1] == "00:00:00:00.000,5,0.25,0.0,0.2,0.1,-0.1"
+    body = stored(client, {"walk.bvh": person(1, 3)})
+    refused = client.get(f"{API}/documents/{body}/export?format=arkit")
+    assert refused.status_code == 422
+    assert "blend shapes" in refused.json()["detail"]
 
 
 def test_what_is_not_stated_is_told(client: TestClient) -> None:

@@ -6,16 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mcml.errors import FormatError, Place
+from mcml.formats.arkit.names import ANGLES, TURNING
 from mcml.formats.format import Limits
 from mcml.motion.skeleton import Convention, Joint, Skeleton, unique_names
 
 FIRST = ("timecode", "blendshapecount")
 """The first two columns, in lower case."""
-
-_TURNING = {"head": "head", "left_eye": "lefteye", "right_eye": "righteye"}
-"""Names of joints, and how the names of their columns begin, in lower case."""
-_ANGLES = {"yaw": "Ry", "pitch": "Rx", "roll": "Rz"}
-"""Channels in the order in which the angles turn."""
 
 
 @dataclass(frozen=True)
@@ -40,8 +36,9 @@ def find_columns(names: Sequence[str], limits: Limits) -> Columns:
     joints: list[Joint] = []
     cells: list[int] = []
     used: set[int] = set(range(len(FIRST)))
-    for name, prefix in _TURNING.items():
-        found = {channel: place[prefix + angle] for angle, channel in _ANGLES.items() if prefix + angle in place}
+    for name, prefix in TURNING.items():
+        named = {channel: (prefix + angle).lower() for angle, channel in ANGLES.items()}
+        found = {channel: place[column] for channel, column in named.items() if column in place}
         if found:
             parent = 0 if joints and joints[0].source_name == "head" else -1
             joints.append(_joint(name, parent, tuple(found)))

@@ -38,7 +38,7 @@ class Arkit:
     label = "ARKit CSV"
     parts = (FileKind("csv", (".csv",), "Blend shapes of a face"),)
     media_type = "text/csv"
-    states = frozenset({"frame_time"})
+    states = frozenset({"frame_time", "blend_shapes"})
 
     def sniff(self, name: str, first_bytes: bytes) -> str | None:
         words = first_bytes[:200].decode("utf-8", "replace").lstrip(_BOM).lower().split(",")

@@ -15,6 +15,8 @@ from mcml.motion.skeleton import Array
 _TIMECODE = re.compile(r"([0-9]{1,2}):([0-9]{1,2}):([0-9]{1,2})[:;]([0-9]{1,3}(?:\.[0-9]{1,9})?)")
 _DAY = 86400
 RATES = (24.0, 25.0, 30.0, 48.0, 50.0, 60.0, 90.0, 100.0, 120.0, 240.0)
+SHOWS_BASE = 30
+"""A count from which on timecodes can only count 60 frames a second."""
 _NEAR = 0.01
 _EVERY_SECOND = 1.5
 """Frames between two rows from which on they are more than one."""
@@ -47,6 +49,15 @@ def read_timecode(text: str, line: int) -> tuple[int, float]:
     return (int(found[1]) * 60 + int(found[2])) * 60 + int(found[3]), float(found[4])
 
 
+def write_timecodes(counts: Array, base: int) -> list[str]:
+    """Timecodes of times (n,) in frames of the base since midnight, to a thousandth of a frame."""
+    seconds, rest = np.divmod(np.rint(np.asarray(counts) * 1000).astype(np.int64), 1000 * base)
+    return [
+        f"{second // 3600 % 24:02}:{second // 60 % 60:02}:{second % 60:02}:{part // 1000:02}.{part % 1000:03}"
+        for second, part in zip(seconds.tolist(), rest.tolist(), strict=True)
+    ]
+
+
 def time_rows(seconds: Sequence[int], counts: Sequence[float], lines: Sequence[int], rate: float | None) -> Timing:
     """The timing of rows, by their seconds of the day and frames beyond. rate: if it is known already.
 
@@ -54,7 +65,7 @@ def time_rows(seconds: Sequence[int], counts: Sequence[float], lines: Sequence[i
     second frame, for phones capture 30 or 60 a second, and count 30 otherwise. A step back by half a day or more is
     midnight. Raises FormatError where times go back.
     """
-    is_guess = max(counts, default=0.0) < 30
+    is_guess = max(counts, default=0.0) < SHOWS_BASE
     within = np.diff(np.array(counts, np.float64))[np.diff(np.array(seconds)) == 0]
     base = 60.0 if not is_guess or (len(within) and np.median(within) >= _EVERY_SECOND) else 30.0
     # In frames of the base: whole seconds times the base are exact.

@@ -27,7 +27,7 @@ class SceneReader(ABC):
     parts: ClassVar[tuple[FileKind, ...]]
     media_type: ClassVar[str] = "application/octet-stream"
     convention = Convention.BASE
-    states = frozenset({"unit", "up", "frame_time"})
+    states = frozenset({"unit", "up", "frame_time", "blend_shapes"})
 
     def __init__(self) -> None:
         self._last: tuple[tuple[object, ...], Scene] | None = None

@@ -36,7 +36,7 @@ def list_formats(call: Call) -> FormatList:
     items = [_describe_format(name) for name in dict.fromkeys([*READERS, *WRITERS])]
     mcml = FormatPart(name="mcml", title="Motion Capture Markup Language", extensions=[".mcml", ".xml"])
     about = {"title": mcml.title, "label": "MCML", "convention": "any", "needs": [], "assumes": ""}
-    about |= {"extensions": list(mcml.extensions)}
+    about |= {"extensions": list(mcml.extensions), "states": ["blend_shapes", "frame_time", "unit", "up"]}
     items.append(FormatInfo(name="mcml", parts=[mcml], bodies=True, markers=True, **about))
     return FormatList(
         items=items,

@@ -6582,9 +6582,9 @@ export interface operations {
                     "model/gltf-binary": unknown;
                     "model/vnd.usd": unknown;
                     "model/vnd.usda": unknown;
+                    "text/csv": unknown;
                     "application/zip": unknown;
                     "application/xml": unknown;
-                    "text/csv": unknown;
                 };
             };
             503: {

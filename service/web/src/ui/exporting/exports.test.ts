@@ -83,5 +83,7 @@ describe("what a document can be exported as", () => {
       exportItems({ ...known, markers: true, format }).find((item) => item.text === "Trial");
     expect(trial("trc")).toMatchObject({ disabled: true, detail: "needs force plates of a C3D file" });
     expect(trial("c3d")!.href).toBeTruthy();
+    const face = { name: "face", needs: ["blend_shapes"], assumes: "", markers: true };
+    expect(lacking(known, face)).toMatchObject({ refused: true, text: "needs blend shapes of a face" });
   });
 });

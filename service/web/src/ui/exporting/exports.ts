@@ -34,6 +34,7 @@ const factLacking = (one: Exported, { needs, markers }: Pick<Format, "needs" | "
   if (one.markers && !markers && one.centres && !one.centres.includes("left_up_leg")) return w("label.needsPerson");
   if (needs.includes("frame_time") && !one.hasRate) return w("label.needsRate");
   if (needs.includes("force_plates") && !holds(one.format, "force_plates")) return w("label.needsPlates");
+  if (needs.includes("blend_shapes") && !holds(one.format, "blend_shapes")) return w("label.needsShapes");
   return needs.includes("unit") && !one.unit ? w("label.needsUnit") : null;
 };
 
