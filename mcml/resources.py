@@ -40,6 +40,18 @@ def landmark_words_path() -> Path:
 
 
 @cache
+def known_rigs_path() -> Path:
+    """Joints of known rigs."""
+    return _PACKAGE / "motion" / "retargeting" / "known_rigs.csv"
+
+
+@cache
+def body_places_path() -> Path:
+    """Places of the body in whose measures known rigs are made."""
+    return _PACKAGE / "motion" / "retargeting" / "body_places.csv"
+
+
+@cache
 def motion_names_path() -> Path:
     """Parts of the body and the movements they can perform."""
     return _PACKAGE / "language" / "motion_names.csv"

@@ -74,6 +74,7 @@ from mcml_schemas.querying.saved import (
 )
 from mcml_schemas.querying.search import SearchAnswer, SearchRequest
 from mcml_schemas.retarget import (
+    KnownRigs,
     Mapping,
     MappingPage,
     Retargeted,
@@ -1045,7 +1046,7 @@ class Operations:
         step: int | None = ...,
         progress: FileProgress | None = None,
     ) -> Retargeted:
-        """Retarget a motion to the skeleton of another document, as a new document."""
+        """Retarget a motion to the skeleton of another document or to a known rig, as a new document."""
     def retarget_many(
         self,
         *,
@@ -1390,6 +1391,12 @@ class Operations:
         progress: FileProgress | None = None,
     ) -> SkeletonPage:
         """List the skeletons in use."""
+    def list_rigs(
+        self,
+        *,
+        progress: FileProgress | None = None,
+    ) -> KnownRigs:
+        """List the known rigs that motions can be retargeted to."""
     def get_rest_pose(
         self,
         *,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -48,10 +48,51 @@ WantedMapping = Annotated[
 ]
 
 
+RigName = Literal[
+    "mixamo",
+    "unreal5",
+    "metahuman",
+    "unity",
+    "vrm",
+    "rigify",
+    "smplx",
+    "character-creator",
+    "daz9",
+    "opensim",
+]
+
+
+class KnownRigInfo(BaseModel):
+    """A rig that motions are brought to without a document of it. joints: how many it has."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {"name": "unreal5", "title": "Unreal Engine 5 mannequin", "unit": "cm", "up": "Z", "joints": 80}
+        )
+    )
+
+    name: RigName
+    title: str
+    unit: str = Field(description="Of length")
+    up: str = Field(description="Axis that points up")
+    joints: int
+
+
+class KnownRigs(BaseModel):
+    """Every known rig."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"items": [example_of(KnownRigInfo)]}))
+
+    items: list[KnownRigInfo]
+
+
 class Retargeting(RequestBody):
     """Whose skeleton, and which joint is which."""
 
-    skeleton: str = Field(description="Document whose skeleton the motion is brought to", examples=[DOCUMENT])
+    skeleton: str | None = Field(
+        None, description="Document whose skeleton the motion is brought to", examples=[DOCUMENT]
+    )
+    to: RigName | None = Field(None, description="Instead of `skeleton`: a known rig of `GET /rigs`, at 1.75 m")
     mapping: WantedMapping = None
     clean_feet: bool = Field(False, description="Lock feet on contact")
     match_rest: bool = Field(
@@ -77,6 +118,12 @@ class Retargeting(RequestBody):
         None, min_length=1, max_length=256, description="Of the new document, and of the mapping; default the source's"
     )
     preview: bool = Field(False, description="Preview the mapping and its quality without storing anything")
+
+    @model_validator(mode="after")
+    def _one_target(self) -> Self:
+        if (self.skeleton is None) == (self.to is None):
+            raise ValueError("name either `skeleton`, a document, or `to`, a known rig")
+        return self
 
 
 class RetargetRequest(Retargeting):

@@ -91,6 +91,44 @@ def test_another_axis_up(client: TestClient) -> None:
     assert np.abs(np.stack([x, -z, y], axis=-1) - places[1]).max() < 1e-6
 
 
+def test_onto_a_known_rig(client: TestClient) -> None:
+    walk = person(client, 172.0)
+    rigs = {rig["name"]: rig for rig in client.get(f"{API}/rigs").json()["items"]}
+    assert rigs["unreal5"] == {
+        "name": "unreal5", "title": "Unreal Engine 5 mannequin", "unit": "cm", "up": "Z", "joints": 80,
+    }  # fmt: skip
+    made = client.post(f"{API}/documents/{walk}/retarget", json={"to": "unreal5", "name": "on the mannequin"}).json()
+    assert max(part["mean"] for part in made["parts"] if part["part"].endswith((" arm", " leg"))) < 0.1
+    document = client.get(f"{API}/documents/{made['document']}").json()
+    assert (document["name"], document["unit"], document["frames"]) == ("on the mannequin", "cm", 240)
+    assert {"pelvis", "upperarm_twist_01_l", "index_02_r"} <= {bone["source_name"] for bone in document["bones"]}
+    record = json.loads(next(item["value"] for item in document["properties"] if item["name"] == "provenance"))
+    assert [item["document"] for item in record["sources"]] == [walk]
+    assert record["parameters"]["to"] == "unreal5"
+    exported = client.get(f"{API}/documents/{made['document']}/export", params={"format": "bvh"})
+    assert b"JOINT clavicle_l" in exported.content
+    # The person stands in centimetres on the ground of the rig.
+    places = values(client, made["document"], space="positions").reshape(240, -1, 3)
+    assert 150 < np.ptp(places[..., 2], axis=1).mean() < 175
+    assert places[..., 2].min() > -10
+
+
+def test_a_known_rig_in_a_preview_and_for_many(client: TestClient) -> None:
+    walk = person(client, 172.0)
+    asked = {"to": "rigify", "preview": True}
+    seen = client.post(f"{API}/documents/{walk}/retarget", params={"positions": "f4"}, json=asked).json()
+    assert (seen["motion"]["metres"], seen["motion"]["up"], "document" in seen) == (1.0, "Z", False)
+    answer = client.post(f"{API}/retarget", json=asked | {"selection": {"motion_name": "walk"}})
+    assert [json.loads(line)["source"] for line in answer.text.splitlines()] == [walk]
+
+
+@pytest.mark.parametrize("target", [{}, {"to": "unreal5", "skeleton": "other"}, {"to": "biped9000"}])
+def test_one_target_is_named(client: TestClient, target: dict[str, str]) -> None:
+    answer = client.post(f"{API}/documents/{person(client, 170.0)}/retarget", json=target)
+    assert answer.status_code == 422
+    assert ("unreal5" if target.get("to") == "biped9000" else "either `skeleton`") in answer.text
+
+
 def test_many_at_once(client: TestClient) -> None:
     walks, other = [person(client, height) for height in (150.0, 160.0, 170.0)], person(client, 185.0)
     client.post(f"{API}/documents", files=[("file", ("a.c3d", c3d_file()))], data={"label": "walk"})

@@ -282,6 +282,10 @@ def test_bodies(run: Run, tmp_path: Path) -> None:
     run("mapping", "delete", "mine")
     assert "no mapping" in run("mapping", "show", "mine", code=1)
     assert "name the motion" in run("retarget", large, code=2)
+    assert "upperarm_twist_01_l" in run("retarget", small, "--to", "unreal5", "--preview")
+    assert "name the motion" in run("retarget", small, large, "--to", "unreal5", code=2)
+    assert "metahuman" in run("retarget", small, "--to", "unreal", code=2)
+    assert "Blender Rigify" in run("rigs")
     composed = run("compose", f"{small}:1-20", f"{large}:5-30", "--name", "both")
     assert "made  both" in composed
     assert "labels" not in run("labels", "suggest", small, "--accept")

@@ -94,3 +94,20 @@ def test_many_clips_are_put_on_a_body_and_taken_back(open_studio: Served, visit_
     dialog.get_by_role("button", name="Undo").click()
     expect(page.get_by_text("3 clips deleted")).to_be_visible()
     assert open_studio.get("/documents")["total"] == 6
+
+
+@pytest.mark.slow
+def test_a_standard_rig_is_chosen_without_a_file(open_studio: Served, visit_of: Any) -> None:
+    walked = open_studio.upload("walk.bvh", person("walk", 170.0, body.walk(170.0, 1.5, 1.0, 6.0)))
+    page = visit_of(open_studio).open(f"/retarget?from={walked}")
+    page.get_by_role("button", name=re.compile("Target character")).click()
+    page.get_by_role("dialog").get_by_role("button", name="Unreal Engine 5 mannequin").click()
+    page.wait_for_url(re.compile("rig=unreal5"))
+    expect(page.get_by_text("of 80 joints")).to_be_visible()
+    expect(page.get_by_label("index_02_l")).to_have_value("")
+    page.get_by_label("left_hand").select_option("right_hand")
+    page.get_by_role("button", name="Retarget", exact=True).click()
+    page.wait_for_url(re.compile("/clips/"))
+    made = open_studio.get(f"/documents/{page.url.split('/clips/')[1].split('?')[0]}")
+    assert made["name"] == "walk on Unreal Engine 5 mannequin"
+    assert {"pelvis", "index_02_l"} <= {bone["source_name"] for bone in made["bones"]}

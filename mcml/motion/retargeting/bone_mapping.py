@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mcml.errors import ConversionError
+from mcml.motion.retargeting.finger_chains import is_finger, pair_fingers
 from mcml.motion.rigs.skeletons import recognise_skeleton
 from mcml.motion.skeleton import Joint, Skeleton
 
@@ -35,8 +36,9 @@ class Match:
 def suggest_matches(source: Skeleton, target: Skeleton) -> tuple[Match, ...]:
     """Suggest matches in the order of the target, each joint in at most one.
 
-    By MCML's names, of the documents and recognised ones, then by names of the source files, then by joints that can
-    replace each other. A match whose joints do not have matching parents gets a lower confidence.
+    By MCML's names, of the documents and recognised ones, fingers from the knuckle on, then by names of the source
+    files, then by joints that can replace each other. A match whose joints do not have matching parents gets a lower
+    confidence.
     """
     found: dict[int, Match] = {}
     taken: set[int] = set()
@@ -47,8 +49,14 @@ def suggest_matches(source: Skeleton, target: Skeleton) -> tuple[Match, ...]:
             found[other] = Match(one, other, confidence, reason)
 
     known, wanted = _known_names(source), _known_names(target)
+    names, places = ({name: index for name, (index, _) in each.items()} for each in (known, wanted))
+    same = tuple(map(_shape, source.joints)) == tuple(map(_shape, target.joints))
+    # In skeletons with the same joints every finger is its own pair.
+    fingers = (
+        {joint: joint for joint in range(len(source))} if same else dict(pair_fingers(source, target, names, places))
+    )
     for name, (index, sure) in sorted(wanted.items(), key=lambda item: item[1][0]):
-        if name in known:
+        if name in known and (not is_finger(name) or fingers.get(known[name][0]) == index):
             confidence = min(sure, known[name][1])
             add(
                 known[name][0],
@@ -56,11 +64,11 @@ def suggest_matches(source: Skeleton, target: Skeleton) -> tuple[Match, ...]:
                 confidence,
                 "both are called so in MCML" if confidence == 1 else f"both are {name}",
             )
-    names, places = ({name: index for name, (index, _) in each.items()} for each in (known, wanted))
+    for own, matching in () if same else fingers.items():
+        add(own, matching, 0.9, "the same joint of the same finger")
     by_key: dict[str, int] = {}
     for index, joint in enumerate(source.joints):
         by_key.setdefault(_key(joint), index)
-    same = tuple(map(_shape, source.joints)) == tuple(map(_shape, target.joints))
     for index, joint in enumerate(target.joints):
         if same:
             add(index, index, 1.0, "the two skeletons have the same joints")

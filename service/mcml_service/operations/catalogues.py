@@ -11,6 +11,7 @@ from mcml.formats.format import TakesReader
 from mcml.language import joint_names, motion_names
 from mcml.language.elements import to_head
 from mcml.motion.kinematics import rest_positions
+from mcml.motion.retargeting.known_rigs import KNOWN_RIGS
 from mcml.motion.units import reading_of
 from mcml_schemas.catalogues import (
     BodyPart,
@@ -28,6 +29,7 @@ from mcml_schemas.catalogues import (
     SkeletonPage,
     UnsupportedFormat,
 )
+from mcml_schemas.retarget import KnownRigInfo, KnownRigs
 from mcml_service.operations.arguments import AtRevision, DocumentId, InProject, Page, at_revision, tag
 from mcml_service.operations.call import Call
 
@@ -109,6 +111,16 @@ def list_skeletons(call: Call, page: Page, project: InProject = None) -> Skeleto
         items=[SkeletonInfo(id=row.id, hash=row.hash, joints=row.joints, documents=row.documents) for row in shown],
         next_cursor=more,
     )
+
+
+def list_rigs(call: Call) -> KnownRigs:
+    """Their joints have the names of the program, in a rest pose of a body of 1.75 m."""
+    rigs = [(rig, len(rig.clip().head.skeleton)) for rig in KNOWN_RIGS.values()]
+    items = [
+        KnownRigInfo.model_validate({"name": rig.name, "title": rig.title, "unit": rig.unit, "up": rig.up, "joints": n})
+        for rig, n in rigs
+    ]
+    return KnownRigs(items=items)
 
 
 def get_rest_pose(call: Call, id: DocumentId, revision: AtRevision = None) -> RestPose:

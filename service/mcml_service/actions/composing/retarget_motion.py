@@ -1,16 +1,18 @@
-"""Stored motions on the skeleton of another document, as new documents."""
+"""Stored motions on the skeleton of another document, or on a known rig, as new documents."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from mcml.errors import DocumentError, McmlError
 from mcml.motion.clip import ClipStream
+from mcml.motion.frames import joined
 from mcml.motion.hub_writer import HubWriter
+from mcml.motion.retargeting.known_rigs import KNOWN_RIGS
 from mcml.motion.retargeting.limits import Limits, file_limits
 from mcml.motion.retargeting.move_character import with_body
 from mcml.motion.retargeting.report import RetargetReport
@@ -37,7 +39,16 @@ from mcml_service.actions.reading.preview_motion import Window, preview_motion
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.queries import Queries
+
+
+@dataclass(frozen=True)
+class _Target:
+    """The body that motions are brought to. stored: its document, None for a known rig."""
+
+    whole: Whole
+    stored: StoredDocument | None
 
 
 def retarget_motion(
@@ -48,17 +59,17 @@ def retarget_motion(
     author: str,
     window: Window | None = None,
 ) -> Retargeted:
-    """Retarget a motion to another skeleton.
+    """Retarget a motion to another skeleton or to a known rig.
 
     window: frames whose positions are returned. Raises DocumentError for markers and for unknown names, ConversionError
     if no joints match.
     """
     with database.read() as tx:
-        stored, other = tx.documents.get(uuid), tx.documents.get(request.skeleton)
-        source, target = read_whole(tx, stored), read_whole(tx, other, 1, 1)
+        stored = tx.documents.get(uuid)
+        target = _read_target(tx, request)
+        source = read_whole(tx, stored)
         mapping = mapping_of(tx, request.project or stored.project, request.mapping)
-    motion, body = (stored, source), (other, target)
-    return _retarget(database, settings, motion, body, mapping, request, request.name, author, window)
+    return _retarget(database, settings, (stored, source), target, mapping, request, request.name, author, window)
 
 
 def retarget_many(
@@ -69,25 +80,35 @@ def retarget_many(
     """
     selected, _ = select_documents(database, queries, request.selection)
     with database.read() as tx:
-        other = tx.documents.get(request.skeleton)
-        target = read_whole(tx, other, 1, 1)
+        target = _read_target(tx, request)
         if isinstance(request.mapping, str) and request.project is not None:
             mapping_of(tx, request.project, request.mapping)
-    if has_markers(target.head.skeleton):
+    return _each(database, settings, [str(item["document"]) for item in selected], target, request, author)
+
+
+def _read_target(tx: Transaction, request: Retargeting) -> _Target:
+    """Raises DocumentError for a document of markers, NotFoundError."""
+    if request.to is not None:
+        rig = KNOWN_RIGS[request.to]
+        clip = rig.clip()
+        return _Target(Whole(clip.head, joined(clip.blocks()), clip.head.skeleton.names, rig.up), None)
+    stored = tx.documents.get(str(request.skeleton))
+    whole = read_whole(tx, stored, 1, 1)
+    if has_markers(whole.head.skeleton):
         raise DocumentError("Markers have no skeleton.", remedy="Choose a document of a body.")
-    return _each(database, settings, [str(item["document"]) for item in selected], (other, target), request, author)
+    return _Target(whole, stored)
 
 
 def _each(
     database: Database,
     settings: Settings,
     documents: list[str],
-    body: tuple[StoredDocument, Whole],
+    target: _Target,
     request: RetargetMany,
     author: str,
 ) -> Iterator[RetargetedOne]:
     for uuid in documents:
-        if uuid == body[0].uuid:
+        if target.stored is not None and uuid == target.stored.uuid:
             continue
         name = ""
         try:
@@ -96,7 +117,7 @@ def _each(
                 name = stored.name
                 source = read_whole(tx, stored)
                 mapping = mapping_of(tx, request.project or stored.project, request.mapping)
-            made = _retarget(database, settings, (stored, source), body, mapping, request, None, author)
+            made = _retarget(database, settings, (stored, source), target, mapping, request, None, author)
             yield RetargetedOne(source=uuid, name=name, made=made)
         except McmlError as error:
             yield RetargetedOne(source=uuid, name=name, problem=problem_of(error))
@@ -106,17 +127,15 @@ def _retarget(
     database: Database,
     settings: Settings,
     motion: tuple[StoredDocument, Whole],
-    body: tuple[StoredDocument, Whole],
+    body: _Target,
     mapping: JointMapping | None,
     request: Retargeting,
     name: str | None,
     author: str,
     window: Window | None = None,
 ) -> Retargeted:
-    (stored, source), (other, target) = motion, body
+    (stored, source), target = motion, body.whole
     seconds = seconds_of(stored)
-    if has_markers(target.head.skeleton):
-        raise DocumentError("Markers have no skeleton.", remedy="Choose a document of a body.")
     source, notices = give_skeleton(source)
     source, turned = upright(source, target.up)
     notices += turned
@@ -157,8 +176,9 @@ def _retarget(
             provenance={
                 "analysis": "retarget",
                 "sources": [
-                    {"document": stored.uuid, "revision": stored.revision},
-                    {"document": other.uuid, "revision": other.revision},
+                    {"document": each.uuid, "revision": each.revision}
+                    for each in (stored, body.stored)
+                    if each is not None
                 ],
                 "parameters": _parameters(request, mapping),
             },

@@ -13,7 +13,7 @@ from mcml.motion.clip import ClipHead, FrameBlock
 from mcml.motion.guesses import up_of_head
 from mcml.motion.hub import rest_of
 from mcml.motion.kinematics import Walker
-from mcml.motion.units import reading_of
+from mcml.motion.units import metres_of, reading_of
 from mcml_schemas.frames import PreviewMotion
 
 MOST_FRAMES = 4096
@@ -74,6 +74,7 @@ def preview_motion(
         origin=origin.tolist(),
         seconds_per_frame=seconds,
         up=head.fields.get("global_axis_of_gravity", "").strip().upper() or up_of_head(head, pose).axis,
+        metres=metres_of(head),
         data=base64.b64encode(every_position.astype("<f4").tobytes()).decode(),
     )
 

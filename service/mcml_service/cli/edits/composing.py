@@ -97,9 +97,12 @@ def _segment(text: str) -> dict[str, Any]:
 
 def retarget(
     ids: Annotated[
-        list[str],
-        typer.Argument(metavar="[ID] SKELETON", help="Document with the motion, and the one with the skeleton"),
-    ],
+        list[str] | None,
+        typer.Argument(
+            metavar="[ID] [SKELETON]", help="Document with the motion, and without --to the one with the skeleton"
+        ),
+    ] = None,
+    to: Annotated[str | None, typer.Option(help="Instead of SKELETON: a known rig, such as unreal5")] = None,
     mapping: Annotated[str | None, typer.Option(help="A saved mapping of joints, by its name")] = None,
     joints: JointsOption = None,
     clean_feet: Annotated[bool, typer.Option("--clean-feet", help="Lock feet on contact")] = False,
@@ -125,15 +128,20 @@ def retarget(
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Retarget a motion, or all motions of a selection, to the skeleton of another document, as new documents."""
+    """Retarget a motion, or all motions of a selection, to the skeleton of another document or to a known rig, as new
+    documents."""
     write_to_the_end()
     client = open_client(database, server)
     selection = {"project": all_of, "motion_name": motion_name, "xpath": xpath}
     selection = {key: value for key, value in selection.items() if value is not None}
-    if len(ids) != (1 if selection else 2):
-        raise typer.BadParameter("name the motion and the skeleton; with --all-of, --motion-name, --xpath the skeleton")
+    ids = ids or []
+    if len(ids) != (not selection) + (to is None):
+        raise typer.BadParameter(
+            "name the motion and the skeleton: no motion with --all-of, --motion-name, --xpath, no skeleton with --to"
+        )
     asked: dict[str, Any] = {
-        "skeleton": id_of(client, ids[-1]),
+        "skeleton": id_of(client, ids[-1]) if to is None else None,
+        "to": to,
         "mapping": mapping if mapping is not None else joint_pairs(joints) or None,
         "clean_feet": clean_feet,
         "travel_scale": travel_scale,

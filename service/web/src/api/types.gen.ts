@@ -1444,6 +1444,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/rigs": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["list_rigs"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/documents/{id}/rest": {
         parameters: {
             query?: never;
@@ -3866,6 +3882,17 @@ export interface components {
             name: string;
             why: string;
         };
+        KnownRigInfo: {
+            /** @enum {string} */
+            name: "mixamo" | "unreal5" | "metahuman" | "unity" | "vrm" | "rigify" | "smplx" | "character-creator" | "daz9" | "opensim";
+            title: string;
+            unit: string;
+            up: string;
+            joints: number;
+        };
+        KnownRigs: {
+            items: components["schemas"]["KnownRigInfo"][];
+        };
         Label: {
             id: number;
             name: string;
@@ -4983,7 +5010,8 @@ export interface components {
             next_cursor?: string | null;
         };
         RetargetMany: {
-            skeleton: string;
+            skeleton?: string | null;
+            to?: ("mixamo" | "unreal5" | "metahuman" | "unity" | "vrm" | "rigify" | "smplx" | "character-creator" | "daz9" | "opensim") | null;
             mapping?: components["schemas"]["JointPair"][] | string | null;
             /** @default false */
             clean_feet: boolean;
@@ -5000,7 +5028,8 @@ export interface components {
             selection: components["schemas"]["Selection"];
         };
         RetargetRequest: {
-            skeleton: string;
+            skeleton?: string | null;
+            to?: ("mixamo" | "unreal5" | "metahuman" | "unity" | "vrm" | "rigify" | "smplx" | "character-creator" | "daz9" | "opensim") | null;
             mapping?: components["schemas"]["JointPair"][] | string | null;
             /** @default false */
             clean_feet: boolean;
@@ -11896,6 +11925,49 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["SkeletonPage"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_rigs: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["KnownRigs"];
                 };
             };
             503: {

@@ -125,7 +125,7 @@ export const en = {
   "label.newName": "Name of the new clip", "label.composed": "Saved as {name}", "label.total": "{time} in 1 segment|{time} in {n} segments", "label.seam": "Seam", "label.composeEmpty": "Sequence clips", "help.fitOnAdd": "Clips on other skeletons are retargeted automatically.",
 
   // Retarget
-  "label.sourceClip": "Source motion", "label.targetClip": "Target character", "button.choose": "Choose a clip", "label.mapping": "Mapping", "label.mappedOf": "{n} of {total} joints", "label.notMapped": "not mapped", "button.retargetNow": "Retarget", "label.retargeting": "Retargeting", "button.retargetEmpty": "Retarget a motion", "help.retargetHelp": "Choose a motion and the target character.", "label.report": "Report", "button.mappingName": "Save mapping as", "label.retargeted": "Saved as {name}", "label.cleanFeet": "Lock feet on contact", 
+  "label.sourceClip": "Source motion", "label.knownRigs": "Standard rigs", "label.targetClip": "Target character", "button.choose": "Choose a clip", "label.mapping": "Mapping", "label.mappedOf": "{n} of {total} joints", "label.notMapped": "not mapped", "button.retargetNow": "Retarget", "label.retargeting": "Retargeting", "button.retargetEmpty": "Retarget a motion", "help.retargetHelp": "Choose a motion, and the target character: a clip or a standard rig.", "label.report": "Report", "button.mappingName": "Save mapping as", "label.retargeted": "Saved as {name}", "label.cleanFeet": "Lock feet on contact", 
 
   // Storyboard
   "label.binSearch": "words, or //xpath for frame ranges", "button.addAll": "Add all {n}", "help.binFirst": "Showing the first {n}. Narrow the search to see others.",

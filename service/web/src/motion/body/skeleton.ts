@@ -52,11 +52,12 @@ export function skeletonOf(answer: SkeletonView): Skeleton {
     for (let axis = 0; axis < 3; axis++)
       rest[index * 3 + axis] = numberAt(rest, tip.bone * 3 + axis) + numberAt(tip.offset, axis);
   });
-  const edges: number[] = [];
-  for (let point = 0; point < points; point++)
-    if (numberAt(parents, point) >= 0 && view.bones[point]?.convention !== "shape")
-      edges.push(numberAt(parents, point), point);
-  for (const [start, end] of view.lines) edges.push(start, end);
+  const shapes = new Set(view.bones.flatMap((bone, index) => (bone.convention === "shape" ? [index] : [])));
+  const edges = bonesOf(
+    [...parents],
+    view.bones.map((bone) => bone.name),
+  ).filter(([, end]) => !shapes.has(end));
+  for (const [start, end] of view.lines) edges.push([start, end]);
   let extent = 0;
   for (let axis = 0; axis < 3; axis++) {
     let [least, most] = [Infinity, -Infinity];
@@ -70,7 +71,7 @@ export function skeletonOf(answer: SkeletonView): Skeleton {
   return {
     view,
     points,
-    edges: Int32Array.from(edges),
+    edges: Int32Array.from(edges.flat()),
     sides,
     parents,
     metres,
@@ -81,6 +82,15 @@ export function skeletonOf(answer: SkeletonView): Skeleton {
     byName: new Map(view.bones.map((bone, index) => [bone.name, index])),
   };
 }
+
+/**
+ * Pairs of points that bones lead between. What lies above the root, such as a joint on the ground that carries the
+ * body, has no bone to it.
+ */
+export const bonesOf = (parents: readonly number[], names: readonly string[]): [number, number][] =>
+  parents.flatMap((parent, point): [number, number][] =>
+    parent < 0 || names[point] === "Root" ? [] : [[parent, point]],
+  );
 
 /** The height, metres, that bones are drawn as thick for. extent: of the rest pose, metres. */
 function drawnHeight(extent: number): number {

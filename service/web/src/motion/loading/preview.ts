@@ -1,7 +1,7 @@
 /** Motion that is not stored: the server makes it for an eye's worth, as positions at even steps. */
 import { itemAt, numberAt } from "../../lists";
 import type { Schemas } from "../../api/client";
-import type { Skeleton } from "../body/skeleton";
+import { bonesOf, type Skeleton } from "../body/skeleton";
 import { fromBase64 } from "./thumbnail";
 
 const MOST_BYTES = 4 << 20;
@@ -67,9 +67,11 @@ export function wholeOf(head: Head, positions: Float32Array): Preview {
 export function bodyOf(told: Head, values: Float32Array, frames: number): Skeleton {
   const joints = told.bones.length;
   const side = (name: string) => (/left|^l[_A-Z]/.test(name) ? 1 : /right|^r[_A-Z]/.test(name) ? 2 : 0);
-  const sides = Uint8Array.from(told.parents, (parent, point) =>
-    side(itemAt(told.bones, point < joints ? point : parent)),
-  );
+  const sides = new Uint8Array(told.parents.length);
+  told.parents.forEach((parent, point) => {
+    // Fingers and twist joints, whose own names tell no side, are on that of the joint above.
+    sides[point] = (point < joints && side(itemAt(told.bones, point))) || (parent < 0 ? 0 : numberAt(sides, parent));
+  });
   let [least, most] = [Infinity, -Infinity];
   const axis = told.up.endsWith("Z") ? 2 : 1;
   for (let at = axis; at < told.parents.length * 3; at += 3) {
@@ -92,7 +94,7 @@ export function bodyOf(told: Head, values: Float32Array, frames: number): Skelet
       plates: [],
     } as unknown as Skeleton["view"],
     points: told.parents.length,
-    edges: Int32Array.from(told.parents.flatMap((parent, point) => (parent < 0 ? [] : [parent, point]))),
+    edges: Int32Array.from(bonesOf(told.parents, told.bones).flat()),
     sides,
     parents: Int32Array.from(told.parents),
     metres,

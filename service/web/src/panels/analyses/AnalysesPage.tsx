@@ -36,7 +36,7 @@ function Catalogue({ items }: { items: Info[] }) {
     <div class="analyses-list">
       <section>
         <p class="dim lead">{a("help.intro")}</p>
-        <ul class="cards">
+        <ul class="analysis-cards">
           {items.map((one) => (
             <li key={one.name} class="card-plain">
               <h2>

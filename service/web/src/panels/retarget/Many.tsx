@@ -22,11 +22,11 @@ const LARGE = 20; // degrees: a bone that points so far elsewhere is worth a loo
 const WAIT = 400; // ms after the last letter
 
 export function Many({
-  body,
+  name,
   request,
   onClose,
 }: {
-  body: { id: string; name: string };
+  /** Of the target. */ name: string;
   /** Mapping and options. */ request: object;
   onClose: () => void;
 }) {
@@ -91,7 +91,7 @@ export function Many({
   const failed = rows.filter((one) => one.problem).length;
   const running = state === "running";
   return (
-    <Dialog title={w("button.applyMany", { name: body.name })} onClose={onClose} wide>
+    <Dialog title={w("button.applyMany", { name })} onClose={onClose} wide>
       {state === "choosing" && (
         <form
           class="many-choose"
@@ -189,7 +189,7 @@ export function Many({
                     {w("button.undo")}
                   </button>
                 )}
-                <SaveTable table={table} target={body.name} />
+                <SaveTable table={table} target={name} />
                 <button type="button" class="button" onClick={() => setState("choosing")}>
                   {w("button.chooseAgain")}
                 </button>

@@ -30,7 +30,7 @@ export function Report({
     </button>
   );
   return (
-    <details class="report" open>
+    <details class="fit-report" open>
       <summary>
         <h2>{w("label.report")}</h2>
       </summary>

@@ -4,7 +4,7 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import { ask, get, type Schemas } from "../../api/client";
 import { subject } from "../../state/session/shell";
 import { previewOf, stepFor } from "../../motion/loading/preview";
-import { motionOf } from "../../motion/loading/source";
+import { motionOf, type Motion } from "../../motion/loading/source";
 import { demoClips } from "../../state/library/demo";
 import { note, refuse } from "../../state/session/notes";
 import { Player } from "../../state/clip/player";
@@ -13,8 +13,6 @@ import { AskName } from "../../ui/forms/AskName";
 import { ClipChooser } from "../../ui/clips/ClipChooser";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
-import { MotionView, type Actor } from "../../ui/playing/MotionView";
-import { Scrubber } from "../../ui/playing/Scrubber";
 import { EmptyState } from "../../ui/start/EmptyState";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
@@ -23,17 +21,24 @@ import { Many } from "./Many";
 import { MappingTable, type Pair } from "./MappingTable";
 import { Options, paramsOf, readChoices, type Choices } from "./Options";
 import { Report } from "./Report";
+import { SideBySide } from "./SideBySide";
+import { skeletonIn, targetOfClip, targetOfRig, type Target } from "./target";
 import "../../styles/retarget.css";
 
-const APART = 1.3; // metres between the two bodies
-
 export function RetargetPage() {
-  const [from, to] = [param("from"), param("to")];
+  const [from, to, rig] = [param("from"), param("to"), param("rig")];
   useEffect(() => {
     subject.value = null;
   }, []);
   const source = useAsync(async () => (from ? motionOf(from) : null), [from]);
-  const target = useAsync(async () => (to ? motionOf(to) : null), [to]);
+  const rigs = useAsync((signal) => get("/rigs", { signal }), []);
+  const motion = useAsync(async () => (to ? motionOf(to) : null), [to]);
+  const known = rigs.value?.items.find((one) => one.name === rig);
+  const target = useMemo(
+    () => (rig ? known && targetOfRig(known) : motion.value && targetOfClip(motion.value)),
+    [rig, known, motion.value],
+  );
+  const error = source.error ?? motion.error ?? rigs.error;
   return (
     <div class="retarget">
       <h1 class="unseen">{w("label.retarget")}</h1>
@@ -46,15 +51,17 @@ export function RetargetPage() {
         <Icon name="right" />
         <ClipChooser
           label={w("label.targetClip")}
-          chosen={target.value?.name}
-          onChoose={(id) => setParams({ to: id }, true)}
+          chosen={target?.name}
+          known={rigs.value?.items}
+          onKnown={(name) => setParams({ rig: name, to: null }, true)}
+          onChoose={(id) => setParams({ to: id, rig: null }, true)}
         />
       </div>
-      <Trouble error={source.error ?? target.error} />
-      {source.value && target.value ? (
-        <Fitting key={`${from} ${to}`} source={source.value} target={target.value} />
-      ) : from && to ? (
-        !source.error && !target.error && <div class="busy" />
+      <Trouble error={error} />
+      {source.value && target ? (
+        <Fitting key={`${from} ${to} ${rig}`} source={source.value} target={target} />
+      ) : from && (rig ? !rigs.value : to) ? (
+        !error && <div class="busy" />
       ) : (
         <EmptyState
           picture="retarget"
@@ -72,9 +79,7 @@ export function RetargetPage() {
   );
 }
 
-type Motion = Awaited<ReturnType<typeof motionOf>>;
-
-function Fitting({ source, target }: { source: Motion; target: Motion }) {
+function Fitting({ source, target }: { source: Motion; target: Target }) {
   /** null: as the server suggests. */
   const pairs = useSignal<Pair[] | null>(null);
   const before = useSignal<(Pair[] | null)[]>([]);
@@ -83,9 +88,9 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
   const [many, setMany] = useState(false);
   const [saving, setSaving] = useState(false);
   const selected = useSignal<string | null>(null);
-  const step = stepFor(source.frames, target.skeleton.points);
+  const step = stepFor(source.frames, target.points);
   const request = useMemo(
-    () => ({ skeleton: target.id, mapping: pairs.value?.length ? pairs.value : null, ...choices }),
+    () => ({ ...target.asked, mapping: pairs.value?.length ? pairs.value : null, ...choices }),
     [pairs.value, choices],
   );
   const mappings = useAsync((signal) => get("/mappings", { signal }), []);
@@ -104,9 +109,10 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
   );
   /** While a change is worked out the fit before stays, dimmed. */
   const seen = fit.value ?? fit.before;
+  const skeleton = useMemo(() => skeletonIn(target, seen?.motion), [target, seen]);
   const moved = useMemo(
-    () => (seen?.motion ? previewOf(seen.motion, target.skeleton, source.frames, source.perSecond, step) : null),
-    [seen],
+    () => (seen?.motion && skeleton ? previewOf(seen.motion, skeleton, source.frames, source.perSecond, step) : null),
+    [seen, skeleton],
   );
   const player = useMemo(() => new Player(source.frames, source.perSecond), [source]);
   useEffect(() => {
@@ -121,41 +127,9 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
       player.pause();
     };
   }, [player]);
-  const actors = useMemo<Actor[]>(
-    () => [
-      {
-        skeleton: source.skeleton,
-        inPlace: true,
-        shift: -APART / 2,
-        positions: () => {
-          source.blocks.arrived.value;
-          return source.blocks.frame(player.frame.value);
-        },
-      },
-      ...(moved
-        ? [
-            {
-              skeleton: target.skeleton,
-              inPlace: true,
-              shift: APART / 2,
-              positions: () => moved.frame(player.frame.value),
-            },
-          ]
-        : []),
-    ],
-    [source, target, moved],
-  );
-  const marked = useMemo(
-    () => ({
-      get value() {
-        const point = selected.value === null ? undefined : source.skeleton.byName.get(selected.value);
-        return point === undefined ? [] : [point];
-      },
-    }),
-    [source],
-  );
   const shown: Pair[] =
     pairs.value ?? (seen?.matches ?? []).map(({ source: one, target: other }) => ({ source: one, target: other }));
+  const joints = skeleton?.view.bones.length ?? 0;
   const change = (next: Pair[] | null) => {
     before.value = [...before.peek(), pairs.peek()];
     pairs.value = next;
@@ -194,37 +168,19 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
   };
   return (
     <div class="retarget-work">
-      <section class={`retarget-view ${fit.value ? "" : "stale"}`} aria-busy={fit.busy}>
-        {fit.busy && <div class="busy" />}
-        <MotionView
-          actors={actors}
-          selected={marked as never}
-          label={`${source.name}, ${target.name}`}
-          onPick={(actor, point) =>
-            (selected.value =
-              actor === 0
-                ? (source.skeleton.view.bones[point]?.name ?? null)
-                : (shown.find((one) => one.target === target.skeleton.view.bones[point]?.name)?.source ?? null))
-          }
-        />
-        <div class="transport row">
-          <button
-            type="button"
-            class="button quiet icon play"
-            aria-label={w(player.playing.value ? "button.pause" : "button.play")}
-            onClick={() => {
-              player.loop.value = null;
-              player.toggle();
-            }}
-          >
-            <Icon name={player.playing.value ? "pause" : "play"} />
-          </button>
-          <Scrubber player={player} />
-        </div>
-      </section>
+      <SideBySide
+        source={source}
+        moved={moved}
+        name={target.name}
+        player={player}
+        pairs={shown}
+        selected={selected}
+        stale={!fit.value}
+        busy={fit.busy}
+      />
       <aside class="retarget-map" aria-label={w("label.mapping")}>
         <div class="row wrap map-tools">
-          <strong>{w("label.mappedOf", { n: shown.length, total: target.skeleton.view.bones.length })}</strong>
+          <strong>{w("label.mappedOf", { n: shown.length, total: joints })}</strong>
           <span class="grow" />
           <button
             type="button"
@@ -256,15 +212,17 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
           </Menu>
         </div>
         <Trouble error={fit.error} retry={fit.again} />
-        <MappingTable
-          source={source.skeleton}
-          target={target.skeleton}
-          pairs={shown}
-          matches={seen?.matches ?? []}
-          selected={selected.value}
-          onSelect={(name) => (selected.value = name)}
-          onChange={change}
-        />
+        {skeleton && (
+          <MappingTable
+            source={source.skeleton}
+            target={skeleton}
+            pairs={shown}
+            matches={seen?.matches ?? []}
+            selected={selected.value}
+            onSelect={(name) => (selected.value = name)}
+            onChange={change}
+          />
+        )}
         <Options choices={choices} fitted={seen?.travel_scale} onChange={choose} />
         {fit.value && <Report fit={fit.value} onFrame={goTo} />}
         <div class="row wrap map-tools">
@@ -284,10 +242,10 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
           onName={keep}
           onClose={() => setNaming(false)}
         >
-          <p class="dim">{w("label.mappedOf", { n: shown.length, total: target.skeleton.view.bones.length })}</p>
+          <p class="dim">{w("label.mappedOf", { n: shown.length, total: joints })}</p>
         </AskName>
       )}
-      {many && <Many body={target} request={request} onClose={() => setMany(false)} />}
+      {many && <Many name={target.name} request={request} onClose={() => setMany(false)} />}
     </div>
   );
 }

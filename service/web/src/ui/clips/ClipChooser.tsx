@@ -1,5 +1,7 @@
 /** Choose clips by their names and moving pictures. */
+import type { ComponentChildren } from "preact";
 import { useState } from "preact/hooks";
+import type { Schemas } from "../../api/client";
 import { w } from "../../words";
 import { Dialog } from "../Dialog";
 import { Icon } from "../icons";
@@ -8,13 +10,20 @@ import { Trouble } from "../Trouble";
 import { useClips } from "./useClips";
 import "../../styles/chooser.css";
 
+type KnownRig = Schemas["KnownRigInfo"];
+
 export function ClipChooser({
   label,
   chosen,
+  known,
+  onKnown,
   onChoose,
 }: {
   label: string;
   chosen: string | undefined;
+  /** Rigs that can be chosen instead of a clip. */
+  known?: readonly KnownRig[];
+  onKnown?: (name: KnownRig["name"]) => void;
   onChoose: (id: string) => void;
 }) {
   const [open, setOpen] = useState(false);
@@ -28,6 +37,17 @@ export function ClipChooser({
         <Chooser
           title={label}
           onClose={() => setOpen(false)}
+          lead={
+            known?.length ? (
+              <Rigs
+                known={known}
+                onChoose={(name) => {
+                  setOpen(false);
+                  onKnown?.(name);
+                }}
+              />
+            ) : undefined
+          }
           onChoose={(id) => {
             setOpen(false);
             onChoose(id);
@@ -38,6 +58,22 @@ export function ClipChooser({
   );
 }
 
+/** Buttons of known rigs. */
+function Rigs({ known, onChoose }: { known: readonly KnownRig[]; onChoose: (name: KnownRig["name"]) => void }) {
+  return (
+    <div class="chooser-rigs">
+      <h3>{w("label.knownRigs")}</h3>
+      <div class="row wrap">
+        {known.map((rig) => (
+          <button key={rig.name} type="button" class="button dense" onClick={() => onChoose(rig.name)}>
+            {rig.title}
+          </button>
+        ))}
+      </div>
+    </div>
+  );
+}
+
 /** chosen: ids of those that are; the dialog then stays open, and a press takes one in or out. without: not offered. */
 export function Chooser({
   title,
@@ -45,6 +81,7 @@ export function Chooser({
   chosen,
   most = Infinity,
   without,
+  lead,
   onClose,
   onChoose,
 }: {
@@ -53,6 +90,8 @@ export function Chooser({
   chosen?: readonly string[];
   most?: number;
   without?: string;
+  /** Before the clips. */
+  lead?: ComponentChildren;
   onClose: () => void;
   onChoose: (id: string) => void;
 }) {
@@ -62,6 +101,7 @@ export function Chooser({
   return (
     <Dialog title={title} onClose={onClose} wide>
       {help && <p class="dim chooser-help">{help}</p>}
+      {lead}
       <input
         class="field chooser-search"
         type="search"
