@@ -285,6 +285,11 @@ def test_bodies(run: Run, tmp_path: Path) -> None:
     assert "upperarm_twist_01_l" in run("retarget", small, "--to", "unreal5", "--preview")
     assert "name the motion" in run("retarget", small, large, "--to", "unreal5", code=2)
     assert "metahuman" in run("retarget", small, "--to", "unreal", code=2)
+    for words in (
+        ("retarget", small, large, "--travel-scale=-1"), ("compose", small, "--style", "jump"),
+        ("frames", small, "smooth", "1-10", "--seconds=-1"), ("follow", "0,0", "4,0", "--speed=-1", "--all-of", "default"),
+    ):  # fmt: skip
+        assert "should be" in " ".join(run(*words, code=2).split())
     assert "Blender Rigify" in run("rigs")
     composed = run("compose", f"{small}:1-20", f"{large}:5-30", "--name", "both")
     assert "made  both" in composed

@@ -15,6 +15,7 @@ from mcml_service.cli.terminal.opening import (
     open_client,
     open_database,
 )
+from mcml_service.cli.terminal.requests import request_of
 
 Role: TypeAlias = Literal["member", "reader", "editor", "owner"]
 ProjectRole: TypeAlias = Literal["reader", "editor", "owner"]
@@ -97,7 +98,7 @@ def share(
 ) -> None:
     """Make a share link, which shows some documents to people without an account. It is shown only once."""
     asked = {"name": name, "documents": documents, "days": days, "formats": format or [], "latest": not fixed}
-    made = open_client(database, server).call("add_share", request=ShareRequest.model_validate(asked))
+    made = open_client(database, server).call("add_share", request=request_of(ShareRequest, asked))
     home = (server or f"http://127.0.0.1:{choose_settings(database).port}").rstrip("/")
     print(f"{home}{made.path}")
     console.print(f"link {made.number}, until {made.expires[:10]}", style="dim")

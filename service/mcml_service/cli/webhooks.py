@@ -8,6 +8,7 @@ import typer
 
 from mcml_schemas.team.webhooks import WebhookRequest
 from mcml_service.cli.terminal.opening import DatabaseOption, ServerOption, console, open_client
+from mcml_service.cli.terminal.requests import request_of
 
 
 def add(
@@ -20,7 +21,7 @@ def add(
     server: ServerOption = None,
 ) -> None:
     """Add a webhook, to which a server sends events. The secret for its signatures is shown only once."""
-    asked = WebhookRequest.model_validate({"url": url, "project": project, "kinds": kind or []})
+    asked = request_of(WebhookRequest, {"url": url, "project": project, "kinds": kind or []})
     made = open_client(database, server).call("add_webhook", request=asked)
     print(made.secret)
     console.print(f"webhook {made.number}", style="dim")

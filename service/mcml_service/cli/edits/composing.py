@@ -23,6 +23,7 @@ from mcml_service.cli.terminal.opening import (
     print_json,
     write_to_the_end,
 )
+from mcml_service.cli.terminal.requests import request_of
 
 _RANGE = re.compile(
     r"(?P<document>[0-9a-fA-F-]{36})(?:@(?P<revision>\d{1,9}))?(?::(?P<first>\d{1,9})-(?P<last>\d{1,9}))?"
@@ -52,7 +53,8 @@ def compose(
     as_json: JsonOption = False,
 ) -> None:
     """Compose a new document from frames of others, with transitions between them."""
-    request = ComposeRequest.model_validate(
+    request = request_of(
+        ComposeRequest,
         {
             "segments": [_segment(text) for text in segments],
             "seconds": seconds,
@@ -67,7 +69,7 @@ def compose(
             "name": name,
             "project": project,
             "preview": preview,
-        }
+        },
     )
     made = open_client(database, server).call("compose", request=request)
     if as_json:
@@ -152,7 +154,7 @@ def retarget(
     }
     asked = {key: value for key, value in asked.items() if value is not None}
     if selection:
-        many = RetargetMany.model_validate(asked | {"selection": selection})
+        many = request_of(RetargetMany, asked | {"selection": selection})
         if table is not None:
             answer = client.call("retarget_many", request=many, format="csv")
             table.write_bytes(b"".join(map(bytes, answer.blocks)))
@@ -162,7 +164,7 @@ def retarget(
         return
     if table is not None:
         raise typer.BadParameter("a table is of a selection: use --all-of, --motion-name or --xpath")
-    request = RetargetRequest.model_validate(asked | ({} if name is None else {"name": name}))
+    request = request_of(RetargetRequest, asked | ({} if name is None else {"name": name}))
     made = client.call("retarget", id=id_of(client, ids[0]), request=request)
     if as_json:
         print_json(made)

@@ -18,6 +18,7 @@ from mcml_service.cli.terminal.opening import (
     open_client,
 )
 from mcml_service.cli.terminal.present import present
+from mcml_service.cli.terminal.requests import request_of
 from mcml_service.operations import OPERATIONS
 
 IdArgument = Annotated[str, typer.Argument(help="Document")]
@@ -77,7 +78,7 @@ def move(
 ) -> None:
     """Move an element beside another, or into it."""
     edit = {"do": "move", "xpath": xpath, "to": to, "where": where}
-    request = ElementEdits.model_validate({"edits": [edit], "renumber": renumber, "message": message})
+    request = request_of(ElementEdits, {"edits": [edit], "renumber": renumber, "message": message})
     client = open_client(database, server)
     done = client.call("edit_elements", id=id_of(client, id), request=request, if_match=match_of(revision))
     present(OPERATIONS["edit_elements"], done, as_json)

@@ -20,6 +20,7 @@ from mcml_service.cli.terminal.opening import (
     open_client,
 )
 from mcml_service.cli.terminal.present import present
+from mcml_service.cli.terminal.requests import request_of
 from mcml_service.operations import OPERATIONS
 
 _EDITS = {get_args(kind.model_fields["do"].annotation)[0]: kind for kind in get_args(get_args(FrameEdit)[0])}
@@ -128,7 +129,7 @@ def frames(
     client = open_client(database, server)
     if source is not None:
         edit["document"] = id_of(client, source)
-    request = FrameEdits.model_validate({"edits": [{"do": do} | edit], "renumber": renumber, "message": message})
+    request = request_of(FrameEdits, {"edits": [{"do": do} | edit], "renumber": renumber, "message": message})
     if propose and not dry_run:
         body = ProposalRequest(edits=request)
         made = client.call("create_proposal", id=id_of(client, id), proposal=body, if_match=match_of(revision))

@@ -17,6 +17,7 @@ from mcml_service.cli.terminal.opening import (
     open_client,
     print_json,
 )
+from mcml_service.cli.terminal.requests import request_of
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)"
 _POINT = re.compile(rf"({_NUMBER}),({_NUMBER})")
@@ -44,7 +45,8 @@ def follow(
     """Make a document in which a body follows a path, of frames of many clips (motion matching)."""
     path = [_point(text) for text in points]
     client = open_client(database, server)
-    request = FollowRequest.model_validate(
+    request = request_of(
+        FollowRequest,
         {
             "selection": {
                 "documents": [id_of(client, one) for one in document or ()],
@@ -60,7 +62,7 @@ def follow(
             "name": name,
             "project": project,
             "preview": preview,
-        }
+        },
     )
     made = client.call("follow_path", request=request)
     if as_json:
