@@ -22,7 +22,7 @@ from mcml.motion.units import reading_of
 
 OWN: Final = "own"
 """The name of this project's own figure, where a character is asked for."""
-_REMEDY = "Take a GLB, glTF or VRM file with a skinned mesh."
+_REMEDY = "Take a GLB, glTF, VRM or FBX file with a skinned mesh."
 
 
 def check_own(name: str) -> None:

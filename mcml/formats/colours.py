@@ -1,11 +1,16 @@
-"""Colours as bytes of sRGB and as linear light (IEC 61966-2-1)."""
+"""Colours as bytes of sRGB and as linear light (IEC 61966-2-1), and those of pictures where Pillow is installed."""
 
 from __future__ import annotations
+
+import io
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mcml.motion.skeleton import Array
+
+MOST_PIXELS = 1 << 26
+"""Of a picture that is read."""
 
 
 def to_srgb(linear: Array) -> NDArray[np.uint8]:
@@ -19,3 +24,29 @@ def to_linear(srgb: NDArray[np.uint8]) -> Array:
     """Linear light between 0 and 1 of bytes of sRGB, of any shape."""
     curve = srgb / 255.0
     return np.asarray(np.where(curve <= 0.04045, curve / 12.92, np.power((curve + 0.055) / 1.055, 2.4)))
+
+
+def read_picture(data: bytes) -> NDArray[np.uint8] | str:
+    """Return a picture in PNG or JPEG as (height, width, 3) of sRGB, or why it is not read."""
+    try:
+        from PIL import Image
+    except ImportError:
+        return "Pillow is not installed"
+    try:
+        with Image.open(io.BytesIO(data), formats=("PNG", "JPEG")) as picture:
+            if picture.width * picture.height > MOST_PIXELS:
+                return "they are too large"
+            return np.asarray(picture.convert("RGB"), np.uint8)
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
+        return "they are damaged"
+
+
+def sample_picture(picture: NDArray[np.uint8], at: Array) -> Array:
+    """Return the linear colours (V, 3) of a picture at places (V, 2), from its upper left corner to the right and down
+    in shares of its size; beyond its edges it is repeated.
+    """
+    height, width = picture.shape[:2]
+    share = np.nan_to_num(at - np.floor(at))
+    rows = np.minimum((share[:, 1] * height).astype(np.intp), height - 1)
+    columns = np.minimum((share[:, 0] * width).astype(np.intp), width - 1)
+    return to_linear(picture[rows, columns])

@@ -219,7 +219,12 @@ class CharacterReader(Reader, Protocol):
     """A format whose files may hold a character: a mesh with a skin."""
 
     def read_character(self, files: Mapping[str, SourceFile], options: ReadOptions) -> RiggedCharacter | None:
-        """The skinned meshes of the files as one, None where they have none. Raises as `read` does."""
+        """The skinned meshes of the files as one, None where they have none. Raises as `read` does, and LimitError for
+        meshes of too many vertices."""
+        ...
+
+    def count_vertices(self, stream: BinaryIO) -> int:
+        """The number of vertices of the skinned meshes of a file; 0 for damaged ones."""
         ...
 
 

@@ -287,7 +287,8 @@ def test_bodies(run: Run, tmp_path: Path) -> None:
     assert "metahuman" in run("retarget", small, "--to", "unreal", code=2)
     for words in (
         ("retarget", small, large, "--travel-scale=-1"), ("compose", small, "--style", "jump"),
-        ("frames", small, "smooth", "1-10", "--seconds=-1"), ("follow", "0,0", "4,0", "--speed=-1", "--all-of", "default"),
+        ("frames", small, "smooth", "1-10", "--seconds=-1"),
+        ("follow", "0,0", "4,0", "--speed=-1", "--all-of", "default"),
     ):  # fmt: skip
         assert "should be" in " ".join(run(*words, code=2).split())
     assert "Blender Rigify" in run("rigs")

@@ -7,11 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mcml.language.joint_names import named
 from mcml.motion.clip import FrameBlock
+from mcml.motion.frames import joined
 from mcml.motion.retargeting.bone_mapping import suggest_matches
 from mcml.motion.retargeting.retarget import retarget
 from mcml.motion.skeleton import Skeleton
-from mcml.motion.units import Reading
+from mcml.motion.units import Reading, reading_of
+from tests.formats.readers.posing import read_clip
 from tests.motion.test_retarget import taken
 from tests.poses import chosen_frames
 
@@ -52,3 +55,17 @@ def test_each_rig_moves_as_the_others(shared: Path, name: str) -> None:
             other,
             made.report.parts,
         )
+
+
+def test_legs_below_the_spine(shared: Path) -> None:
+    """Where the legs hang from the spine, and the rest pose of the motion is twisted there, hips turn all the same."""
+    source, block, reading = rig_of(shared, RIGS[0])
+    clip = read_clip("fbx", (shared / "fbx" / "arnaud_rig_7500.fbx").read_bytes())
+    target, shown = named(clip.head.skeleton)[0], joined(clip.blocks())
+    spine = target.joints[target.joints[target.names.index("left_up_leg")].parent]
+    assert spine.name == "waist"
+    made = retarget(
+        source, block, target, suggest_matches(source, target), 1 / 30, reading=reading,
+        target_reading=reading_of(clip.head), target_block=shown,
+    )  # fmt: skip
+    assert max(part.mean for part in made.report.parts) < 3.0

@@ -18,6 +18,7 @@ from mcml_service.cli import app
 from mcml_service.storage.core.tables import upload as uploads
 from mcml_service.storage.database import Database
 from tests.builders import TRC, bvh, store, upload
+from tests.formats.readers.fbx_text import Skin, fbx_text
 from tests.formats.readers.skinned_files import tube
 from tests.formats.scenes.reading import read_glb
 from tests.motion.bodies.made import person
@@ -121,6 +122,34 @@ def plain_glb() -> bytes:
     return made.data()
 
 
+def test_an_fbx_file_is_a_character(client: TestClient) -> None:
+    skin = Skin([(0, 90, 0), (5, 100, 0), (0, 120, 5), (-5, 120, 0)], [(0, 1, 2), (0, 2, 3)], [1, 0.5, 0, 0])
+    takes, still, plain = store_files(
+        client, takes_fbx=fbx_text(skin=skin), still_fbx=fbx_text(takes=(), skin=skin), plain_fbx=fbx_text()
+    )
+    listed = client.get(f"{API}/characters").json()["items"]
+    assert [(item["document"], item["vertices"]) for item in listed] == [(still, 4), (takes, 4)]
+    found = client.get(f"{API}/documents/{takes}/character", params={"character": still}).json()
+    assert (found["document"], found["scale"]) == (still, 1.0)
+    mesh = found["mesh"]
+    made = Character(
+        np.array(mesh["points"]).reshape(-1, 3), np.zeros((4, 3)), np.array(mesh["triangles"]).reshape(-1, 3),
+        np.array(mesh["joints"]).reshape(-1, 4), np.array(mesh["weights"]).reshape(-1, 4),
+        np.array(mesh["bind_positions"]), np.array(mesh["bind_rotations"]),
+    )  # fmt: skip
+    moved = made.move(*(frames(client, takes, character=still, space=space) for space in ("positions", "rotations")))
+    # The hips move along x by 1 and turn about z by 9 degrees a frame; the spine keeps its place on them.
+    turn, way = np.deg2rad(9 * np.arange(11)), np.arange(11.0)
+    for vertex, (x, y) in ((0, (0, -10)), (1, (5, 0)), (3, (-5, 20))):
+        placed = way + x * np.cos(turn) - y * np.sin(turn), 100 + x * np.sin(turn) + y * np.cos(turn)
+        assert moved[:, vertex, :2] == pytest.approx(np.stack(placed, axis=1), abs=1e-5)
+    refused = client.get(f"{API}/documents/{takes}/character", params={"character": plain}).json()
+    assert "no file with a skinned mesh" in refused["reason"]
+    exported = client.get(f"{API}/documents/{takes}/export", params={"format": "glb", "character": still})
+    # Metres in glTF.
+    assert np.abs(read_glb(exported.content).body() - moved / 100).max() < 1e-4
+
+
 def test_files_of_earlier_versions_are_looked_into_once(
     client: TestClient, database: Database, figure: bytes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -134,7 +163,7 @@ def test_files_of_earlier_versions_are_looked_into_once(
     assert ([item["name"] for item in first["items"]], first["unread"]) == (["figure"], 1)
     monkeypatch.setattr(list_characters, "MOST_FILES", 2)
     assert client.get(f"{API}/characters").json()["unread"] == 0
-    monkeypatch.setattr(list_characters, "count_vertices", lambda data: pytest.fail("it was looked into before"))
+    monkeypatch.setattr(list_characters, "_count", lambda *_: pytest.fail("it was looked into before"))
     assert [item["name"] for item in client.get(f"{API}/characters").json()["items"]] == ["figure"]
 
 

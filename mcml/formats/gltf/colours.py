@@ -8,18 +8,15 @@ from __future__ import annotations
 
 import base64
 import binascii
-import io
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mcml.errors import FormatError
-from mcml.formats.colours import to_linear
+from mcml.formats.colours import read_picture, sample_picture, to_linear
 from mcml.formats.gltf.document import Document, as_number, as_numbers
 from mcml.motion.skeleton import Array
-
-MOST_PIXELS = 1 << 26
 
 
 class Colours:
@@ -60,12 +57,7 @@ class Colours:
         at = uv.get(as_number(texture.get("texCoord", 0), "texCoord"))
         if at is None or moves:
             return np.asarray(to_linear(image).reshape(-1, 3).mean(axis=0))
-        # The usual sampler repeats the picture; the origin is its upper left corner.
-        height, width = image.shape[:2]
-        share = np.nan_to_num(at - np.floor(at))
-        rows = np.minimum((share[:, 1] * height).astype(np.intp), height - 1)
-        columns = np.minimum((share[:, 0] * width).astype(np.intp), width - 1)
-        return to_linear(image[rows, columns])
+        return sample_picture(image, at)
 
     def _image(self, number: int) -> NDArray[np.uint8] | None:
         if number not in self._images:
@@ -74,24 +66,15 @@ class Colours:
 
     def _decode(self, facts: dict[str, Any]) -> NDArray[np.uint8] | None:
         """(height, width, 3) of sRGB; None, with the reason in `left_out`, where it is not read."""
-        try:
-            from PIL import Image
-        except ImportError:
-            self.left_out.add("Pillow is not installed")
-            return None
         data = self._bytes(facts)
         if data is None:
             self.left_out.add("they are in files that are not sent along")
             return None
-        try:
-            with Image.open(io.BytesIO(data), formats=("PNG", "JPEG")) as picture:
-                if picture.width * picture.height > MOST_PIXELS:
-                    self.left_out.add("they are too large")
-                    return None
-                return np.asarray(picture.convert("RGB"), np.uint8)
-        except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
-            self.left_out.add("they are damaged")
+        found = read_picture(data)
+        if isinstance(found, str):
+            self.left_out.add(found)
             return None
+        return found
 
     def _bytes(self, facts: dict[str, Any]) -> bytes | None:
         uri = facts.get("uri")

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from typing import BinaryIO
 
 from mcml.formats.format import FileKind, ReadOptions, SourceFile
 from mcml.formats.gltf.document import Document
-from mcml.formats.gltf.meshes import read_character
+from mcml.formats.gltf.meshes import count_vertices, read_character
 from mcml.formats.gltf.reading import SceneReading
 from mcml.formats.scenes.reader import SceneReader, read_all
 from mcml.formats.scenes.scene import Scene
@@ -41,10 +42,14 @@ class Gltf(SceneReader):
         return _open(files, options).scene()
 
     def read_character(self, files: Mapping[str, SourceFile], options: ReadOptions) -> RiggedCharacter | None:
-        """Read the skinned meshes of the files; None where they have none. Raises as `read` does, and LimitError for
-        meshes of too many vertices."""
+        """See `mcml.formats.format.CharacterReader`."""
         with files["glb"].blamed():
             return read_character(_open(files, options))
+
+    def count_vertices(self, stream: BinaryIO) -> int:
+        """See `mcml.formats.format.CharacterReader`."""
+        stream.seek(0)
+        return count_vertices(stream.read())
 
 
 def _open(files: Mapping[str, SourceFile], options: ReadOptions) -> SceneReading:

@@ -26,7 +26,7 @@ _POSE = 12
 def read_apart(module: str, file: SourceFile, options: ReadOptions) -> Scene:
     """The scene that a program makes of a file. Raises FormatError and LimitError."""
     with _run(module, file, options, poses=True) as answer:
-        head = _read_head(answer)
+        head = read_head(answer)
         start = answer.tell()
         values = (answer.seek(0, 2) - start) // 8
         sizes = [take["frames"] * _count(head["rigs"][take["rig"]]) for take in head["takes"]]
@@ -44,7 +44,7 @@ def _count(rig: dict[str, Any]) -> int:
 def list_takes_apart(module: str, file: SourceFile, options: ReadOptions) -> list[str]:
     """The names of the takes of a file, without their poses. Raises FormatError and LimitError."""
     with _run(module, file, options, poses=False) as answer:
-        return [take["name"] for take in _read_head(answer)["takes"]]
+        return [take["name"] for take in read_head(answer)["takes"]]
 
 
 def _run(module: str, file: SourceFile, options: ReadOptions, *, poses: bool) -> BinaryIO:
@@ -54,7 +54,8 @@ def _run(module: str, file: SourceFile, options: ReadOptions, *, poses: bool) ->
     return run_reader(module, json.dumps(facts), stream=file.stream, seconds=SECONDS, memory=MEMORY)
 
 
-def _read_head(answer: BinaryIO) -> dict[str, Any]:
+def read_head(answer: BinaryIO) -> dict[str, Any]:
+    """Return the first line of an answer. Raises FormatError or LimitError where it holds an error."""
     head: dict[str, Any] = json.loads(answer.readline())
     if "error" in head:
         kind = LimitError if head["kind"] == "limit" else FormatError
@@ -71,7 +72,7 @@ def _make_scene(head: dict[str, Any], numbers: Array, limits: Limits) -> Scene:
         parts.append(numbers[at : at + count * take["frames"]].reshape(take["frames"], count))
         at += parts[-1].size
     moving = [_find_moving(number, head, parts) for number in range(len(orders))]
-    rigs = [_make_rig(*each, limits) for each in zip(head["rigs"], orders, moving, strict=True)]
+    rigs = [make_rig(*each, limits) for each in zip(head["rigs"], orders, moving, strict=True)]
     takes = []
     for take, frames in zip(head["takes"], parts, strict=True):
         limits.check_name(take["name"])
@@ -108,7 +109,7 @@ def _read_weights(weights: Array, shapes: Rows, first: int, end: int) -> Array:
     return np.array(weights[first:end])[:, shapes]
 
 
-def _make_rig(rig: dict[str, Any], order: list[int], moving: Rows, limits: Limits) -> Rig:
+def make_rig(rig: dict[str, Any], order: list[int], moving: Rows, limits: Limits) -> Rig:
     for name in (*rig["names"], *rig["shapes"]):
         limits.check_name(name)
     place = {joint: index for index, joint in enumerate(order)}
@@ -132,16 +133,16 @@ def _find_rest(default: Array, bound: list[list[float] | None], parents: list[in
         if found is not None:
             rest[joint] = np.reshape(found, (3, 4))
         elif parent >= 0:
-            rest[joint] = _multiply(rest[parent], _multiply(_invert(default[parent]), default[joint]))
+            rest[joint] = multiply_affine(rest[parent], multiply_affine(invert_affine(default[parent]), default[joint]))
     return rest
 
 
-def _multiply(first: Array, second: Array) -> Array:
+def multiply_affine(first: Array, second: Array) -> Array:
     """The product of two affine transforms (3, 4)."""
     return np.column_stack([first[:, :3] @ second[:, :3], first[:, :3] @ second[:, 3] + first[:, 3]])
 
 
-def _invert(matrix: Array) -> Array:
+def invert_affine(matrix: Array) -> Array:
     """The inverse of an affine transform (3, 4); a flat one has a pseudo-inverse."""
     linear = np.linalg.pinv(matrix[:, :3])
     return np.column_stack([linear, -linear @ matrix[:, 3]])

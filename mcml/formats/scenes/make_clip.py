@@ -58,7 +58,7 @@ def make_clip(scene: Scene, take: Take, format_name: str, source: SourcePart, li
     """
     rig = take.rig
     limits.check_size(take.frames, 6 * len(rig) + len(rig.shapes))
-    turn = _turn_up(scene.up)
+    turn = turn_up(scene.up)
     if rig not in _RESTS:
         _RESTS[rig] = _find_rest(rig, [other for other in scene.takes if other.rig is rig], turn)
     rest = _RESTS[rig]
@@ -89,7 +89,7 @@ def make_clip(scene: Scene, take: Take, format_name: str, source: SourcePart, li
     return ClipStream(head, blocks, take.frames, notices)
 
 
-def _turn_up(up: str) -> Array | None:
+def turn_up(up: str) -> Array | None:
     """(3, 3) half a turn that brings an axis that points down to where it points up; None where it does."""
     if not up.startswith("-"):
         return None

@@ -1,8 +1,8 @@
 """Joints without a match between matched ones, such as TLS and TRS between a trunk and its shoulders.
 
 Where they turn, the line between the joints of two sides, hips or shoulders, turns against the trunk. In the target
-connectors are turned so that the line points as in the source; where only the source has connectors, the matched joint
-above is turned about its own bone.
+connectors are turned so that the line points as in the source; where only the source has connectors, or where the sides
+hang from another joint in the source, the matched joint above is turned about its own bone.
 """
 
 from __future__ import annotations
@@ -51,7 +51,8 @@ def side_lines(
         connectors = tuple(dict.fromkeys(way[1][-1] for way in ways if way[1]))
         if not all(is_free(joint) for joint in connectors):
             connectors = ()
-        if connectors or ways[0][1] or sources[0][1] or sources[1][1]:
+        elsewhere = any(above != pairs[ways[0][0]] for above, _ in sources)
+        if connectors or ways[0][1] or sources[0][1] or sources[1][1] or elsewhere:
             lines.append(SideLine(ways[0][0], left, right, connectors))
     return tuple(lines)
 

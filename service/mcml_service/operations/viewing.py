@@ -78,7 +78,9 @@ def get_character(
 
 
 def list_characters(call: Call, project: InProject = None) -> CharacterList:
-    """A file is a character if it has a mesh with a skin: GLB, glTF, VRM. Files with several takes are listed once."""
+    """A GLB, glTF, VRM or FBX file is a character if it has a mesh with a skin. Files with several takes are listed
+    once.
+    """
     from mcml_service.actions.reading import list_characters as listing
 
     with call.database.read() as tx:

@@ -2,10 +2,28 @@
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 _SECOND = 46_186_158_000
 """Ticks of FBX' clock."""
+
+
+@dataclass(frozen=True)
+class Skin:
+    """A mesh with a skin.
+
+    points: of the mesh. faces: vertices of each. weights: of the first bone at each vertex; the second has the rest.
+    uv: of each vertex, or none. colour: of its material. picture: bytes of a PNG in the place of the colour.
+    """
+
+    points: Sequence[tuple[float, float, float]]
+    faces: Sequence[Sequence[int]]
+    weights: Sequence[float]
+    uv: Sequence[tuple[float, float]] = ()
+    colour: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    picture: bytes | None = None
 
 
 def fbx_text(
@@ -16,10 +34,12 @@ def fbx_text(
     unit: float = 1.0,
     up: int = 1,
     shapes: Mapping[str, Sequence[float]] | None = None,
+    skin: Skin | None = None,
 ) -> bytes:
     """Two bones, the second 10 above the first, which turns about z by 9 degrees a frame and moves along x by 1.
 
     unit: centimetres of a unit. up: 0, 1 or 2. shapes: percent of blend shapes of a mesh in each frame of all takes.
+    skin: a mesh that follows the bones.
     """
     shapes = shapes or {}
     mode = {24: 11, 25: 10, 30: 6, 60: 3, 120: 1}[rate]
@@ -28,6 +48,12 @@ def fbx_text(
     if shapes:
         objects.append(_MESH)
         links += ['C: "OO",3,0', 'C: "OO",50,3', 'C: "OO",60,50']
+    if skin is not None:
+        objects.append(_skin(skin))
+        links += [f'C: "OO",{one},{other}' for one, other in _SKIN_LINKS]
+        if skin.picture is not None:
+            objects.append(_texture(skin.picture))
+            links += ['C: "OP",95,94, "DiffuseColor"', 'C: "OO",96,95']
     for place, name in enumerate(shapes):
         objects.append(_shape(61 + place, 71 + place, name))
         links += [f'C: "OO",{61 + place},60', f'C: "OO",{71 + place},{61 + place}']
@@ -128,3 +154,70 @@ def _curve(number: int, values: list[float], rate: int) -> str:
         " KeyAttrFlags: *1 {\n a: 4\n }\n KeyAttrDataFloat: *4 {\n a: 0,0,0,0\n }\n"
         f" KeyAttrRefCount: *1 {{\n a: {count}\n }}\n}}"
     )
+
+
+_SKIN_LINKS = ((80, 0), (81, 80), (94, 80), (90, 81), (91, 90), (92, 90), (1, 91), (2, 92))
+
+
+def _skin(skin: Skin) -> str:
+    numbers = [number for point in skin.points for number in point]
+    corners = [vertex if at + 1 < len(face) else -1 - vertex for face in skin.faces for at, vertex in enumerate(face)]
+    uv = _uv(skin) if skin.uv else ""
+    material = 'LayerElementMaterial: 0 {\n MappingInformationType: "AllSame"\n Materials: *1 {\n a: 0\n }\n}'
+    red, green, blue = skin.colour
+    colour = f'P: "DiffuseColor", "Color", "", "A",{red},{green},{blue}'
+    bones = [
+        _cluster(91, skin.weights, (0, 100, 0)),
+        _cluster(92, [1 - weight for weight in skin.weights], (0, 110, 0)),
+    ]
+    return "\n".join(
+        (
+            'Model: 80, "Model::Body", "Mesh" { Version: 232 }',
+            'Geometry: 81, "Geometry::Body", "Mesh" {',
+            _list("Vertices", numbers),
+            _list("PolygonVertexIndex", corners),
+            uv,
+            material,
+            "}",
+            f'Material: 94, "Material::Red", "" {{ Properties70: {{ {colour} }} }}',
+            'Deformer: 90, "Deformer::Skin", "Skin" { Version: 101 }',
+            *bones,
+        )
+    )
+
+
+def _uv(skin: Skin) -> str:
+    numbers = [number for place in skin.uv for number in place]
+    indices = [vertex for face in skin.faces for vertex in face]
+    return (
+        'LayerElementUV: 0 {\n MappingInformationType: "ByPolygonVertex"\n ReferenceInformationType: "IndexToDirect"\n'
+        f"{_list('UV', numbers)}\n{_list('UVIndex', indices)}\n}}"
+    )
+
+
+def _cluster(number: int, weights: Sequence[float], place: tuple[float, float, float]) -> str:
+    """place: of the bone as it was bound, in the world, where the mesh is at its origin."""
+    chosen = [vertex for vertex, weight in enumerate(weights) if weight > 0]
+    x, y, z = place
+    return "\n".join(
+        (
+            f'Deformer: {number}, "SubDeformer::Cluster", "Cluster" {{ Version: 100',
+            _list("Indexes", chosen),
+            _list("Weights", [weights[vertex] for vertex in chosen]),
+            _list("Transform", [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -x, -y, -z, 1]),
+            _list("TransformLink", [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, y, z, 1]),
+            "}",
+        )
+    )
+
+
+def _texture(picture: bytes) -> str:
+    content = base64.b64encode(picture).decode()
+    return (
+        'Texture: 95, "Texture::Cloth", "" { RelativeFilename: "cloth.png" }\n'
+        f'Video: 96, "Video::Cloth", "Clip" {{ RelativeFilename: "cloth.png"\n Content: , "{content}"\n}}'
+    )
+
+
+def _list(name: str, numbers: Sequence[float]) -> str:
+    return f" {name}: *{len(numbers)} {{\n a: {','.join(map(str, numbers))}\n }}"

@@ -24,7 +24,7 @@ from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.library.cache import Cache
 
-_REMEDY = "`GET /characters` lists the documents that have one; import a GLB or VRM file to add one."
+_REMEDY = "`GET /characters` lists the documents that have one; import a GLB, VRM or FBX file to add one."
 _KEPT_BYTES = 64 << 20
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
@@ -11,9 +12,9 @@ from dataclasses import dataclass
 
 from mcml.errors import NotFoundError, Place
 from mcml.files.check_names import file_name
-from mcml.formats.format import SourceFile
-from mcml.formats.gltf.meshes import count_vertices
-from mcml_service.storage.documents.uploads import BLOCK_BYTES, CHARACTERS, compress_block
+from mcml.formats import READERS
+from mcml.formats.format import CharacterReader, SourceFile
+from mcml_service.storage.documents.uploads import BLOCK_BYTES, compress_block
 from mcml_service.storage.transaction import Transaction
 
 EARLY_BYTES = 64 << 20
@@ -68,16 +69,19 @@ class Upload:
         blocks = list(_blocks_of(file))
         early = [executor.submit(compress_block, block) for block in blocks]
         made = cls(part, file, size, early, executor.submit(_digest_of, blocks).result)
-        if part.partition("#")[0] == CHARACTERS:
-            made.vertices = executor.submit(count_vertices, b"".join(blocks)).result
+        reader = READERS.get(part.partition("#")[0])
+        if isinstance(reader, CharacterReader):
+            made.vertices = executor.submit(reader.count_vertices, io.BytesIO(b"".join(blocks))).result
         return made
 
     @classmethod
     def of_packed(cls, file: SourceFile, made: PackedFile) -> Upload:
         """A file that was compressed elsewhere."""
         upload = cls(made.part, file, made.size, [], lambda: made.sha256, made.blocks)
-        if made.part.partition("#")[0] == CHARACTERS:
-            vertices = count_vertices(b"".join(_blocks_of(file)))
+        reader = READERS.get(made.part.partition("#")[0])
+        if isinstance(reader, CharacterReader):
+            vertices = reader.count_vertices(file.stream)
+            file.stream.seek(0)
             upload.vertices = lambda: vertices
         return upload
 

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from contextlib import suppress
 
 from mcml.errors import ConflictError, StoreError
-from mcml.formats.gltf.meshes import count_vertices
+from mcml.formats import READERS
+from mcml.formats.format import CharacterReader
 from mcml_schemas.skeletons import CharacterInfo, CharacterList
 from mcml_service.storage.database import Database
 from mcml_service.storage.documents.uploads import StoredCharacter
 from mcml_service.storage.transaction import Transaction
 
+_KINDS = tuple(name for name, reader in READERS.items() if isinstance(reader, CharacterReader))
 MOST_BYTES, MOST_FILES = 64 << 20, 16
 """Of files of earlier programs that are looked into for one answer."""
 
@@ -20,7 +23,7 @@ def list_characters(tx: Transaction, project: int | None) -> tuple[CharacterList
     """List the characters, each file once, by name; and the vertices of files that were looked into for the first time,
     by their keys, to be kept."""
     files: dict[int, StoredCharacter] = {}
-    found = tx.uploads.characters()
+    found = tx.uploads.characters(_KINDS)
     listed = {one.key: one for one in tx.columns.documents([each.document for each in found])}
     for each in found:
         one = listed.get(each.document)
@@ -63,4 +66,6 @@ def _choose(unread: Sequence[StoredCharacter]) -> list[StoredCharacter]:
 
 
 def _count(tx: Transaction, file: StoredCharacter) -> int:
-    return count_vertices(b"".join(tx.uploads.blocks(file.upload)))
+    reader = READERS[file.part.partition("#")[0]]
+    assert isinstance(reader, CharacterReader)
+    return reader.count_vertices(io.BytesIO(b"".join(tx.uploads.blocks(file.upload))))

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, BinaryIO, cast
 
 import zstandard
-from sqlalchemy import and_, bindparam, delete, func, select, update
+from sqlalchemy import and_, bindparam, delete, func, or_, select, update
 
 from mcml_service.storage.core.seals import verify
 from mcml_service.storage.core.statements import Prepared
@@ -18,8 +18,6 @@ from mcml_service.storage.core.tables import document, document_media, document_
 from mcml_service.storage.core.transaction import BaseTransaction
 
 BLOCK_BYTES = 1 << 20
-CHARACTERS = "glb"
-"""The part of kept files that may have skinned meshes; of one of several takes, its name follows after `#`."""
 LEASE_SECONDS = 120.0
 """How long an import may be silent before it counts as broken."""
 
@@ -140,9 +138,13 @@ class Uploads:
         )
         return [StoredUpload(*row) for row in self._tx.fetch_all(query)]
 
-    def characters(self) -> list[StoredCharacter]:
-        """Documents with a kept file that has skinned meshes, or may have some; in the order of keys."""
-        of_kind = (document_upload.c.part == CHARACTERS) | document_upload.c.part.startswith(f"{CHARACTERS}#")
+    def characters(self, kinds: Iterable[str]) -> list[StoredCharacter]:
+        """Documents with a kept file that has skinned meshes, or may have some; in the order of keys.
+
+        kinds: parts of files that can have them; of one of several takes, its name follows after `#`.
+        """
+        part = document_upload.c.part
+        of_kind = or_(*((part == kind) | part.startswith(f"{kind}#") for kind in kinds))
         query = (
             select(document_upload.c.document, document_upload.c.part, upload.c.id, upload.c.size, upload.c.vertices)
             .join(upload, upload.c.id == document_upload.c.upload)
