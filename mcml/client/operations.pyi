@@ -55,7 +55,7 @@ from mcml_schemas.matching import FollowRequest, MatchingFacts, MatchingSelectio
 from mcml_schemas.measure import MeasureRequest, Measures
 from mcml_schemas.measurements import MeasurementList
 from mcml_schemas.media import MediaChange, MediaInfo
-from mcml_schemas.names import AliasTable, AppliedNames, SavedAliases
+from mcml_schemas.names import AliasTable, AppliedNames, JointChoices, SavedAliases
 from mcml_schemas.querying.examples import QuantityRange, QueryExamples
 from mcml_schemas.querying.facets import FacetList
 from mcml_schemas.querying.queries import Completions, QueryAnswer, QueryRequest
@@ -1257,6 +1257,15 @@ class Operations:
         progress: FileProgress | None = None,
     ) -> AppliedNames:
         """Rename joints of a document as an import would name them now, as a revision."""
+    def name_joints(
+        self,
+        *,
+        id: str,
+        choices: JointChoices | dict[str, Any],
+        if_match: str | None = ...,
+        progress: FileProgress | None = None,
+    ) -> AppliedNames:
+        """Give joints of a document names of MCML's, as a revision."""
     def list_analyses(
         self,
         *,

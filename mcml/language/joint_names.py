@@ -12,6 +12,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from functools import cache, lru_cache
 
 from mcml.errors import Notice, VocabularyError
@@ -231,6 +232,42 @@ def named(
     if rig.reason:
         why = {index: rig.reason for index in range(len(skeleton)) if index not in given}
     return _with_names(skeleton, given, NamingReport(rig.verdict, (), (), rig.reason, rig.told), why)
+
+
+def check_name(name: str) -> None:
+    """Raises VocabularyError for a name that is not MCML's."""
+    known = [row.name for row in table()]
+    if name not in known:
+        near = get_close_matches(name, known, 1)
+        raise VocabularyError(
+            f"{name!r} is no joint of MCML.",
+            remedy=f"Did you mean {near[0]!r}?" if near else "GET /joint-names lists all 53.",
+        )
+
+
+def rename_joints(skeleton: Skeleton, chosen: Mapping[int, str | None]) -> Skeleton:
+    """Return the skeleton with names of MCML's that a person chose for joints; None for the name of the source.
+
+    Another joint that has a chosen name gets that of its source. Chosen names are sure. Raises VocabularyError for a
+    name that is not MCML's, or that is chosen twice.
+    """
+    names = [name for name in chosen.values() if name is not None]
+    for name in names:
+        check_name(name)
+        if names.count(name) > 1:
+            raise VocabularyError(f"{name!r} is chosen for two joints.", remedy="Give each name once.")
+    freed = {index for index, joint in enumerate(skeleton.joints) if joint.name in names} - chosen.keys()
+    freed |= {index for index, name in chosen.items() if name is None}
+    given = {index: joint.name for index, joint in enumerate(skeleton.joints) if index not in freed}
+    given |= {index: name for index, name in chosen.items() if name is not None}
+    every = _fill_in(given, [joint.own_name for joint in skeleton.joints])
+
+    def rename(index: int, joint: Joint) -> Joint:
+        if index not in freed and index not in chosen:
+            return joint
+        return replace(joint, name=every[index], mapped=index not in freed, confidence=None)
+
+    return _renamed(skeleton, rename)
 
 
 def _claim(

@@ -75,3 +75,23 @@ class AppliedNames(BaseModel):
     document: str
     revision: int
     items: list[Rename]
+
+
+class JointChoice(RequestBody):
+    """joint: its present name in the document. name: MCML's own, null for the name in the file."""
+
+    model_config = ConfigDict(frozen=True)
+
+    joint: Annotated[str, _NAME]
+    name: Annotated[str, _NAME] | None
+
+
+class JointChoices(RequestBody):
+    """Names that a person chose for joints of a document. Another joint with such a name gets the one in its file."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"items": [{"joint": "Hüfte", "name": "Root"}]}))
+
+    items: list[JointChoice] = Field(min_length=1, max_length=10_000)
+    remember: bool = Field(
+        False, description="Add the names to those that the project defines, for files imported later"
+    )

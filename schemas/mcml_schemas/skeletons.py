@@ -49,6 +49,7 @@ class SkeletonBone(BaseModel):
     name: str
     source_name: str = Field(description="As the file writes it")
     mapped: bool | None = Field(None, description="Whether the name is one of MCML's own")
+    confidence: float | None = Field(None, description="Of the name if it is a guess, 0 to 1")
     parent: int = Field(description="Index of the parent bone, -1 at a root; parents come first")
     side: Side = Field(description="By the names of the bone and of its partner")
     partner: int = Field(description="Index of the same bone of the other side; its own in the middle")

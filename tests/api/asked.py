@@ -117,6 +117,7 @@ CHANGING = {
     "make_changes": {"frames": [{"first": 2, "columns": ["Root.Rx"], "values": [[7.5]]}]},
     "split_document": {"at": [3]},
     "make_skeletons": {},
+    "name_joints": {"items": [{"joint": "Root", "name": "Root"}]},
     "add_comment": {"text": "@reader look"},
     "change_comment": {"text": "look again"},
     "keep_presence": {"doing": "editing"},

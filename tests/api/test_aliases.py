@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from fastapi.testclient import TestClient
 
 from mcml.files import shared_skeleton
 from mcml.motion.rigs.recognise import UNKNOWN, Recognition
-from tests.builders import MCML, bvh, upload
+from tests.builders import MCML, TRC, bvh, upload
 
 API = "/api/v1"
 RIG = ("Becken", "Wirbel", "LeftUpLeg", "Neck", "Neck1", "Haupt")
@@ -111,3 +113,74 @@ def test_documents_that_exist_get_the_names_of_today(client: TestClient, monkeyp
     assert client.post(f"{url}/undo", headers={"if-match": "*"}).status_code == 200
     assert names(client, before) == old
     assert names(client, before, 2)[3:5] == ["left_low_leg", "left_foot"]
+
+
+def test_joints_get_names_that_a_person_chooses(client: TestClient) -> None:
+    rig = ("Becken", "Wirbel", "LeftUpLeg", "LeftLeg", "LeftFoot", "Haupt")
+    done = upload(client, {"walk.bvh": bvh(5, names=rig)}, project="gait")
+    document = done["documents"][0]["id"]  # type: ignore[index]
+    url = f"{API}/documents/{document}"
+    old = names(client, document)
+    values = client.get(f"{url}/frames", params={"format": "npy"}).content
+
+    def put(match: str = "*", **choices: Any) -> Any:
+        items = [{"joint": joint, "name": name} for joint, name in choices.pop("items").items()]
+        return client.put(f"{url}/names", json={"items": items, **choices}, headers={"if-match": match})
+
+    # A name that another joint has goes to the chosen one; the other has the name of its file again.
+    taken = next(name for name in old if name == "left_foot")
+    made = put(items={"Wirbel": "waist", "left_low_leg": taken}, remember=True).json()
+    assert made["revision"] == 2
+    assert [(item["source"], item["after"]) for item in made["items"]] == [
+        ("Wirbel", "waist"), ("LeftLeg", "left_foot"), ("LeftFoot", "LeftFoot"),
+    ]  # fmt: skip
+    now = names(client, document)
+    assert [now[index] for index in (1, 3, 4)] == ["waist", "left_foot", "LeftFoot"]
+    bones = client.get(f"{url}/skeleton").json()["bones"]
+    assert [(bone["mapped"], bone["confidence"]) for bone in bones][1] == (True, None)
+    assert bones[4]["mapped"] is False
+    assert client.get(f"{url}/frames", params={"format": "npy"}).content == values
+    found = client.get(f"{API}/xpath", params={"q": "count(//frame_bone[@name='waist'])"}).json()
+    assert found["value"] == 5
+    # Remembered for later imports of the project.
+    table = client.get(f"{API}/aliases", params={"project": "gait"}).json()
+    assert [(item["source"], item["name"]) for item in table["items"]] == [
+        ("Wirbel", "waist"), ("LeftLeg", "left_foot"),
+    ]  # fmt: skip
+    again = upload(client, {"again.bvh": bvh(6, names=rig)}, project="gait")
+    assert names(client, again["documents"][0]["id"])[1] == "waist"  # type: ignore[index]
+    # Nothing to do is no revision; the name of the file comes back; undo takes names back.
+    assert put(items={"waist": "waist"}).json() == {"document": document, "revision": 2, "items": []}
+    assert [item["after"] for item in put(items={"waist": None}).json()["items"]] == ["Wirbel"]
+    assert client.post(f"{url}/undo", headers={"if-match": "*"}).status_code == 200
+    assert names(client, document)[1] == "waist"
+    assert put('"1"', items={"waist": None}).status_code == 412
+
+
+@pytest.mark.parametrize(
+    ("items", "what"),
+    [
+        ([("Tail", "Root")], "no joint 'Tail'"),
+        ([("Hips", "waste")], "Did you mean 'waist'"),
+        ([("Hips", "waist"), ("Neck", "waist")], "chosen for two joints"),
+    ],
+)
+def test_names_that_make_no_sense_are_refused(client: TestClient, items: list[tuple[str, str]], what: str) -> None:
+    rig = ("Hips", "Neck", "LeftUpLeg", "LeftLeg", "LeftFoot", "Haupt")
+    done = upload(client, {"walk.bvh": bvh(5, names=rig)})
+    document = done["documents"][0]["id"]  # type: ignore[index]
+    present = dict(zip(rig, names(client, document), strict=True))
+    body = {"items": [{"joint": present.get(joint, joint), "name": name} for joint, name in items]}
+    answer = client.put(f"{API}/documents/{document}/names", json=body, headers={"if-match": "*"})
+    assert answer.status_code == 422
+    assert what in f"{answer.json()['detail']} {answer.json()['remedy']}"
+    assert client.get(f"{API}/documents/{document}").json()["revision"] == 1
+
+
+def test_markers_keep_their_names(client: TestClient) -> None:
+    done = upload(client, {"points.trc": TRC})
+    document = done["documents"][0]["id"]  # type: ignore[index]
+    marker = names(client, document)[0]
+    body = {"items": [{"joint": marker, "name": "Root"}]}
+    answer = client.put(f"{API}/documents/{document}/names", json=body, headers={"if-match": "*"})
+    assert "Markers and blend shapes keep" in answer.json()["remedy"]

@@ -48,6 +48,7 @@ BY_HAND = {
     "mapping save": "edits.names:save",
     "mapping alias": "edits.names:alias",
     "names apply": "edits.names:apply",
+    "names set": "edits.names:set_names",
     "db upgrade": "store:upgrade",
     "db backup": "store:backup_",
     "db restore": "store:restore_",

@@ -305,6 +305,8 @@ _ROWS = [
               "Delete all joint names that a project has defined.", "edits.names", status=204),
     Operation("apply_names", "POST /documents/{id}/names", WRITES, EDIT,
               "Rename joints of a document as an import would name them now, as a revision.", "edits.names"),
+    Operation("name_joints", "PUT /documents/{id}/names", WRITES, EDIT,
+              "Give joints of a document names of MCML's, as a revision.", "edits.names"),
 
     # analyses; each of the catalogue has operations of its own, made by `analyses.offered`
     Operation("list_analyses", "GET /analyses", READS, READ,

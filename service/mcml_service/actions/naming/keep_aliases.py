@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from difflib import get_close_matches
 
 from mcml.errors import DocumentError
-from mcml.language.joint_names import alias_key, table
-from mcml_schemas.names import Alias, AliasTable
+from mcml.language.joint_names import alias_key, check_name, table
+from mcml_schemas.names import Alias, AliasTable, Rename
 from mcml_service.actions.checking.preconditions import check_match
 from mcml_service.storage.transaction import Transaction
 from mcml_service.storage.work.aliases import StoredAliases
@@ -16,16 +15,13 @@ from mcml_service.storage.work.aliases import StoredAliases
 def keep_aliases(
     tx: Transaction, project: str, items: Sequence[Alias], if_match: str | None, author: str
 ) -> StoredAliases:
-    """Save the aliases of a project. Raises DocumentError for names that are not MCML's, or for duplicates."""
-    known = [row.name for row in table()]
+    """Save the aliases of a project.
+
+    Raises VocabularyError for names that are not MCML's, DocumentError for duplicates.
+    """
     seen: dict[str, str] = {}
     for item in items:
-        if item.name not in known:
-            near = get_close_matches(item.name, known, 1)
-            raise DocumentError(
-                f"{item.name!r} is no joint of MCML.",
-                remedy=f"Did you mean {near[0]!r}?" if near else "GET /joint-names lists all 53.",
-            )
+        check_name(item.name)
         key = alias_key(item.source)
         if not key or "\0" in item.source:
             raise DocumentError(f"{item.source!r} is no name of a joint.", remedy="Give letters or digits.")
@@ -40,6 +36,16 @@ def keep_aliases(
     if present.version:
         check_match(if_match, present.version, "table of aliases", "version")
     return tx.aliases.put(project, tuple((item.source, item.name) for item in items), author)
+
+
+def add_aliases(tx: Transaction, project: str, renamed: Sequence[Rename], author: str) -> None:
+    """Add the names that joints were given to the aliases of a project; older aliases of the same joints go."""
+    known = {row.name for row in table()}
+    added = {alias_key(item.source): (item.source, item.after) for item in renamed if item.after in known}
+    if added:
+        tx.order()
+        kept = [pair for pair in tx.aliases.of(project).pairs if alias_key(pair[0]) not in added]
+        tx.aliases.put(project, (*kept, *added.values()), author)
 
 
 def remove_aliases(tx: Transaction, project: str, if_match: str | None) -> None:

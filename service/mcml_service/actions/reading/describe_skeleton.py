@@ -69,6 +69,7 @@ def describe_skeleton(tx: Transaction, stored: StoredDocument) -> SkeletonView:
                 name=joint.name,
                 source_name=joint.source_name,
                 mapped=joint.mapped,
+                confidence=None if joint.confidence is None else float(joint.confidence),
                 parent=joint.parent,
                 side=sides[index],
                 partner=others[index],

@@ -1,4 +1,4 @@
-"""Names of joints and motions: `mcml names apply`, `mcml mapping save`, `alias`, `mcml project vocabulary`."""
+"""Names of joints and motions: `mcml names apply`, `names set`, `mapping save`, `alias`, `mcml project vocabulary`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import typer
 from mcml.client.choosing import choose_documents, id_of
 from mcml.errors import NotFoundError
 from mcml_schemas.documents import DocumentSummary
-from mcml_schemas.names import Alias, AppliedNames, SavedAliases
+from mcml_schemas.names import Alias, AppliedNames, JointChoices, SavedAliases
 from mcml_schemas.querying.saved import VocabularyToSave, VocabularyWord
 from mcml_schemas.retarget import JointPair, SavedMapping
 from mcml_service.cli.terminal.choosing import IdsArgument, MotionNameOption, ProjectOption, XPathOption, for_each
@@ -84,6 +84,29 @@ def print_by_rig(made: list[AppliedNames]) -> None:
         console.print(f"{len(documents)} documents, such as {documents[0]}: {len(names)} names")
         for source, before, after in names:
             console.print(f"  {source}: {before} -> {after}")
+
+
+def set_names(
+    document: Annotated[str, typer.Argument(metavar="ID", help="Document")],
+    pairs: Annotated[
+        list[str], typer.Argument(help="JOINT=NAME, such as Hüfte=Root; JOINT= for the name that its file has")
+    ],
+    remember: Annotated[
+        bool, typer.Option("--remember", help="Use the names for later imports of the project too")
+    ] = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Give joints of a document names of MCML's, as a revision."""
+    if not all("=" in pair for pair in pairs):
+        raise typer.BadParameter("JOINT=NAME, such as Hüfte=Root")
+    write_to_the_end()
+    client = open_client(database, server)
+    items = [{"joint": joint, "name": name or None} for joint, _, name in (pair.rpartition("=") for pair in pairs)]
+    choices = JointChoices.model_validate({"items": items, "remember": remember})
+    made = client.call("name_joints", id=id_of(client, document), choices=choices, if_match="*")
+    present(OPERATIONS["name_joints"], made, as_json)
 
 
 def alias(

@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from mcml_schemas.examples import PROJECT
-from mcml_schemas.names import AliasTable, AppliedNames, SavedAliases
+from mcml_schemas.names import AliasTable, AppliedNames, JointChoices, SavedAliases
 from mcml_schemas.retarget import Mapping, MappingPage, SavedMapping
 from mcml_service.actions.checking.preconditions import check_match
 from mcml_service.actions.composing.keep_mapping import keep_mapping, mapping_answer
@@ -60,6 +60,18 @@ def apply_names(
     else:
         with call.database.write(call.author) as tx:
             stored, items = applying.apply_names(tx, find_for_write(tx, id, if_match))
+    return AppliedNames(document=id, revision=stored.revision, items=items)
+
+
+def name_joints(call: Call, id: DocumentId, choices: JointChoices, if_match: IfMatch = None) -> AppliedNames:
+    """`GET /joint-names` lists the names. Positions and rotations stay; questions, analyses and retargeting use the new
+    names.
+    """
+    with call.database.write(call.author) as tx:
+        before = find_for_write(tx, id, if_match)
+        stored, items = applying.name_joints(tx, before, choices.items)
+        if choices.remember:
+            keep_aliases.add_aliases(tx, stored.project, items, call.author)
     return AppliedNames(document=id, revision=stored.revision, items=items)
 
 

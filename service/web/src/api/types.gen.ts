@@ -1212,7 +1212,7 @@ export interface paths {
             cookie?: never;
         };
         get?: never;
-        put?: never;
+        put: operations["name_joints"];
         post: operations["apply_names"];
         delete?: never;
         options?: never;
@@ -3829,6 +3829,15 @@ export interface components {
             items: components["schemas"]["Job"][];
             next_cursor?: string | null;
         };
+        JointChoice: {
+            joint: string;
+            name: string | null;
+        };
+        JointChoices: {
+            items: components["schemas"]["JointChoice"][];
+            /** @default false */
+            remember: boolean;
+        };
         JointLimit: {
             joint: string;
             /** @enum {string} */
@@ -5294,6 +5303,7 @@ export interface components {
             name: string;
             source_name: string;
             mapped?: boolean | null;
+            confidence?: number | null;
             parent: number;
             /** @enum {string} */
             side: "left" | "right" | "centre";
@@ -11134,6 +11144,57 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    name_joints: {
+        parameters: {
+            query?: never;
+            header?: {
+                "if-match"?: string | null;
+            };
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["JointChoices"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AppliedNames"];
+                };
             };
             503: {
                 headers: {

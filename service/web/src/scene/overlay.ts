@@ -1,5 +1,5 @@
 /** What is drawn in two dimensions over the stage: rings and names of joints. */
-import type { Skeleton } from "../motion/body/skeleton";
+import { isGuess, type Skeleton } from "../motion/body/skeleton";
 
 const MOST_NAMED = 4; // selected joints: more names would cover one another
 
@@ -43,7 +43,9 @@ export function drawJoints(
     pen.lineWidth = 3;
     pen.strokeStyle = token("well");
     pen.strokeText(bone.name, at.x + 14, at.y);
-    pen.fillStyle = token(chosen ? "select" : "text2");
+    // Guessed names and joints without one differ from sure names.
+    const ink = isGuess(bone) ? "warn" : bone.mapped === false ? "text3" : "text2";
+    pen.fillStyle = token(chosen ? "select" : ink);
     pen.fillText(bone.name, at.x + 14, at.y);
   });
 }

@@ -3,6 +3,7 @@ import { entryOf, numberAt } from "../../lists";
 import type { Schemas } from "../../api/client";
 
 export type SkeletonView = Schemas["SkeletonView"];
+export type Bone = SkeletonView["bones"][number];
 export type Side = 0 | 1 | 2; // centre, left, right
 export const SIDE_TOKENS = ["centre", "left", "right"] as const;
 
@@ -23,6 +24,10 @@ export interface Skeleton {
   head: number; // a point, -1 where nothing is called so
   byName: Map<string, number>;
 }
+
+/** Whether the name of a joint is one of MCML's that the server guessed. */
+export const isGuess = (bone: Bone): boolean =>
+  Boolean(bone.mapped) && bone.confidence !== null && bone.confidence !== undefined;
 
 const SIDES: Record<string, Side> = { centre: 0, left: 1, right: 2 };
 const USUAL_HEIGHT = 1.7;

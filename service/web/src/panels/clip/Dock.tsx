@@ -50,7 +50,7 @@ export function Dock({ clip, reload }: { clip: Clip; reload: () => void }) {
         {open === "graph" && <Graph clip={clip} reload={reload} />}
         {open === "body" && <Body clip={clip} reload={reload} />}
         {open === "gait" && <Gait clip={clip} />}
-        {open === "structure" && <Structure clip={clip} />}
+        {open === "structure" && <Structure clip={clip} reload={reload} />}
         {open === "text" && <Text clip={clip} reload={reload} />}
         {open === "history" && <History clip={clip} reload={reload} />}
         {open === "comments" && <Comments clip={clip} />}

@@ -24,6 +24,9 @@ export const r = wordsOf(
     "help.nothingDiffers": "No frame differs.", "button.replaceFrames": "Replace frames", "label.framesDiffer": "Frames that differ",
     "label.jointsDiffer": "Joints that differ", "label.largestChange": "Largest change", "label.atFrame": "frame {n}",
     "label.motionReplaced": "Motion replaced: 1 frame|Motion replaced: {n} frames",
+    "label.jointName": "Joint name", "label.nameOfFile": "not recognised ({name})", "label.nameGuessed": "guess, confidence {n}",
+    "label.rememberName": "Also for later imports in this project", "label.jointRenamed": "{before} is now {after}",
+    "label.jointsRecognised": "{mapped} of {total} joints recognised", "label.namesGuessed": "1 guess|{n} guesses",
   },
   {
     "label.proposals": "제안", "label.proposalNumber": "제안 {n}", "label.proposed": "검토할 제안 {n}을(를) 만들었습니다",
@@ -48,6 +51,9 @@ export const r = wordsOf(
     "help.nothingDiffers": "다른 프레임이 없습니다.", "button.replaceFrames": "프레임 바꾸기", "label.framesDiffer": "다른 프레임",
     "label.jointsDiffer": "다른 관절", "label.largestChange": "가장 큰 변화", "label.atFrame": "프레임 {n}",
     "label.motionReplaced": "동작을 바꿨습니다: 프레임 {n}개",
+    "label.jointName": "관절 이름", "label.nameOfFile": "인식되지 않음({name})", "label.nameGuessed": "추측, 신뢰도 {n}",
+    "label.rememberName": "이 프로젝트에서 나중에 가져올 파일에도 사용", "label.jointRenamed": "{before}의 이름이 {after}(으)로 바뀌었습니다",
+    "label.jointsRecognised": "관절 {total}개 중 {mapped}개 인식됨", "label.namesGuessed": "추측 {n}개",
   },
 );
 

@@ -4,17 +4,19 @@ import { useEffect, useMemo, useRef } from "preact/hooks";
 import { tidy } from "../../../motion/body/hierarchy";
 import type { Vector } from "../../../motion/body/quaternions";
 import { vectorOf } from "../../../motion/body/shape";
-import { SIDE_TOKENS } from "../../../motion/body/skeleton";
+import { isGuess, SIDE_TOKENS, type Bone } from "../../../motion/body/skeleton";
 import type { Clip } from "../../../state/clip/clip";
 import { dockWide } from "../../../state/session/panes";
 import { number, w } from "../../../words";
+import { r } from "../words";
+import { JointName } from "./JointName";
 
 const LEVEL_LEAST = 34;
 const LEVEL_MOST = 74;
 const NAMES = 136; // px for the names of leaves
 const LEAF = 26;
 
-export function Structure({ clip }: { clip: Clip }) {
+export function Structure({ clip, reload }: { clip: Clip; reload: () => void }) {
   const { skeleton } = clip;
   const { bones } = skeleton.view;
   const layout = useMemo(() => tidy(bones.map((bone) => bone.parent)), [clip]);
@@ -88,7 +90,7 @@ export function Structure({ clip }: { clip: Clip }) {
                 }
               >
                 <circle cx={x} cy={y} r="10" fill="transparent" />
-                <circle cx={x} cy={y} r="4.5" fill={`var(--${SIDE_TOKENS[numberAt(skeleton.sides, index)]})`} />
+                <Dot bone={bone} x={x} y={y} ink={`var(--${SIDE_TOKENS[numberAt(skeleton.sides, index)]})`} />
                 {chosen && <circle cx={x} cy={y} r="8" fill="none" stroke="var(--select)" stroke-width="2" />}
                 {(leaf || chosen || at === undefined) && (
                   <text
@@ -107,15 +109,43 @@ export function Structure({ clip }: { clip: Clip }) {
         </svg>
       </div>
       {at !== undefined ? (
-        <BoneForm key={itemAt(bones, at).name} clip={clip} bone={at} />
+        <BoneForm key={itemAt(bones, at).name} clip={clip} bone={at} reload={reload} />
       ) : (
-        <p class="dim structure-hint">{w("help.selectJoint")}</p>
+        <p class="dim structure-hint">
+          {w("help.selectJoint")} <Recognised clip={clip} />
+        </p>
       )}
     </div>
   );
 }
 
-function BoneForm({ clip, bone }: { clip: Clip; bone: number }) {
+/** A joint: filled with a sure name, in a ring with a guessed one, hollow without. */
+function Dot({ bone, x, y, ink }: { bone: Bone; x: number; y: number; ink: string }) {
+  const named = bone.mapped !== false;
+  return (
+    <>
+      <circle cx={x} cy={y} r="4.5" fill={named ? ink : "var(--panel)"} stroke={ink} stroke-width={named ? 0 : 1.5} />
+      {isGuess(bone) && (
+        <circle cx={x} cy={y} r="7" fill="none" stroke="var(--warn)" stroke-width="1.5" stroke-dasharray="2 2" />
+      )}
+    </>
+  );
+}
+
+/** How many joints have a name of MCML's, and how many of these are guesses. */
+function Recognised({ clip }: { clip: Clip }) {
+  const joints = clip.skeleton.view.bones.filter((bone) => bone.convention !== "shape");
+  const guesses = joints.filter(isGuess).length;
+  if (clip.skeleton.view.markers) return null;
+  return (
+    <>
+      {r("label.jointsRecognised", { mapped: joints.filter((one) => one.mapped).length, total: joints.length })}
+      {guesses > 0 && <span class="guess">{r("label.namesGuessed", { n: guesses })}</span>}
+    </>
+  );
+}
+
+function BoneForm({ clip, bone, reload }: { clip: Clip; bone: number; reload: () => void }) {
   const { view } = clip.shape.value;
   const joint = itemAt(view.bones, bone);
   const stored = vectorOf(clip.skeleton.view, bone);
@@ -133,6 +163,9 @@ function BoneForm({ clip, bone }: { clip: Clip; bone: number }) {
         {joint.name}
         {joint.name !== joint.source_name && <span class="dim">{joint.source_name}</span>}
       </h2>
+      {joint.convention !== "marker" && joint.convention !== "shape" && (
+        <JointName clip={clip} bone={bone} reload={reload} />
+      )}
       <div class="info-row">
         <span>{w("label.parent")}</span>
         <button
