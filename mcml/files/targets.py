@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mcml.errors import UnsupportedError
-from mcml.formats import SKINNED, WRITERS
+from mcml.formats import SHAPED, SKINNED, WRITERS
 from mcml.language import joint_names
 from mcml.motion.clip import ClipStream
 from mcml.motion.conventions.blend_shapes import without_blend_shapes
@@ -61,7 +61,7 @@ def convert_clip(clip: ClipStream, name: str, names: str | None = None) -> ClipS
         clip = with_skeleton(clip)
     if convention is not None:
         clip = convert(clip, convention)
-    elif "blend_shapes" not in writer.needs:
+    elif name not in SHAPED:
         clip = without_blend_shapes(clip)
     if names:
         skeleton = joint_names.translate(clip.head.skeleton, names)

@@ -26,7 +26,7 @@ from mcml.formats.smpl.writer import SmplWriter
 from mcml.formats.trc.format import Trc
 from mcml.formats.usd.format import UsdReader
 
-__all__ = ["FORMATS", "NEEDED", "READERS", "SKINNED", "UNSUPPORTED", "WRITERS", "find_format"]
+__all__ = ["FORMATS", "NEEDED", "READERS", "SHAPED", "SKINNED", "UNSUPPORTED", "WRITERS", "find_format"]
 
 FORMATS: dict[str, Format] = {
     "bvh": Bvh(),
@@ -64,6 +64,9 @@ WRITERS: dict[str, Writer] = {
 
 SKINNED = frozenset({"glb", "usd", "usda"})
 """Formats that can hold a body with a skin."""
+
+SHAPED = frozenset({"glb", "arkit"})
+"""Formats that can hold weights of blend shapes, besides MCML and CSV."""
 
 NEEDED = {"glb": "pygltflib", "vrma": "pygltflib", "usd": "pxr", "usda": "pxr"}
 """Modules that formats need and that are not always installed, by format."""

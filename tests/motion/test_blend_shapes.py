@@ -77,7 +77,7 @@ def test_weights_are_smoothed_and_not_mixed() -> None:
         assert not np.array_equal(after[:2], before[:2])
 
 
-@pytest.mark.parametrize("name", ["bvh", "htr", "asf-amc", "glb", "usd", "c3d"])
+@pytest.mark.parametrize("name", ["bvh", "htr", "asf-amc", "usd", "c3d"])
 def test_formats_without_blend_shapes_leave_them_out_and_say_so(name: str) -> None:
     clip = convert_clip(face(), name)
     assert [joint.name for joint in clip.head.skeleton.joints if joint.name in ("JawOpen", "EyeBlinkLeft")] == []

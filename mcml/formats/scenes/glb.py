@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,11 +17,14 @@ from numpy.typing import NDArray
 
 from mcml.errors import ConversionError, UnsupportedError
 from mcml.formats.colours import to_linear
-from mcml.formats.format import FileKind
+from mcml.formats.format import FileKind, note
 from mcml.formats.scenes.body import Body, body_of
 from mcml.formats.scenes.stage import Stage, look_through, turn_to_y
 from mcml.motion.clip import ClipStream
+from mcml.motion.conventions.blend_shapes import joints_of
+from mcml.motion.frames import in_columns
 from mcml.motion.rotations import inverse, to_matrix
+from mcml.motion.skeleton import CHANNEL_INDEX
 
 if TYPE_CHECKING:
     from pygltflib import GLTF2
@@ -32,7 +35,9 @@ _LONGEST = (1 << 32) - 1
 _FLOAT, _SHORT, _INT = 5126, 5123, 5125
 _VERTICES, _INDICES = 34962, 34963
 _COLOUR = [0.36, 0.55, 0.78, 1.0]
-_WIDTH = {"rotation": 4, "translation": 3}
+_UNIT = "glTF takes them as metres"
+_TINY = 1e-6
+"""Metres."""
 
 
 class Glb:
@@ -50,7 +55,14 @@ class Glb:
 
     def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:
         need_library()
-        return write_stage(look_through(clip, "glTF", "glTF takes them as metres"))
+        if not clip.head.skeleton.blend_shapes:
+            return write_stage(look_through(clip, "glTF", _UNIT))
+        stage = look_through(joints_of(clip), "glTF", _UNIT)
+        columns = [(shape, CHANNEL_INDEX["weight"]) for shape in clip.head.skeleton.blend_shapes]
+        missing = sum(int(np.isnan(in_columns(block, columns)).sum()) for block in clip.blocks())
+        if missing:
+            note(clip.notices, "warning", f"{missing} weights of blend shapes are missing; the last value is written")
+        return write_stage(replace(stage, faces=clip))
 
 
 def need_library() -> None:
@@ -66,10 +78,14 @@ def need_library() -> None:
 
 @dataclass(frozen=True)
 class _Track:
-    """The rotation or the translation of one joint in every frame."""
+    """The rotation or the translation of a joint, or the weights of all blend shapes, in every frame.
 
-    joint: int
+    node: number of the node of the joint, or of the mesh with the shapes. width: how many numbers a frame has.
+    """
+
+    node: int
     path: str
+    width: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,12 +104,20 @@ def write_stage(stage: Stage, extensions: dict[str, Any] | None = None) -> Itera
     extensions: of the file, by their names; a file with extensions describes a motion alone and has no visible body.
     Raises ConversionError for files of more than 4 GiB.
     """
-    tracks = [_Track(joint, "rotation") for joint in np.flatnonzero(stage.turning).tolist()]
-    tracks += [_Track(joint, "translation") for joint in np.flatnonzero(stage.moving).tolist()]
+    tracks = [_Track(joint, "rotation", 4) for joint in np.flatnonzero(stage.turning).tolist()]
+    tracks += [_Track(joint, "translation", 3) for joint in np.flatnonzero(stage.moving).tolist()]
+    content = _Content()
+    model = _model(stage, content, extensions)
+    if stage.shapes:
+        tracks.append(_Track(_add_shapes(model, stage, content), "weights", len(stage.shapes)))
     if not stage.frames:
         tracks = []
-    content = _Content()
-    model = _model(stage, tracks, content, extensions)
+    if tracks:
+        _add_animation(model, stage, tracks, content)
+    import pygltflib as gltf
+
+    if content.length:
+        model.buffers = [gltf.Buffer(byteLength=content.length)]
     length = content.length
     text = model.to_json(separators=(",", ":")).encode("utf-8", "replace")
     text += b" " * (-len(text) % 4)
@@ -130,8 +154,8 @@ class _Content:
         return offset, length
 
 
-def _model(stage: Stage, tracks: list[_Track], content: _Content, extensions: dict[str, Any] | None) -> GLTF2:
-    """Return the JSON part, with references to the binary part."""
+def _model(stage: Stage, content: _Content, extensions: dict[str, Any] | None) -> GLTF2:
+    """Return the JSON part without its animation, with references to the binary part."""
     import pygltflib as gltf
 
     skeleton = stage.skeleton
@@ -159,10 +183,6 @@ def _model(stage: Stage, tracks: list[_Track], content: _Content, extensions: di
         model.extensions, model.extensionsUsed = extensions, list(extensions)
     elif len(skeleton):
         _add_body(model, stage, body_of(stage), content)
-    if tracks:
-        _add_animation(model, stage, tracks, content)
-    if content.length:
-        model.buffers = [gltf.Buffer(byteLength=content.length)]
     return model
 
 
@@ -211,6 +231,34 @@ def _add_body(model: GLTF2, stage: Stage, body: Body, content: _Content) -> None
     model.scenes[0].nodes.append(root + 1)
 
 
+def _add_shapes(model: GLTF2, stage: Stage, content: _Content) -> int:
+    """Add a mesh that carries the weights, and return its node: a clip has the names of its blend shapes alone, so the
+    mesh is a triangle too small to be seen, which they do not move.
+    """
+    import pygltflib as gltf
+
+    points = np.array([[0, 0, 0], [_TINY, 0, 0], [0, _TINY, 0]], np.float32)
+    places = _add_array(model, content, points, _FLOAT, "VEC3", _VERTICES)
+    moves = _add_array(model, content, np.zeros((3, 3)), _FLOAT, "VEC3", _VERTICES)
+    for accessor, values in ((places, points), (moves, np.zeros((1, 3)))):
+        model.accessors[accessor].min = values.min(axis=0).tolist()
+        model.accessors[accessor].max = values.max(axis=0).tolist()
+    primitive = gltf.Primitive(
+        attributes=gltf.Attributes(POSITION=places), targets=[gltf.Attributes(POSITION=moves) for _ in stage.shapes]
+    )
+    model.meshes.append(
+        gltf.Mesh(
+            name="blend shapes",
+            primitives=[primitive],
+            weights=[0.0] * len(stage.shapes),
+            extras={"targetNames": [_text(name) for name in stage.shapes]},
+        )
+    )
+    model.nodes.append(gltf.Node(name="blend shapes", mesh=len(model.meshes) - 1))
+    model.scenes[0].nodes.append(len(model.nodes) - 1)
+    return len(model.nodes) - 1
+
+
 def _add_array(model: GLTF2, content: _Content, values: NDArray[Any], kind: int, type: str, target: int | None) -> int:
     """Add an array that is written unchanged; return its accessor."""
     import pygltflib as gltf
@@ -236,17 +284,23 @@ def _add_animation(model: GLTF2, stage: Stage, tracks: list[_Track], content: _C
     view, start = len(model.bufferViews), content.length
     animation = gltf.Animation(name=_text(stage.title), channels=[], samplers=[])
     times = len(model.accessors)
-    for width, type in [(1, "SCALAR"), *((_WIDTH[track.path], f"VEC{_WIDTH[track.path]}") for track in tracks)]:
+    for track in (None, *tracks):
+        width = 1 if track is None else track.width
         offset, _ = content.reserve(4 * width * stage.frames)
+        is_plain = track is None or track.path == "weights"
         model.accessors.append(
             gltf.Accessor(
-                bufferView=view, byteOffset=offset - start, componentType=_FLOAT, count=stage.frames, type=type
+                bufferView=view,
+                byteOffset=offset - start,
+                componentType=_FLOAT,
+                count=stage.frames * (width if is_plain else 1),
+                type="SCALAR" if is_plain else f"VEC{width}",
             )
         )
     model.accessors[times].min, model.accessors[times].max = [0.0], [last]
     for number, track in enumerate(tracks):
         animation.samplers.append(gltf.AnimationSampler(input=times, output=times + 1 + number, interpolation="LINEAR"))
-        target = gltf.AnimationChannelTarget(node=track.joint, path=track.path)
+        target = gltf.AnimationChannelTarget(node=track.node, path=track.path)
         animation.channels.append(gltf.AnimationChannel(sampler=number, target=target))
     model.bufferViews.append(gltf.BufferView(buffer=0, byteOffset=start, byteLength=content.length - start))
     model.animations = [animation]
@@ -268,14 +322,15 @@ def _tracks(stage: Stage, tracks: list[_Track]) -> Iterator[bytes]:
     for pieces in _groups(tracks, stage.frames):
         at = 0
         last = max(piece.end for piece in pieces)
-        for translations, rotations in stage.blocks():
+        for translations, rotations, weights in stage.blocks_with_weights():
             end = at + len(translations)
             for piece in pieces:
                 first, behind = max(piece.first, at), min(piece.end, end)
                 if first < behind:
-                    source = rotations if piece.track.path == "rotation" else translations
-                    rows = source[first - at : behind - at, piece.track.joint]
-                    piece.values[first - piece.first : behind - piece.first] = rows
+                    rows, node = slice(first - at, behind - at), piece.track.node
+                    found = {"rotation": rotations, "translation": translations}.get(piece.track.path)
+                    values = weights[rows] if found is None else found[rows, node]
+                    piece.values[first - piece.first : behind - piece.first] = values
             at = end
             if at >= last:
                 break
@@ -288,7 +343,7 @@ def _groups(tracks: list[_Track], frames: int) -> Iterator[list[_Piece]]:
     group: list[_Piece] = []
     room = _AT_ONCE
     for track in tracks:
-        width = _WIDTH[track.path]
+        width = track.width
         first = 0
         while first < frames:
             count = min(frames - first, room // (4 * width))

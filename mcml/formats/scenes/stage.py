@@ -36,7 +36,8 @@ class Stage:
 
     metres: of a unit of length, up: "Y", "-Z" …; as stated, else a guess that a notice names, else None. seconds: of a
     frame. moving, turning: (J,) joints that leave their rest. size: the largest extent of the first frame, or of the
-    rest pose. character: whether a body with a skin is asked for: the own figure, or the body itself.
+    rest pose. character: whether a body with a skin is asked for: the own figure, or the body itself. faces: the clip
+    with blend shapes, which `clip` has not, None without any.
     """
 
     clip: ClipStream
@@ -50,6 +51,13 @@ class Stage:
     turning: NDArray[np.bool_]
     size: float
     character: bool | Character = False
+    faces: ClipStream | None = None
+
+    @property
+    def shapes(self) -> tuple[str, ...]:
+        """The names of blend shapes."""
+        skeleton = None if self.faces is None else self.faces.head.skeleton
+        return () if skeleton is None else tuple(skeleton.joints[shape].source_name for shape in skeleton.blend_shapes)
 
     @property
     def skeleton(self) -> Skeleton:
@@ -74,19 +82,27 @@ class Stage:
 
         Rotations are continuous: of the two quaternions for each, the one nearer to the previous frame's.
         """
-        hub = HubReader(self.skeleton, reading_of(self.clip.head))
+        return ((translations, rotations) for translations, rotations, _ in self.blocks_with_weights())
+
+    def blocks_with_weights(self) -> Iterator[tuple[Array, Array, Array]]:
+        """As `blocks`, and the weights (n, S) of the blend shapes; a missing one keeps its last value."""
+        clip = self.clip if self.faces is None else self.faces
+        skeleton = clip.head.skeleton
+        shapes = list(skeleton.blend_shapes)
+        joints = [index for index in range(len(skeleton)) if index not in shapes] if shapes else slice(None)
+        hub = HubReader(skeleton, reading_of(clip.head))
         last: Array | None = None
-        for block in self.clip.blocks():
+        for block in clip.blocks():
             if not len(block):
                 continue
             found = hub.read(block)
-            rotations = found.rotations
+            rotations = found.rotations[:, joints]
             before = np.concatenate([rotations[:1] if last is None else last[None], rotations[:-1]])
             apart = np.einsum("njk,njk->nj", before, rotations) < 0
             signs = np.where(np.cumsum(apart, axis=0) % 2 == 1, -1.0, 1.0)
             rotations = rotations * signs[:, :, None]
             last = rotations[-1]
-            yield found.translations, rotations
+            yield found.translations[:, joints], rotations, found.scales[:, shapes]
 
 
 def look_through(clip: ClipStream, title: str, taken_for: str) -> Stage:

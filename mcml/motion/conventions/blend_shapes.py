@@ -17,17 +17,22 @@ def without_blend_shapes(clip: ClipStream) -> ClipStream:
 
     Joints below a shape move to the joint above it. Raises ConversionError where nothing else is left.
     """
-    skeleton = clip.head.skeleton
-    if not skeleton.blend_shapes:
+    shapes = clip.head.skeleton.blend_shapes
+    if not shapes:
         return clip
-    kept = [index for index, joint in enumerate(skeleton.joints) if joint.convention is not Convention.BLEND_SHAPE]
-    if not kept:
+    if len(shapes) == len(clip.head.skeleton):
         raise ConversionError(
-            "the document holds blend shapes alone, which have no skeleton", remedy="Export it as CSV or MCML."
+            "the document holds blend shapes alone, which have no skeleton", remedy="Export it as CSV, glTF or MCML."
         )
-    notice = Notice(
-        "warning", f"{len(skeleton.blend_shapes)} blend shapes are left out: the format has no place for them"
-    )
+    notice = Notice("warning", f"{len(shapes)} blend shapes are left out: the format has no place for them")
+    bare = joints_of(clip)
+    return replace(bare, notices=[*clip.notices, notice])
+
+
+def joints_of(clip: ClipStream) -> ClipStream:
+    """The clip without its blend shapes, with the same list of notices. It may have no joints."""
+    skeleton = clip.head.skeleton
+    kept = [index for index, joint in enumerate(skeleton.joints) if joint.convention is not Convention.BLEND_SHAPE]
     place = {index: number for number, index in enumerate(kept)}
     head = replace(clip.head, skeleton=_keep_joints(skeleton, place))
 
@@ -35,7 +40,7 @@ def without_blend_shapes(clip: ClipStream) -> ClipStream:
         for block in clip.blocks():
             yield _keep_columns(block, place)
 
-    return ClipStream(head, blocks, clip.frames, [*clip.notices, notice])
+    return replace(clip, head=head, blocks=blocks)
 
 
 def _keep_joints(skeleton: Skeleton, place: dict[int, int]) -> Skeleton:
