@@ -72,7 +72,7 @@ def test_a_person_stands_at_rest(rig: KnownRig) -> None:
         assert at["Head"] @ upward == pytest.approx(1.56)
 
 
-def moved(source: ClipStream, rig: KnownRig) -> Retargeted:
+def retarget_to(source: ClipStream, rig: KnownRig) -> Retargeted:
     target = rig.clip()
     head, block = source.head, joined(source.blocks())
     matches = suggest_matches(head.skeleton, target.head.skeleton)
@@ -84,7 +84,7 @@ def moved(source: ClipStream, rig: KnownRig) -> Retargeted:
 @rigs
 def test_a_walk_arrives(rig: KnownRig) -> None:
     clip = turn_up(body.clip("walk", 170.0, *body.walk(170.0, 1.0, 1.0, 2.0)), "Y", rig.up)
-    made = moved(clip, rig)
+    made = retarget_to(clip, rig)
     parts = {part.what: part.mean for part in made.report.parts}
     assert {"left arm", "right arm", "left leg", "right leg", "hips", "trunk"} <= parts.keys()
     assert max(mean for part, mean in parts.items() if part.endswith((" arm", " leg"))) < 0.1
@@ -112,8 +112,8 @@ def test_poses_come_back_from_another_rig(rig: KnownRig) -> None:
     clip = ClipStream(rig.clip().head, lambda: iter([block]), 20)
     other = KNOWN_RIGS["smplx" if rig.name != "smplx" else "mixamo"]
     turned = turn_up(clip, rig.up, other.up)
-    there = ClipStream(other.clip().head, lambda: iter([moved(turned, other).block]), 20)
-    back = moved(turn_up(there, other.up, rig.up), rig)
+    there = ClipStream(other.clip().head, lambda: iter([retarget_to(turned, other).block]), 20)
+    back = retarget_to(turn_up(there, other.up, rig.up), rig)
     before = walked(skeleton, translations, rotations)[0]
     hub = HubReader(skeleton).read(back.block)
     after = walked(skeleton, hub.translations, hub.rotations)[0]

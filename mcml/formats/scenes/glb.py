@@ -104,6 +104,8 @@ def write_stage(stage: Stage, extensions: dict[str, Any] | None = None) -> Itera
     extensions: of the file, by their names; a file with extensions describes a motion alone and has no visible body.
     Raises ConversionError for files of more than 4 GiB.
     """
+    import pygltflib as gltf
+
     tracks = [_Track(joint, "rotation", 4) for joint in np.flatnonzero(stage.turning).tolist()]
     tracks += [_Track(joint, "translation", 3) for joint in np.flatnonzero(stage.moving).tolist()]
     content = _Content()
@@ -114,8 +116,6 @@ def write_stage(stage: Stage, extensions: dict[str, Any] | None = None) -> Itera
         tracks = []
     if tracks:
         _add_animation(model, stage, tracks, content)
-    import pygltflib as gltf
-
     if content.length:
         model.buffers = [gltf.Buffer(byteLength=content.length)]
     length = content.length

@@ -44,7 +44,7 @@ def written(clip: ClipStream) -> bytes:
     return b"".join(WRITERS["glb"].write(convert_clip(clip, "glb"), "glb"))
 
 
-def tracked(data: bytes) -> tuple[list[str], Array]:
+def read_track(data: bytes) -> tuple[list[str], Array]:
     """Names and weights (n, S) as pygltflib reads them."""
     model = pygltflib.GLTF2.load_from_bytes(data)
     (node,) = (number for number, one in enumerate(model.nodes) if one.name == "blend shapes")
@@ -68,7 +68,7 @@ def test_weights_are_found_again(frames: int, shapes: int, seed: int) -> None:
     names = [f"shape {number}" for number in range(shapes)]
     clip = with_shapes(clip_of(person(2, frames)), names, weights)
     data = written(clip)
-    told, found = tracked(data)
+    told, found = read_track(data)
     assert told == names
     np.testing.assert_array_equal(found, weights)
     if frames > 1:
@@ -90,7 +90,7 @@ def test_missing_weights_are_told() -> None:
     clip = with_shapes(clip_of(person(2, 3)), ["smile"], weights)
     made = convert_clip(clip, "glb")
     data = b"".join(WRITERS["glb"].write(made, "glb"))
-    np.testing.assert_allclose(tracked(data)[1][:, 0], [0.2, 0.2, 0.7], atol=1e-7)
+    np.testing.assert_allclose(read_track(data)[1][:, 0], [0.2, 0.2, 0.7], atol=1e-7)
     assert any("1 weights of blend shapes are missing" in notice.what for notice in made.notices)
 
 
@@ -103,7 +103,7 @@ def test_faces_without_joints_are_written() -> None:
     block = FrameBlock(weights, columns, (full_shape(columns),), np.arange(1, 4))
     head = replace(clip_of(person(2, 1)).head, skeleton=skeleton, frame_time="0.1")
     data = written(ClipStream(head, lambda: iter([block]), 3))
-    told, found = tracked(data)
+    told, found = read_track(data)
     assert told == ["a", "b"]
     np.testing.assert_array_equal(found, weights)
 
@@ -111,7 +111,7 @@ def test_faces_without_joints_are_written() -> None:
 def test_a_recorded_face_is_written(shared: Any) -> None:
     data = (shared / "arkit" / "alex_rom_3_600.csv").read_bytes()
     clip = read_clip("arkit", data)
-    names, found = tracked(written(clip))
+    names, found = read_track(written(clip))
     expected = weights_of(clip)
     assert names == list(expected)
     weights = np.column_stack(list(expected.values()))
