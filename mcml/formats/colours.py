@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from mcml.motion.skeleton import Array
 
-MOST_PIXELS = 1 << 26
-"""Of a picture that is read."""
+MOST_PIXELS = 1 << 27
+"""Of all pictures of a file that are read."""
 
 
 def to_srgb(linear: Array) -> NDArray[np.uint8]:
@@ -26,19 +26,30 @@ def to_linear(srgb: NDArray[np.uint8]) -> Array:
     return np.asarray(np.where(curve <= 0.04045, curve / 12.92, np.power((curve + 0.055) / 1.055, 2.4)))
 
 
-def read_picture(data: bytes) -> NDArray[np.uint8] | str:
-    """Return a picture in PNG or JPEG as (height, width, 3) of sRGB, or why it is not read."""
-    try:
-        from PIL import Image
-    except ImportError:
-        return "Pillow is not installed"
-    try:
-        with Image.open(io.BytesIO(data), formats=("PNG", "JPEG")) as picture:
-            if picture.width * picture.height > MOST_PIXELS:
-                return "they are too large"
-            return np.asarray(picture.convert("RGB"), np.uint8)
-    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
-        return "they are damaged"
+class Pictures:
+    """Reads the pictures of one file, of `MOST_PIXELS` together. left_out: why others were not read."""
+
+    def __init__(self) -> None:
+        self.left_out: set[str] = set()
+        self._room = MOST_PIXELS
+
+    def read(self, data: bytes) -> NDArray[np.uint8] | None:
+        """Return a PNG or JPEG as (height, width, 3) of sRGB; None, with the reason, where it is not read."""
+        try:
+            from PIL import Image
+        except ImportError:
+            self.left_out.add("Pillow is not installed")
+            return None
+        try:
+            with Image.open(io.BytesIO(data), formats=("PNG", "JPEG")) as picture:
+                if picture.width * picture.height > self._room:
+                    self.left_out.add("they are too large")
+                    return None
+                self._room -= picture.width * picture.height
+                return np.asarray(picture.convert("RGB"), np.uint8)
+        except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
+            self.left_out.add("they are damaged")
+            return None
 
 
 def sample_picture(picture: NDArray[np.uint8], at: Array) -> Array:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.errors import FormatError, McmlError, Notice
-from mcml.formats.colours import read_picture, sample_picture
+from mcml.formats.colours import Pictures, sample_picture
 from mcml.formats.format import Limits, ReadOptions, SourceFile
 from mcml.formats.scenes.apart import invert_affine, make_rig, multiply_affine, read_head
 from mcml.formats.scenes.make_clip import turn_up
@@ -116,7 +116,9 @@ class _MeshReader:
         self.skinning.notices += head["notices"]
         self.up = head["up"]
         self.meshes = meshes
-        self.pictures = [self._decode(data) for data in pictures]
+        decoder = Pictures()
+        self.pictures = [decoder.read(data) for data in pictures]
+        self.skinning.notices += [f"textures are left out: {why}" for why in sorted(decoder.left_out)]
 
     def read(self) -> RiggedCharacter:
         parts = [part for mesh in self.meshes if (part := self._part(mesh)) is not None]
@@ -193,13 +195,6 @@ class _MeshReader:
                 # The origin of FBX is the lower left corner; a picture takes the place of the colour.
                 colours[chosen] = sample_picture(picture, uv[chosen] * [1, -1] + [0, 1])
         return colours
-
-    def _decode(self, data: bytes) -> NDArray[np.uint8] | None:
-        found = read_picture(data)
-        if isinstance(found, str):
-            self.skinning.notices.append(f"textures are left out: {found}")
-            return None
-        return found
 
 
 def _triangulate(sizes: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.errors import FormatError
-from mcml.formats.colours import read_picture, sample_picture, to_linear
+from mcml.formats.colours import Pictures, sample_picture, to_linear
 from mcml.formats.gltf.document import Document, as_number, as_numbers
 from mcml.motion.skeleton import Array
 
@@ -25,7 +25,8 @@ class Colours:
     def __init__(self, document: Document) -> None:
         self._document = document
         self._images: dict[int, NDArray[np.uint8] | None] = {}
-        self.left_out: set[str] = set()
+        self._pictures = Pictures()
+        self.left_out = self._pictures.left_out
 
     def of(self, material: object, count: int, uv: dict[int, Array]) -> Array:
         """(count, 3) linear base colours of the vertices of a primitive.
@@ -70,11 +71,7 @@ class Colours:
         if data is None:
             self.left_out.add("they are in files that are not sent along")
             return None
-        found = read_picture(data)
-        if isinstance(found, str):
-            self.left_out.add(found)
-            return None
-        return found
+        return self._pictures.read(data)
 
     def _bytes(self, facts: dict[str, Any]) -> bytes | None:
         uri = facts.get("uri")

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from mcml.errors import FormatError, LimitError, McmlError
+from mcml.formats import colours
 from mcml.formats.fbx import meshes
 from mcml.formats.fbx.format import Fbx
 from mcml.formats.format import ReadOptions, SourceFile
@@ -138,6 +139,17 @@ def test_pictures_colour_the_vertices() -> None:
     assert np.unique(np.asarray(character.colours)[~low], axis=0).tolist() == [[0, 0, 255]]
     found = read(fbx_text(skin=replace(PRISM, uv=uv, picture=b"no picture")))
     assert [notice.what for notice in found.notices] == ["textures are left out: they are damaged"]
+
+
+def test_pictures_are_bounded_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    image = pytest.importorskip("PIL.Image")
+    stream = io.BytesIO()
+    image.new("RGB", (10, 10)).save(stream, "PNG")
+    monkeypatch.setattr(colours, "MOST_PIXELS", 250)
+    pictures = colours.Pictures()
+    found = [pictures.read(stream.getvalue()) for _ in range(3)]
+    assert [picture is not None for picture in found] == [True, True, False]
+    assert pictures.left_out == {"they are too large"}
 
 
 def test_files_without_a_skin_have_no_character(shared: Path) -> None:
