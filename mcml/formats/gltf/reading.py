@@ -93,12 +93,12 @@ class SceneReading:
     def _take(self, number: int, tracks: list[Track], notices: list[str]) -> Take:
         rate, shown = find_rate(tracks)
         if self.options.rate is not None:
-            rate = self.options.rate
+            rate, shown = self.options.rate, False
         elif not shown:
             notices = [*notices, f"the keys show no rate: they are sampled {rate:g} times a second; `rate` changes it"]
         span = max(float(track.times[-1]) for track in tracks) - min(float(track.times[0]) for track in tracks)
         self.options.limits.check_size(int(min(span * rate, 1e15)) + 1, 6 * len(self.joints))
-        times = frame_times(tracks, rate)
+        times = frame_times(tracks, rate, shown)
         by_node: dict[int, dict[str, Track]] = {}
         for track in tracks:
             by_node.setdefault(track.node, {})[track.path] = track

@@ -19,8 +19,10 @@ from mcml.motion.skeleton import Array
 
 WIDTH = {"translation": 3, "rotation": 4, "scale": 3}
 _MODES = ("LINEAR", "STEP", "CUBICSPLINE")
-_USUAL = (24.0, 25.0, 29.97, 30.0, 48.0, 50.0, 60.0, 90.0, 100.0, 120.0, 240.0)
+_USUAL = (23.976, 24.0, 25.0, 29.97, 30.0, 48.0, 50.0, 59.94, 60.0, 90.0, 100.0, 119.88, 120.0, 240.0)
 DEFAULT_RATE, LEAST_RATE = 30.0, 10.0
+_NEAR = 0.01
+"""Part of a frame by which a key may be beside it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,29 +128,55 @@ def _read_track(document: Document, sampler: dict[str, Any], node: int, path: st
 def find_rate(tracks: list[Track]) -> tuple[float, bool]:
     """Frames a second by the distances of keys, and whether they show one.
 
-    The rate is 1 / the median distance where 90 % of all distances are whole multiples of it within 1 %, and is taken
-    to the nearest usual one within 0.1 %. 30 where the keys show none, or less than 10 a second.
+    They do where 90 % of all distances are whole multiples of their median within 1 %. The rate is that of the whole
+    span of the longest track, or 1 / the median where other keys are between its frames, and is taken to the nearest
+    usual one within 0.1 % if this moves no frame by more than half a per cent of one. Tracks of two keys, a begin and
+    an end, count only where none has more: two frames. 30 where the keys show none, or less than 10 a second.
     """
-    steps = [np.diff(track.times) for track in tracks if len(track.times) >= 3]
+    least = min(3, max((len(track.times) for track in tracks), default=0))
+    steps = [np.diff(track.times) for track in tracks if len(track.times) >= least]
     steps = [step[step > 0] for step in steps]
     together = np.concatenate(steps) if steps else np.empty(0)
     if not len(together):
         return DEFAULT_RATE, False
     step = float(np.median(together))
-    ratio = together / step
-    whole = (np.abs(ratio - np.round(ratio)) <= 0.01) & (np.round(ratio) >= 1)
-    rate = 1 / step
-    if whole.mean() < 0.9 or rate < LEAST_RATE:
+    if _are_whole(together / step).mean() < 0.9 or 1 / step < LEAST_RATE:
         return DEFAULT_RATE, False
+    longest = max(steps, key=len)
+    if _are_whole(longest / step).all():
+        step = float(longest.sum() / np.round(longest / step).sum())
+    rate = 1 / step
     near = min(_USUAL, key=lambda usual: abs(usual - rate))
-    return (near if abs(near - rate) <= 0.001 * near else rate), True
+    first, last = _span(tracks)
+    moved = abs(near - rate) * (last - first)
+    usual = abs(near - rate) <= 0.001 * near and moved <= _NEAR / 2 + rate * _rounding(last)
+    return (near if usual else rate), True
 
 
-def frame_times(tracks: list[Track], rate: float) -> Array:
-    """(n,) seconds of the frames: from the first key of all tracks to the last."""
-    first = min(float(track.times[0]) for track in tracks)
-    last = max(float(track.times[-1]) for track in tracks)
-    # Rates are rounded to usual ones, and times to single precision: over long clips this adds up to parts of a frame.
-    span = (last - first) * rate
-    count = int(np.floor(span * (1 + 1e-5) + 1e-3)) + 1
-    return np.asarray(first + np.arange(count) / rate)
+def _are_whole(ratio: Array) -> NDArray[np.bool_]:
+    return np.asarray((np.abs(ratio - np.round(ratio)) <= 0.01) & (np.round(ratio) >= 1))
+
+
+def _span(tracks: list[Track]) -> tuple[float, float]:
+    return min(float(track.times[0]) for track in tracks), max(float(track.times[-1]) for track in tracks)
+
+
+def _rounding(time: float) -> float:
+    """Seconds to the next time in single precision, in which glTF has its keys."""
+    return float(np.spacing(np.float32(abs(time))))
+
+
+def frame_times(tracks: list[Track], rate: float, shown: bool) -> Array:
+    """(n,) seconds of the frames: from the first key of all tracks to the last. shown: by the keys, not asked for.
+
+    A frame that is no farther from a key of the longest track than single precision explains, or than 1 % of a frame
+    where the keys show the rate, has the time of this key, and so its values without interpolation.
+    """
+    first, last = _span(tracks)
+    near = 2 * _rounding(last) + (_NEAR / rate if shown else 0)
+    times = first + np.arange(int(np.floor((last - first + near) * rate)) + 1) / rate
+    keys = max((track.times for track in tracks), key=len)
+    place = np.clip(np.searchsorted(keys, times), 1, max(1, len(keys) - 1))
+    for beside in (place - 1, np.minimum(place, len(keys) - 1)):
+        times = np.where(np.abs(keys[beside] - times) <= near, keys[beside], times)
+    return np.asarray(times)

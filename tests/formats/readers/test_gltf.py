@@ -9,6 +9,8 @@ import struct
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation, Slerp
 
@@ -147,6 +149,10 @@ def test_rates_are_found_by_the_distances_of_keys() -> None:
     gaps = np.delete(np.arange(100), [7, 8, 30]) / 60
     assert rate_of(gaps) == (60.0, True)
     assert rate_of(np.array([0.0, 0.5])) == (30.0, False)
+    assert rate_of(np.array([1.0, 1 + 1 / 60])) == (60.0, True)
+    ends = Track(1, "translation", "STEP", np.array([0.0, 1 / 25]), np.zeros((2, 3)))
+    others = Track(0, "translation", "LINEAR", np.arange(9) / 60, np.zeros((9, 3)))
+    assert find_rate([ends, others]) == (60.0, True)
     assert rate_of(np.cumsum(np.random.default_rng(1).uniform(0.01, 0.09, 50))) == (30.0, False)
     assert rate_of(np.arange(9) / 2) == (30.0, False)
 
@@ -237,10 +243,30 @@ def test_any_byte_may_be_wrong() -> None:
             read_clip("glb", data[:end])
 
 
+@settings(deadline=None)
+@given(
+    st.sampled_from([23.976, 24.0, 29.97, 30.0, 59.94, 60.0, 119.88, 120.0]) | st.floats(10.5, 500),
+    st.integers(2, 20000),
+    st.floats(0, 100),
+    st.sampled_from([1.0, 2e-6, -2e-6]),
+)
+def test_frames_are_the_keys_at_any_rate(rate: float, count: int, start: float, wrong: float) -> None:
+    """59.94 is not read as 60: over a long clip frames would lie between keys. Writers round their frame times."""
+    step = (1 + (wrong if abs(wrong) < 1 else 0)) / rate
+    times = (start + np.arange(count) * step).astype(np.float32).astype(float)
+    track = Track(0, "weights", "LINEAR", times, np.arange(count, dtype=float)[:, None])
+    found, shown = find_rate([track])
+    assert shown
+    # Two keys at 100 s have their distance within 1e-5 s.
+    assert found == pytest.approx(rate, rel=1e-2 / count + 3e-6 + 2e-5 * rate / (count - 1))
+    frames = frame_times([track], found, shown)
+    np.testing.assert_array_equal(track.sample(frames)[:, 0], np.arange(count))
+
+
 def test_the_last_frame_of_a_long_clip_is_there() -> None:
     """A frame time of 0.0083333 is read as 120 Hz, and 993 of them end before the 993rd frame at that rate."""
     times = (np.arange(994) * 0.0083333).astype(np.float32).astype(float)
     track = Track(0, "rotation", "LINEAR", times, np.tile([0.0, 0.0, 0.0, 1.0], (994, 1)))
-    rate, _ = find_rate([track])
+    rate, shown = find_rate([track])
     assert rate == 120
-    assert len(frame_times([track], rate)) == 994
+    assert len(frame_times([track], rate, shown)) == 994
