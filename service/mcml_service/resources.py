@@ -23,6 +23,12 @@ def common_passwords_path() -> Path:
 
 
 @cache
+def login_words_path() -> Path:
+    """Sentences of the sign-in pages in the languages beside English: language, English sentence, translation."""
+    return _PACKAGE / "login_words.json"
+
+
+@cache
 def studio_path() -> Path:
     """The folder of the studio: `static`, which is served, once it is built, and pages.json."""
     return find_resource(_PACKAGE, "web")

@@ -1,4 +1,4 @@
-"""A page of the studio is a row, a component and words in both languages: all that leads to it follows."""
+"""A page of the studio is a row, a component and words in all languages: all that leads to it follows."""
 
 from __future__ import annotations
 
@@ -74,6 +74,11 @@ def test_a_page_of_the_studio(copy: PatchedCopy, among_others: bool) -> None:
         "service/web/src/words/ko.ts",
         '  "label.library": "라이브러리",',
         '  "label.juggling": "저글링", "button.goJuggling": "저글링으로 가기",\n',
+    )
+    copy.put(
+        "service/web/src/words/ja.ts",
+        '  "label.library": "ライブラリ",',
+        '  "label.juggling": "ジャグリング", "button.goJuggling": "ジャグリングへ移動",\n',
     )
     assert len(copy.touched) == count_named_files("a page of the studio"), sorted(copy.touched)
     if among_others:

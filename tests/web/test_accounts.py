@@ -19,7 +19,7 @@ WORDS = "four words in a row"
 def join(page: Any, name: str) -> None:
     page.get_by_label("Name").fill(name)
     page.get_by_label("Password").fill(WORDS)
-    page.get_by_role("button", name="Make the account").click()
+    page.get_by_role("button", name="Create account").click()
     page.wait_for_url(lambda url: "/login" not in url)
 
 

@@ -52,7 +52,7 @@ def test_a_lead_invites_and_reviews(visit: Visit, studio: Served) -> None:
         second.goto(address)
         second.get_by_label("Name").fill("lee")
         second.get_by_label("Password").fill(WORDS)
-        hand.press(second.get_by_role("button", name="Make the account"))
+        hand.press(second.get_by_role("button", name="Create account"))
         second.wait_for_url(lambda url: "/login" not in url)
         second.goto(f"{studio.url}/library")
         hand.press(second.get_by_role("gridcell", name=re.compile("walk")))

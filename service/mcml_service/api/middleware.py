@@ -17,10 +17,10 @@ from starlette.exceptions import HTTPException
 from mcml.errors import McmlError, SpaceError
 from mcml_service.api.authentication import SHARED, Authentication, foreign_name, is_own_page
 from mcml_service.api.forwarded import as_the_client_sent_it
+from mcml_service.api.login_pages import LOGIN_PATH, LoginPages
 from mcml_service.api.logs import begin_request, requests
 from mcml_service.api.policy import DEFAULTS, ONLY_TLS
 from mcml_service.api.problems import answer, plain
-from mcml_service.api.sessions import LOGIN_PATH, login_page
 from mcml_service.api.traffic import FOLLOWING, Traffic
 from mcml_service.settings import Settings
 
@@ -143,7 +143,8 @@ class Guard:
         try:
             refusal = refuse(scope, headers)
             if refusal is not None and refusal.status_code == 401 and _is_page(scope, headers):
-                return login_page(LOGIN_WORDS, status=401, then=scope["path"], provider=self.provider)
+                pages = LoginPages(headers.get("accept-language", ""), self.provider)
+                return pages.login(LOGIN_WORDS, status=401, then=scope["path"])
             return refusal
         except McmlError as error:
             return answer(error)

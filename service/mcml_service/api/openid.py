@@ -16,7 +16,8 @@ from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import RedirectResponse
 
 from mcml.errors import AccessError, AttemptsError, ConflictError, NotFoundError, RequestError
-from mcml_service.api.sessions import LOGIN_PATH, begin_session, join_page, login_page, safe_path
+from mcml_service.api.login_pages import LOGIN_PATH
+from mcml_service.api.sessions import begin_session, pages_for, safe_path
 from mcml_service.passwords import check_name
 from mcml_service.settings import Settings
 from mcml_service.storage.counting import count_attempt, forget_attempts
@@ -113,10 +114,11 @@ def back(
         person = _person(database.for_call(database.view, address), settings, _claims(settings, http, code, flow), flow)
         forget_attempts(database, {"address": address})
     except (AccessError, AttemptsError, RequestError, ConflictError, NotFoundError) as refusal:
-        why = f"{refusal.what} {refusal.remedy or ''}"
+        shown = pages_for(http)
+        why = shown.explain(refusal)
         if flow is not None and flow["invitation"]:
-            return join_page(http, "invitation", flow["invitation"], why, status=403)
-        return login_page(why, status=429 if isinstance(refusal, AttemptsError) else 403, provider=settings.openid)
+            return shown.join("invitation", flow["invitation"], why, status=403)
+        return shown.login(why, status=429 if isinstance(refusal, AttemptsError) else 403)
     response = RedirectResponse(flow["then"], 303)
     response.delete_cookie(FLOW_COOKIE, path=START, httponly=True, samesite="lax")
     with database.write("session") as tx:

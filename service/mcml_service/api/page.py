@@ -30,6 +30,7 @@ _STYLE = """
 }
 body { margin: 0; background: var(--bg); color: var(--text);
   font: 14px/1.45 system-ui, "Segoe UI", Roboto, "Apple SD Gothic Neo", "Malgun Gothic", "Noto Sans KR", sans-serif }
+body:lang(ja) { font-family: "Hiragino Sans", "Yu Gothic UI", "Noto Sans JP", Meiryo, sans-serif }
 main { max-width: 1040px; margin: 0 auto; padding: 32px 24px }
 h1 { font-size: 24px; margin: 0 0 4px }
 h2 { font-size: 15px; margin: 28px 0 8px }
@@ -48,7 +49,7 @@ label input { display: block; box-sizing: border-box; width: 100%; margin: 4px 0
 .other a { display: block; padding: 7px 12px; border: 1px solid var(--edge); border-radius: 6px; color: var(--text);
   text-align: center; text-decoration: none }
 .other a:hover { background: var(--panel) }
-label + button { margin-top: 16px; width: 100% }
+p + button { margin-top: 4px; width: 100% }
 details { margin: 20px 0; color: var(--dim) }
 summary { cursor: pointer; margin-bottom: 12px }
 input { border-color: var(--edge) }
@@ -60,10 +61,10 @@ pre { background: var(--panel); padding: 12px; overflow: auto; border-radius: 6p
 """
 
 
-def page(title: str, body: str, *, status: int = 200, forms: bool = False) -> HTMLResponse:
-    """A page in the plain style. forms: it may send forms to this server."""
+def page(title: str, body: str, *, status: int = 200, forms: bool = False, language: str = "en") -> HTMLResponse:
+    """A page in the plain style. forms: it may send forms to this server. language: HTML's `lang`."""
     return HTMLResponse(
-        f"""<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{title}</title>
+        f"""<!doctype html><html lang="{language}"><head><meta charset="utf-8"><title>{title}</title>
 <meta name="viewport" content="width=device-width,initial-scale=1"><style>{_STYLE}</style></head><body><main>
 {body}
 </main></body></html>""",

@@ -3,9 +3,7 @@ are about HTTP itself."""
 
 from __future__ import annotations
 
-import html
 from typing import Annotated
-from urllib.parse import urlencode
 
 from fastapi import APIRouter, Form, Header, Query, Request, Response
 from fastapi.responses import HTMLResponse, RedirectResponse
@@ -14,45 +12,18 @@ from mcml.errors import AccessError, AttemptsError, ConflictError, NotFoundError
 from mcml_schemas.team.sessions import SessionOpened, SessionRequest
 from mcml_schemas.team.shares import Shared, SharedMotion, SharedRequest
 from mcml_service.api.authentication import SHARED, cookie_name, share_cookie_name
-from mcml_service.api.page import page
+from mcml_service.api.login_pages import LOGIN_PATH, LoginPages
 from mcml_service.passwords import check_name, hash_password, opens
 from mcml_service.settings import Settings
 from mcml_service.storage.counting import count_attempt, forget_attempts
 from mcml_service.storage.database import Database
 from mcml_service.storage.team.sessions import SESSION_HOURS
 
-LOGIN_PATH = "/login"
 NOTHING_SAID = SessionRequest()
 
 router = APIRouter(tags=["session"])
 pages = APIRouter(include_in_schema=False)
 
-FORM = """<h1>MCML Repository</h1><p>{why}</p>
-<form method="post" action="{path}"><input type="hidden" name="then" value="{then}">
-<p><label>Name <input name="name" autocomplete="username" size="24" autofocus></label></p>
-<p><label>Password <input name="password" type="password" autocomplete="current-password" size="24"></label>
-<button>Log in</button></p></form>{signing}
-<details><summary>With a token</summary><form method="post" action="{path}">
-<input type="hidden" name="then" value="{then}">
-<p><label>Token <input name="token" type="password" autocomplete="off" size="52"></label>
-<button>Open</button></p></form></details>
-<p>The administrator of the server invites people and creates tokens: <code>mcml account invite</code>,
-<code>mcml token add NAME</code>.</p>"""
-
-JOIN = """<h1>MCML Repository</h1><p>{why}</p>
-<form method="post" action="{path}"><input type="hidden" name="{kind}" value="{code}">
-<p><label>Name <input name="name" autocomplete="username" size="24" maxlength="64" required autofocus></label></p>
-<p><label>Password <input name="password" type="password" autocomplete="new-password" size="24" minlength="10"
-maxlength="256" required></label> <button>Make the account</button></p></form>
-<p>A password has ten characters or more. Revisions carry the name.</p>"""
-
-FOLLOW = """<h1>MCML Repository</h1><p>This link opens the repository once, in this browser.</p>
-<form method="post" action="{path}"><input type="hidden" name="link" value="{link}">
-<button>Open</button></form>"""
-
-SIGN_IN = """<p class="other"><a href="{address}">Sign in with {name}</a></p>"""
-
-FIRST = "This server has no owner yet. Create the first account; it becomes the owner."
 INVITED = "You are invited to this repository."
 
 
@@ -121,11 +92,14 @@ def login(
     then: Annotated[str, Query()] = "/",
 ) -> HTMLResponse:
     """Show the sign-in page, for a name and a password, or a token; or follow a link or an invitation."""
+    shown = pages_for(http)
     if invitation is not None:
-        return join_page(http, "invitation", invitation, INVITED)
+        return shown.join("invitation", invitation, INVITED)
     if link is not None:
-        return page("MCML Repository", _follow_link(http, link), forms=True)
-    return login_page("An account opens it.", then=then, provider=_provider(http))
+        # The first account is offered if there is none, and access without an account.
+        with http.app.state.repository.database.read() as tx:
+            return shown.follow(link, first=not tx.accounts.have_owner())
+    return shown.login("Sign in to open the repository.", then=then)
 
 
 @pages.post(LOGIN_PATH)
@@ -143,11 +117,11 @@ def post_login(
         request = SessionRequest(token=token, name=name, password=password, link=link, invitation=invitation)
         _, secret = _open_session(http, request)
     except (AccessError, AttemptsError, RequestError, ConflictError, NotFoundError) as error:
-        why = f"{error.what} {error.remedy or ''}"
+        shown = pages_for(http)
+        why = shown.explain(error)
         if invitation or (link and name is not None):
-            return join_page(http, "invitation" if invitation else "link", invitation or link or "", why, status=403)
-        status = 429 if isinstance(error, AttemptsError) else 403
-        return login_page(why, status=status, then=then, provider=_provider(http))
+            return shown.join("invitation" if invitation else "link", invitation or link or "", why, status=403)
+        return shown.login(why, status=429 if isinstance(error, AttemptsError) else 403, then=then)
     response = RedirectResponse(safe_path(then), 303)
     begin_session(http, response, secret)
     return response
@@ -158,42 +132,9 @@ def safe_path(then: str) -> str:
     return then if then.startswith("/") and not then.startswith(("//", "/\\")) else "/"
 
 
-def login_page(why: str, *, status: int = 200, then: str = "/", provider: str | None = None) -> HTMLResponse:
-    """The page that lets a browser in. provider: with which one signs in, too."""
-    texts = {"why": html.escape(why), "path": LOGIN_PATH, "then": html.escape(then)}
-    shown = FORM.format(**texts, signing=_signing(provider, then=then))
-    return page("MCML Repository", shown, status=status, forms=True)
-
-
-def join_page(http: Request, kind: str, code: str, why: str, *, status: int = 200) -> HTMLResponse:
-    """The page on which an account is made."""
-    shown = JOIN.format(why=html.escape(why), path=LOGIN_PATH, kind=kind, code=html.escape(code))
-    shown += _signing(_provider(http), **{kind: code})
-    return page("MCML Repository", shown, status=status, forms=True)
-
-
-def _provider(http: Request) -> str | None:
+def pages_for(http: Request) -> LoginPages:
     settings: Settings = http.app.state.repository.settings
-    return settings.openid
-
-
-def _signing(provider: str | None, **carried: str) -> str:
-    """Return the link to the provider, with values that come back from there."""
-    if provider is None:
-        return ""
-    return SIGN_IN.format(address=html.escape(f"{LOGIN_PATH}/openid?{urlencode(carried)}"), name=html.escape(provider))
-
-
-def _follow_link(http: Request, link: str) -> str:
-    """Follow a sign-in link: it offers the first account if there is none, and access without an account."""
-    with http.app.state.repository.database.read() as tx:
-        first = not tx.accounts.have_owner()
-    follow = FOLLOW.format(path=LOGIN_PATH, link=html.escape(link))
-    if not first:
-        return follow
-    join = JOIN.format(why=FIRST, path=LOGIN_PATH, kind="link", code=html.escape(link))
-    join += _signing(_provider(http), link=link)
-    return join + follow.replace("<h1>MCML Repository</h1><p>", "<h2>Or without an account</h2><p>")
+    return LoginPages(http.headers.get("accept-language", ""), settings.openid)
 
 
 def _open_session(http: Request, request: SessionRequest) -> tuple[str, str]:
@@ -250,7 +191,7 @@ def _log_in(database: Database, name: str, password: str) -> tuple[str, str]:
         person = tx.accounts.find(name)
     # An unknown name takes as long.
     if not opens(password, None if person is None else person.password) or person is None or person.closed is not None:
-        raise AccessError("This is no name and password of an account.", remedy="Check both.")
+        raise AccessError("Name or password is wrong.", remedy="Check both.")
     with database.write("session") as tx:
         return person.name, tx.sessions.open_for(person)
 
@@ -259,7 +200,7 @@ def _exchange_token(database: Database, token: str | None) -> tuple[str, str]:
     with database.write("session") as tx:
         entry = tx.tokens.entry(token) if token else None
         if entry is None:
-            raise AccessError("This token opens nothing.", remedy="Check it; `mcml token list` shows the names of all.")
+            raise AccessError("This token is not valid.", remedy="Check it; `mcml token list` shows the names of all.")
         return entry.author, tx.sessions.open(entry.author, tx.tokens.name(token or ""))
 
 

@@ -1,5 +1,5 @@
 /** The bar: where one is, one box to find anything, jobs, language, theme. */
-import { language, theme } from "../state/session/settings";
+import { LANGUAGES, language, languages, theme } from "../state/session/settings";
 import { page } from "../state/session/route";
 import { Icon } from "../ui/icons";
 import { Menu } from "../ui/Menu";
@@ -56,12 +56,13 @@ export function Bar() {
           label={w("label.language")}
           className="chip"
           side="right"
-          items={[
-            { text: "English", checked: language.value === "en", run: () => (language.value = "en") },
-            { text: "한국어", checked: language.value === "ko", run: () => (language.value = "ko") },
-          ]}
+          items={languages.map((known) => ({
+            text: LANGUAGES[known].name,
+            checked: language.value === known,
+            run: () => (language.value = known),
+          }))}
         >
-          {language.value === "ko" ? "한" : "EN"}
+          {LANGUAGES[language.value].mark}
         </Menu>
         <Menu
           label={w("label.theme")}

@@ -1,12 +1,13 @@
-/** Words in the language of the page. Both tables have the same keys by type: one that misses fails the build. */
-import { language } from "../state/session/settings";
+/** Words in the language of the page. All tables have the same keys by type: one that misses fails the build. */
+import { type Language, language } from "../state/session/settings";
 import { en } from "./en";
+import { ja } from "./ja";
 import { ko } from "./ko";
 
 export type Words = typeof en;
 export type Word = keyof Words;
 
-const TABLES: Record<"en" | "ko", Words> = { en, ko };
+const TABLES: Record<Language, Words> = { en, ko, ja };
 
 /** A sentence with its values. "one|many" chooses by `n`. */
 export const w = (word: Word, values: Record<string, string | number> = {}): string =>

@@ -1,18 +1,20 @@
 // @vitest-environment happy-dom
 import { entryOf, itemAt } from "../lists";
 import { describe, expect, it } from "vitest";
-import { language } from "../state/session/settings";
+import { type Language, language, languages } from "../state/session/settings";
 import { duration, rate, w } from ".";
 import { en } from "./en";
+import { ja } from "./ja";
 import { ko } from "./ko";
 
 const holes = (text: string) => [...new Set(text.match(/\{\w+\}/g) ?? [])].sort();
 
 type Table = Record<string, string>;
-const panels = import.meta.glob<Record<string, { en: Table; ko: Table }>>("../panels/*/words.ts", { eager: true });
+type Tables = Record<Language, Table>;
+const panels = import.meta.glob<Record<string, Tables>>("../panels/*/words.ts", { eager: true });
 const sources = Object.values(
   import.meta.glob<string>(
-    ["../**/*.{ts,tsx}", "../../pages.json", "!../**/*.test.*", "!./{en,ko}.ts", "!../**/words.ts"],
+    ["../**/*.{ts,tsx}", "../../pages.json", "!../**/*.test.*", "!./{en,ko,ja}.ts", "!../**/words.ts"],
     {
       eager: true,
       query: "?raw",
@@ -27,17 +29,15 @@ const quoted = new Set(parts(/["'`]([\w.-]+)["'`]/g));
 const begins = parts(/`(\w+\.\w+)\$\{[^`]*`/g);
 const ends = parts(/`\w+\.\$\{[^`]*\}(\w+)`/g);
 
-const tables: [string, Table, Table][] = [
-  ["shared", en, ko],
+const tables: [string, Tables][] = [
+  ["shared", { en, ko, ja }],
   ...Object.entries(panels).flatMap(([file, found]) =>
-    Object.values(found).map(({ en, ko }): [string, Table, Table] => [file, en, ko]),
+    Object.values(found).map(({ en, ko, ja }): [string, Tables] => [file, { en, ko, ja }]),
   ),
 ];
-const all = tables.flatMap(([file, english, korean]) =>
-  Object.keys(english).map((word) => [file, word, english, korean] as const),
-);
+const all = tables.flatMap(([file, table]) => Object.keys(table.en).map((word) => [file, word, table] as const));
 
-const SENTENCE = /[.?]$/;
+const SENTENCE = /[.?。？]$/;
 /** The verbs that buttons begin with. */
 const VERBS = new Set(
   (
@@ -49,10 +49,10 @@ const VERBS = new Set(
   ).split(" "),
 );
 
-describe("the words of both languages", () => {
-  it.each(all)("%s %s: the same values stand in both sentences, one or two forms", (_, word, en, ko) => {
-    expect(holes(entryOf(ko, word))).toEqual(holes(entryOf(en, word)));
-    for (const table of [en, ko]) {
+describe("the words of all languages", () => {
+  it.each(all)("%s %s: the same values stand in all sentences, one or two forms", (_, word, tables) => {
+    for (const table of languages.map((known) => tables[known])) {
+      expect(holes(entryOf(table, word))).toEqual(holes(entryOf(tables.en, word)));
       const forms = entryOf(table, word).split("|");
       expect(forms.length).toBeLessThanOrEqual(2);
       expect(forms.every((form) => form.trim() === form && form !== "")).toBe(true);
@@ -62,15 +62,15 @@ describe("the words of both languages", () => {
   });
 
   it("keep the rules of their kind, which their key begins with", () => {
-    const wrong = all.flatMap(([file, word, english, korean]) => {
+    const wrong = all.flatMap(([file, word, tables]) => {
       const kind = word.split(".")[0];
-      const forms = [english, korean].flatMap((table) => entryOf(table, word).split("|"));
+      const forms = languages.flatMap((known) => entryOf(tables[known], word).split("|"));
       const sentences = forms.filter((form) => SENTENCE.test(form)).length;
       const keeps =
         kind === "help" || kind === "error"
           ? sentences === forms.length
           : (kind === "label" || kind === "button") && sentences === 0;
-      const isCommand = VERBS.has(entryOf(english, word).split(/[ |]/)[0] ?? "");
+      const isCommand = VERBS.has(entryOf(tables.en, word).split(/[ |]/)[0] ?? "");
       return keeps && (kind !== "button" || isCommand) ? [] : [`${file} ${word}`];
     });
     expect(wrong).toEqual([]);
@@ -88,7 +88,8 @@ describe("the words of both languages", () => {
   });
 
   it("have the same keys", () => {
-    for (const [, english, korean] of tables) expect(Object.keys(korean).sort()).toEqual(Object.keys(english).sort());
+    for (const [, table] of tables)
+      for (const known of languages) expect(Object.keys(table[known]).sort()).toEqual(Object.keys(table.en).sort());
   });
 
   it("are filled with numbers as each language writes them", () => {

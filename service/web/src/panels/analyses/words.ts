@@ -19,4 +19,13 @@ export const a = wordsOf(
     "label.moreRows": "외 {n}행", "help.noArray": "이 부분에는 그릴 값이 없습니다.", "label.keptAs": "결과로 저장했습니다", "button.saveClip": "클립으로 저장", "label.clipName": "클립 이름",
     "label.allValues": "값", "button.download": "{format}(으)로 다운로드", "label.by": "{analysis}, {when}",
   },
+  {
+    "help.intro": "クリップの分析を実行し、その結果を使います。",
+    "help.window": "{name} で開きます。", "label.clipsWord": "クリップ", "label.parameters": "オプション", "label.nameOfResult": "結果の名前",
+    "help.needs": "クリップを {least} から {most} 件使います。", "help.tooFew": "{n} クリップ以上を選んでください。", "button.start": "{name} を実行", 
+    "label.recent": "結果(新しい順)", "help.noResults": "結果はまだありません。", "label.parts": "構成要素", "label.operations": "操作", "button.apply": "適用",
+    "label.madeFrom": "{n} クリップから作成", "button.deleteResult": "結果を削除", "label.resultDeleted": "結果を削除しました", "label.storedAs": "クリップとして保存しました", "label.playIt": "生成されたモーション",
+    "label.moreRows": "ほか {n} 行", "help.noArray": "この部分には描画できる値がありません。", "label.keptAs": "結果として保存しました", "button.saveClip": "クリップとして保存", "label.clipName": "クリップ名",
+    "label.allValues": "値", "button.download": "{format} としてダウンロード", "label.by": "{analysis}、{when}",
+  },
 );

@@ -29,4 +29,18 @@ export const f = wordsOf(
     "label.weak": "2차원 지도는 근사입니다", "label.tauCurve": "임계값을 고른 방법", "label.correlation": "상관", "label.stress": "스트레스", "label.stretch": "늘임", "help.stretchHelp": "늘임: 직선에 대한, 연결을 따라가는 경로의 길이.", "button.save": "클립으로 저장", "label.saved": "{name}: 저장했습니다", "button.export": "내보내기", "label.picture": "그림", "label.clipName": "클립 이름",
     "button.add": "경로에 추가", "label.markersUsed": "마커", "label.leftOut": "{n}개 제외", "label.pathOf": "표정 사이",
   },
+  {
+    "label.title": "表情空間", "help.intro": "表情の地図の上で顔のアニメーションを作ります。選んだ表情の間の経路がアニメーションになります。",
+    "help.missing": "このライブラリには、まだマーカーのあるクリップがありません。", "help.needs": "共通のマーカーが 4 個以上ある顔マーカーのクリップ(C3D、TRC)が必要です。", "button.build": "地図を作成", "label.building": "作成中: {stage}",
+    "label.recent": "地図(新しい順)", "help.none": "地図はまだありません。", "label.options": "オプション", "label.level": "レベル", "label.candidates": "{n} 表情", "label.levelOf": "選べる表情 {n} 個",
+    "label.links": "リンク", "label.linksHidden": "リンク {n} 本: 多すぎて描けません", "label.takes": "クリップ", "label.allTakes": "すべてのクリップ", "label.mapLabel": "{n} フレームの地図", "button.fit": "地図全体を表示",
+    "label.face": "表情", "label.markersSkin": "マーカー", "label.surfaceSkin": "表面", "label.meshSkin": "独自のメッシュ", "button.openMesh": "メッシュを開く (OBJ、GLB)", "error.badMesh": "このファイルにメッシュがありません。OBJ または GLB ファイルを開いてください。",
+    "label.shown": "{take}、フレーム {frame}", "label.path": "経路", "help.pathHelp": "地図で表情をクリックし、次にリンクされた表情をクリックします。", "label.keyOf": "表情 {n}", "button.removeKey": "表情 {n} を削除",
+    "label.linkedTo": "{n} mm", "help.notLinked": "このレベルではリンクされていません。", "help.route": "{n} 個の表情を経由、{mm} mm です。", "button.takeRoute": "この経路を使用", "help.noRoute": "このレベルでは到達できません。細かいレベルほどリンクが多くなります。",
+    "button.walk": "アニメーションを作成", "label.walking": "アニメーションを作成中", "label.total": "{mm} mm", "label.version": "バージョン {n}", "label.versions": "バージョン", "button.newPath": "新しい経路", "label.speed": "速度", "label.loop": "往復", "label.smooth": "滑らか",
+    "label.refine": "細分化", "label.offered": "近くに {n} 個の表情を提案", "button.auto": "自動で細分化", "label.detour": "{mm} mm 長い", "help.noOffers": "このレベルに提案はありません。", "label.bound": "上限",
+    "label.thisMap": "この地図", "label.frames": "フレーム", "label.framesOf": "{takes} クリップの {frames}", "label.threshold": "しきい値", "label.thresholdOf": "{mm} mm", "label.unbroken": "すべて連結", "label.bridges": "橋渡し {n} 本", "label.fits": "当てはまり", "label.fitOf": "r {r}、ストレス {stress}",
+    "label.weak": "2 次元の地図は近似です", "label.tauCurve": "しきい値の決め方", "label.correlation": "相関", "label.stress": "ストレス", "label.stretch": "伸び", "help.stretchHelp": "伸び: リンクに沿う経路の長さの、直線に対する比です。", "button.save": "クリップとして保存", "label.saved": "{name} を保存しました", "button.export": "エクスポート", "label.picture": "画像", "label.clipName": "クリップ名",
+    "button.add": "経路に追加", "label.markersUsed": "マーカー", "label.leftOut": "{n} 個を除外", "label.pathOf": "表情の間",
+  },
 );

@@ -17,4 +17,12 @@ export const i = wordsOf(
     "label.moreWarnings": "외 경고 {n}개", "label.reportCopied": "가져오기 보고서를 복사했습니다",
     "button.showReport": "보고서 보기", "button.hideReport": "보고서 접기", "button.selectImported": "가져온 클립 {n}개 모두 선택", "button.copyReport": "CSV 복사", "button.saveReport": "CSV 다운로드", "button.cancelFile": "{name} 취소",
   },
+  {
+    "label.file": "ファイル", "label.outcome": "結果", "label.message": "メッセージ", "label.actions": "操作", "label.findings": "検出内容", "label.all": "すべて",
+    "label.underway": "処理中", "label.refused": "インポート失敗", "label.warned": "警告あり", "label.existing": "既存", "label.stored": "インポート済み", "label.cancelled": "キャンセル済み",
+    "label.foldersBy": "フォルダー分け", "label.noFolders": "フォルダーなし", "label.folders": "フォルダー", "button.closeFolders": "フォルダーなしで全クリップを表示", "help.noFolders": "このフィルターのもとで値を持つクリップはありません。", "help.mostFolders": "最初の {n} フォルダーを表示しています。ほかを見るにはクリップを絞り込んでください。",
+    "label.filtersActive": "フィルター、{n} 件有効", "button.showClips": "{n} クリップを表示",
+    "label.moreWarnings": "ほか警告 {n} 件", "label.reportCopied": "インポート結果をコピーしました",
+    "button.showReport": "結果を表示", "button.hideReport": "結果を隠す", "button.selectImported": "インポートした {n} クリップをすべて選択", "button.copyReport": "CSV をコピー", "button.saveReport": "CSV をダウンロード", "button.cancelFile": "{name} をキャンセル",
+  },
 );

@@ -27,4 +27,17 @@ export const m = wordsOf(
     "button.save": "클립으로 저장", "label.newClip": "새 클립", "label.defaultName": "모션 매칭", "label.saved": "{name} 저장됨", "button.open": "열기",
     "label.steeringKeys": "조종", "label.forward": "앞으로", "label.back": "뒤로", "label.left": "왼쪽", "label.right": "오른쪽",
   },
+  {
+    "help.intro": "身体が経路やゲームパッドに従い、多くのクリップのフレームをたどります。各瞬間に、最もよくつながるフレームを再生します。",
+    "help.needs": "歩行、方向転換、停止を含む、単位のわかった 1 種類のスケルトンのクリップを選んでください。12 クリップほどで始められます。",
+    "label.clips": "クリップ", "label.loading": "{all} 件中 {n} 件を読み込み中", "label.library": "{n} クリップ、{minutes} 分",
+    "label.leftOut": "{n} クリップを除外", "help.onlyFirst": "最初の {minutes} 分のみ読み込みました。",
+    "label.stage": "身体", "button.play": "再生", "button.stop": "一時停止", "button.anew": "最初からやり直す",
+    "label.speed": "速度 (m/s)",
+    "help.drive": "W A S D、矢印キー、またはゲームパッド。地図に経路を描くこともできます。", "label.map": "地図: ドラッグして経路を描く", "label.paths": "経路",
+    "label.circle": "円", "label.square": "四角", "label.eight": "8 の字",
+    "label.state": "{seconds} 秒、つなぎ {n} 回", "label.distance": "経路から {metres} m", "label.arrived": "経路の終わりに到達", "label.full": "記録がいっぱいです: 保存するか、最初からやり直してください",
+    "button.save": "クリップとして保存", "label.newClip": "新しいクリップ", "label.defaultName": "モーションマッチング", "label.saved": "{name} を保存しました", "button.open": "開く",
+    "label.steeringKeys": "操縦", "label.forward": "前", "label.back": "後ろ", "label.left": "左", "label.right": "右",
+  },
 );

@@ -211,15 +211,15 @@ function Row({ event }: { event: Event }) {
       <span class="cut" title={event.origin ? s("label.from", { origin: event.origin }) : undefined}>
         {event.author}
       </span>
-      {/* Korean says what it was done to first. */}
+      {/* Only English says what was done before what it was done to. */}
       <span class="activity-what">
-        {language.value === "ko" ? (
+        {language.value === "en" ? (
           <>
-            <About event={event} /> {did}
+            {did} <About event={event} />
           </>
         ) : (
           <>
-            {did} <About event={event} />
+            <About event={event} /> {did}
           </>
         )}
       </span>

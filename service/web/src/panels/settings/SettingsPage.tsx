@@ -5,7 +5,7 @@ import { get } from "../../api/client";
 import { subject } from "../../state/session/shell";
 import { lazy } from "../../ui/lazy";
 import { route } from "../../state/session/route";
-import { language, singleKeys, swapSides, theme, timeAs } from "../../state/session/settings";
+import { LANGUAGES, language, languages, singleKeys, swapSides, theme, timeAs } from "../../state/session/settings";
 import { useAsync } from "../../ui/useAsync";
 import { w, type Word } from "../../words";
 import { Account } from "./Account";
@@ -102,10 +102,7 @@ function Browser() {
       <Segments
         label={w("label.language")}
         value={language}
-        options={[
-          ["en", "English"],
-          ["ko", "한국어"],
-        ]}
+        options={languages.map((known) => [known, LANGUAGES[known].name])}
       />
       <span>{w("label.sides")}</span>
       <Segments

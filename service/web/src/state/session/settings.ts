@@ -24,10 +24,20 @@ export function kept<T>(name: string, initial: T): Signal<T> {
 }
 
 export type Theme = "dark" | "light" | "system";
-export type Language = "en" | "ko";
+/** The languages of the words, each by its own name and the mark of its button. */
+export const LANGUAGES = {
+  en: { name: "English", mark: "EN" },
+  ko: { name: "한국어", mark: "한" },
+  ja: { name: "日本語", mark: "日" },
+} as const;
+export type Language = keyof typeof LANGUAGES;
+export const languages = Object.keys(LANGUAGES) as Language[];
 
 export const theme = kept<Theme>("theme", "system");
-export const language = kept<Language>("language", navigator.language.startsWith("ko") ? "ko" : "en");
+export const language = kept<Language>(
+  "language",
+  languages.find((known) => navigator.language.startsWith(known)) ?? "en",
+);
 export const railWide = kept("rail", false);
 export const singleKeys = kept("singleKeys", true);
 export const swapSides = kept("swapSides", false);
