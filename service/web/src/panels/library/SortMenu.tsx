@@ -24,7 +24,7 @@ export function SortMenu() {
   return (
     <span class="row sort">
       <Menu label={w("label.sort")} className="button quiet" items={items}>
-        {w(COLUMNS[order.column].word)}
+        <span class="cut">{w(COLUMNS[order.column].word)}</span>
         <Icon name="down" />
       </Menu>
       <button

@@ -20,7 +20,7 @@ export const i = wordsOf(
   {
     "label.file": "ファイル", "label.outcome": "結果", "label.message": "メッセージ", "label.actions": "操作", "label.findings": "検出内容", "label.all": "すべて",
     "label.underway": "処理中", "label.refused": "インポート失敗", "label.warned": "警告あり", "label.existing": "既存", "label.stored": "インポート済み", "label.cancelled": "キャンセル済み",
-    "label.foldersBy": "フォルダー分け", "label.noFolders": "フォルダーなし", "label.folders": "フォルダー", "button.closeFolders": "フォルダーなしで全クリップを表示", "help.noFolders": "このフィルターのもとで値を持つクリップはありません。", "help.mostFolders": "最初の {n} フォルダーを表示しています。ほかを見るにはクリップを絞り込んでください。",
+    "label.foldersBy": "分類", "label.noFolders": "フォルダーなし", "label.folders": "フォルダー", "button.closeFolders": "フォルダーなしで全クリップを表示", "help.noFolders": "このフィルターのもとで値を持つクリップはありません。", "help.mostFolders": "最初の {n} フォルダーを表示しています。ほかを見るにはクリップを絞り込んでください。",
     "label.filtersActive": "フィルター、{n} 件有効", "button.showClips": "{n} クリップを表示",
     "label.moreWarnings": "ほか警告 {n} 件", "label.reportCopied": "インポート結果をコピーしました",
     "button.showReport": "結果を表示", "button.hideReport": "結果を隠す", "button.selectImported": "インポートした {n} クリップをすべて選択", "button.copyReport": "CSV をコピー", "button.saveReport": "CSV をダウンロード", "button.cancelFile": "{name} をキャンセル",
