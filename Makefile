@@ -31,7 +31,7 @@ $(STAMP): pyproject.toml requirements-dev.lock
 
 install: $(STAMP) ## Make .venv with the program and what its tests need
 
-web: $(STAMP) ## Build the studio, where its sources changed
+web: $(STAMP) ## Build the studio and the guide, where their sources changed
 	@$(BIN)/python service/web/build.py
 
 run: web ## Serve the repository on 127.0.0.1:8000, with a demo library on first start
@@ -45,7 +45,7 @@ slow: web ## Run the tests that take seconds each: several servers, killed proce
 	@$(BIN)/python -m tests.web.keeper install
 	$(PYTEST) -m slow
 
-check: $(STAMP) ## Style, types, layers, spelling, plain English, the same of the studio, known faults of packages
+check: $(STAMP) ## Style, types, layers, spelling, plain English, the same of the studio, links of the guide, known faults of packages
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -53,6 +53,7 @@ check: $(STAMP) ## Style, types, layers, spelling, plain English, the same of th
 	$(BIN)/codespell service schemas mcml docs tests README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md
 	@$(BIN)/python -m tests.docs.english
 	@$(BIN)/python -m tests.web.keeper
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict --site-dir $(VENV)/guide
 	@$(BIN)/python -m tests.release.audit
 
 audit: $(STAMP) ## Ask for known faults of the packages that are locked; to be run each day
@@ -70,11 +71,12 @@ bench: $(STAMP) ## Measure speed against named peers (installs them)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group bench
 	$(BIN)/python -m benchmarks
 
-docs: $(STAMP) ## Make again what comes from catalogues: tables in docs/, types of the API for the studio and for Python
+docs: $(STAMP) ## Make again what comes from catalogues: tables in docs/, types of the API for studio and Python; then the guide
 	$(BIN)/python -m tests.docs.generate
 	$(BIN)/python -m tests.docs.signatures
 	@$(BIN)/ruff format --quiet mcml/client/operations.pyi
 	$(BIN)/python -m tests.web.types
+	$(BIN)/python service/web/build.py
 
 lock: $(STAMP) ## Lock the versions that make install and Docker take (UPGRADE=1: the newest)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group lock

@@ -22,7 +22,7 @@ from mcml_service.actions.exporting.write_tables import TYPES
 from mcml_service.actions.importing.import_pool import ImportPool
 from mcml_service.actions.keeping.keep_room import forget_activity
 from mcml_service.actions.keeping.purge_documents import finish_purges
-from mcml_service.api import description, events, health, openid, page, problems, sessions, studio
+from mcml_service.api import description, events, guide, health, openid, page, problems, sessions, studio
 from mcml_service.api.admission import Admission
 from mcml_service.api.authentication import Authentication
 from mcml_service.api.file_names import read_names_in_forms
@@ -165,7 +165,7 @@ def _routes() -> list[BaseRoute]:
     # Requests for pages and health checks may have unknown parameters.
     for part in (health.router, page.router, studio.router, sessions.pages, openid.router):
         pages.include_router(part)
-    return [*router.routes, *pages.routes]
+    return [*router.routes, *pages.routes, *guide.ROUTES]
 
 
 def app_from_environment() -> FastAPI:

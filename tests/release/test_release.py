@@ -39,6 +39,7 @@ def test_a_wheel_holds_all_of_the_house_and_nothing_else(built: dict[str, Path])
         "mcml/_data/mcml.dtd",
         "mcml_service/_data/web/pages.json",
         "mcml_service/_data/web/static/index.html",
+        "mcml_service/_data/web/static/guide/index.html",
     } < held
     migrations = {path.name for path in (ROOT / "migrations/versions").glob("*.py")}
     assert {f"mcml_service/_data/migrations/versions/{name}" for name in migrations} <= held

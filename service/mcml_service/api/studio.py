@@ -41,7 +41,8 @@ ENCODINGS = (("br", ".br"), ("gzip", ".gz"))
 NOT_BUILT = """<h1>MCML Repository</h1>
 <p>The server runs. The studio, its face in the browser, is not built here: <code>make run</code> builds it,
 <code>python service/web/build.py</code> too.</p>
-<p><a href="/docs">API reference</a> · <a href="/mcml.dtd">mcml.dtd</a> · <a href="/api/v1/documents">documents</a></p>
+<p><a href="/docs/guide">Documentation</a> · <a href="/docs">API reference</a> ·
+<a href="/mcml.dtd">mcml.dtd</a> · <a href="/api/v1/documents">documents</a></p>
 <pre>curl -F file=@walk.bvh -F label=walk {base}/api/v1/documents
 mcml import walk.bvh --label walk --server {base}</pre>"""
 

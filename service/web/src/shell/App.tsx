@@ -127,8 +127,12 @@ function Rail() {
     <nav class={`rail ${railWide.value ? "wide" : ""} ${drawerOpen.value ? "open" : ""}`} aria-label={w("label.menu")}>
       {railItems("top")}
       <span class="grow" />
-      <a class="rail-item" href="/docs" title={w("label.apiReference")}>
+      <a class="rail-item" href="/docs/guide" title={w("label.guide")}>
         <Icon name="help" />
+        <span>{w("label.guide")}</span>
+      </a>
+      <a class="rail-item" href="/docs" title={w("label.apiReference")}>
+        <Icon name="code" />
         <span>{w("label.apiReference")}</span>
       </a>
       {railItems("end")}

@@ -9,7 +9,7 @@ export const en = {
   "error.noWhole": "Enter a whole number.", "error.noJson": "Unbalanced brackets or quotes.", "label.propertyField": "Property", "button.usePicked": "Use the selected clip|Use the {n} selected clips",
   "button.chooseOthers": "Choose other clips", "label.pictureWord": "Picture", "button.picturesFor": "Download as an image", "label.results": "Results",
   "label.product": "MCML Repository",
-  "label.library": "Library", "label.xpath": "XPath", "label.compose": "Composer", "label.retarget": "Retarget", "label.settings": "Settings", "label.apiReference": "API reference",
+  "label.library": "Library", "label.xpath": "XPath", "label.compose": "Composer", "label.retarget": "Retarget", "label.settings": "Settings", "label.guide": "Documentation", "label.apiReference": "API reference",
   "label.skip": "Skip to content", "label.menu": "Pages", "button.pin": "Show labels", "button.unpin": "Show icons only",
   "label.searchAll": "Search clips, labels, //xpath", "label.palette": "Search everything", "help.nothingFound": "No results.",
   "label.help": "Keyboard shortcuts", "button.close": "Close", "button.again": "Retry", "button.cancel": "Cancel", "label.more": "More", "button.copy": "Copy", "label.copied": "Copied", "help.copiedToken": "Copied. The lines read a token from MCML_TOKEN: create one in Settings.", "help.linesToken": "These lines read a token from MCML_TOKEN: create one in Settings.",

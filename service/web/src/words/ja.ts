@@ -11,7 +11,7 @@ export const ja: typeof en = {
   "error.noWhole": "整数を入力してください。", "error.noJson": "括弧または引用符が対応していません。", "label.propertyField": "プロパティ", "button.usePicked": "選択中の {n} クリップを使用",
   "button.chooseOthers": "別のクリップを選択", "label.pictureWord": "画像", "button.picturesFor": "画像としてダウンロード", "label.results": "結果",
   "label.product": "MCML Repository",
-  "label.library": "ライブラリ", "label.xpath": "XPath", "label.compose": "コンポーザー", "label.retarget": "リターゲット", "label.settings": "設定", "label.apiReference": "API リファレンス",
+  "label.library": "ライブラリ", "label.xpath": "XPath", "label.compose": "コンポーザー", "label.retarget": "リターゲット", "label.settings": "設定", "label.guide": "ドキュメント", "label.apiReference": "API リファレンス",
   "label.skip": "本文へ移動", "label.menu": "ページ", "button.pin": "名前を表示", "button.unpin": "アイコンのみ表示",
   "label.searchAll": "クリップ、ラベル、//xpath を検索", "label.palette": "すべてを検索", "help.nothingFound": "結果はありません。",
   "label.help": "キーボードショートカット", "button.close": "閉じる", "button.again": "再試行", "button.cancel": "キャンセル", "label.more": "その他", "button.copy": "コピー", "label.copied": "コピーしました", "help.copiedToken": "コピーしました。この行は MCML_TOKEN からトークンを読みます。トークンは設定で作成します。", "help.linesToken": "この行は MCML_TOKEN からトークンを読みます。トークンは設定で作成します。",

@@ -11,7 +11,7 @@ export const ko: typeof en = {
   "error.noWhole": "정수를 입력하세요.", "error.noJson": "괄호나 따옴표가 닫히지 않았습니다.", "label.propertyField": "특성", "button.usePicked": "고른 클립 {n}개 사용",
   "button.chooseOthers": "다른 클립 고르기", "label.pictureWord": "그림", "button.picturesFor": "이미지로 다운로드", "label.results": "결과",
   "label.product": "MCML 저장소",
-  "label.library": "라이브러리", "label.xpath": "XPath", "label.compose": "이어붙이기", "label.retarget": "리타기팅", "label.settings": "설정", "label.apiReference": "API 문서",
+  "label.library": "라이브러리", "label.xpath": "XPath", "label.compose": "이어붙이기", "label.retarget": "리타기팅", "label.settings": "설정", "label.guide": "설명서", "label.apiReference": "API 문서",
   "label.skip": "본문으로 건너뛰기", "label.menu": "메뉴", "button.pin": "이름 보기", "button.unpin": "아이콘만 보기",
   "label.searchAll": "클립, 라벨, //xpath 검색", "label.palette": "전체 검색", "help.nothingFound": "결과가 없습니다.",
   "label.help": "키보드 단축키", "button.close": "닫기", "button.again": "다시 시도", "button.cancel": "취소", "label.more": "더 보기", "button.copy": "복사", "label.copied": "복사했습니다", "help.copiedToken": "복사했습니다. 이 줄들은 MCML_TOKEN에서 토큰을 읽습니다. 설정에서 토큰을 만드세요.", "help.linesToken": "이 줄들은 MCML_TOKEN에서 토큰을 읽습니다. 설정에서 토큰을 만드세요.",
