@@ -1,7 +1,7 @@
 FROM python:3.12-slim AS build
 WORKDIR /src
 COPY . .
-# The image has no history of git to find the version in: docker build --build-arg VERSION=0.2.0 .
+# The image has no history of git to find the version in: docker build --build-arg VERSION=0.6.0 .
 ARG VERSION=
 # The versions that were tested, by the sums of their files; what builds the wheel too.
 RUN pip install --no-cache-dir --upgrade "pip>=25.3" \

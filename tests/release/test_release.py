@@ -83,6 +83,22 @@ def test_the_changelog_has_a_part_for_each_version() -> None:
     headings = re.findall(r"^## (.*)$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
     first, *released = headings
     assert re.fullmatch(r"Unreleased|\d+\.\d+\.\d+", first)
-    assert all(re.fullmatch(r"\d+\.\d+\.\d+", heading) for heading in released)
-    numbers = [tuple(map(int, heading.split("."))) for heading in headings if heading != "Unreleased"]
+    parts = [re.fullmatch(r"(\d+)\.(\d+)\.(\d+) \((\d{4}-\d\d-\d\d)\): \w.*", heading) for heading in released]
+    numbers = [tuple(map(int, part.groups()[:3])) for part in parts if part]
+    assert len(numbers) == len(released)
     assert numbers == sorted(set(numbers), reverse=True)
+    dates = [part[4] for part in parts if part]
+    assert dates == sorted(dates, reverse=True)
+    told = re.findall(r"^## (\d+\.\d+\.\d+),", (ROOT / "docs/releases.md").read_text(), re.MULTILINE)
+    assert told == [".".join(map(str, number)) for number in numbers]
+
+
+def test_entries_of_the_changelog_are_short_and_sorted_by_kind() -> None:
+    kinds = ["Breaking", "Added", "Changed", "Fixed", "Security"]
+    for version in (ROOT / "CHANGELOG.md").read_text().split("\n## ")[1:]:
+        headings = re.findall(r"^### (.*)$", version, re.MULTILINE)
+        assert headings == [kind for kind in kinds if kind in headings]
+        for line in version.splitlines()[1:]:
+            assert not line or line.startswith(("### ", "- ")), line
+            assert len(line) <= 160, line
+            assert not line.startswith("- ") or "](docs/" in line, line
