@@ -65,7 +65,7 @@ SLICE = 10_000
 
 
 class Columns:
-    """Evaluates expressions over the documents of a forest.
+    """Evaluates expressions over the documents of a forest; without one, absolute paths have no answer here.
 
     check: called often; raises when time is up. is_later: numbers become texts as XPath 2.0 writes them.
     """
@@ -163,6 +163,8 @@ class Columns:
     def _path(self, path: Path, context: Context) -> NodeSets:
         steps = path.steps
         count = len(context)
+        if path.absolute and not len(self.forest):
+            raise functions.NotOnColumnsError
         if path.absolute and context.variables and free_variables(path):
             own = first_of_documents(documents_of(context.nodes))
             return self.steps(NodeSets(np.arange(count), own, count), steps, context)

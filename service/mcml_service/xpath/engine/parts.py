@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from mcml.errors import QueryError
+from mcml.errors import LimitError, QueryError
 from mcml_service.xpath.engine import sequences
 from mcml_service.xpath.engine.values import numbers
 from mcml_service.xpath.library.forest import Forest
@@ -16,6 +16,8 @@ from mcml_service.xpath.library.groups import Group
 from mcml_service.xpath.nodes.items import Column, Items
 from mcml_service.xpath.nodes.numbering import Ints
 from mcml_service.xpath.nodes.texts import Strings
+
+MOST_ITEMS = 10_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,3 +101,15 @@ def gathered(parts: Iterable[Part]) -> Iterator[tuple[Forest, Ints]]:
         forests.setdefault(part.forest.documents, (part.forest, []))[1].append(np.asarray(part.column, np.int64))
     for forest, found in sorted(forests.values(), key=lambda each: rank_of(each[0])):
         yield forest, np.unique(np.concatenate(found))
+
+
+def hold_parts(parts: Iterator[Part]) -> list[Part]:
+    """All of them that hold anything. LimitError for more items than are held at once."""
+    found: list[Part] = []
+    count = 0
+    for part in parts:
+        count += len(part)
+        if count > MOST_ITEMS:
+            raise LimitError(f"A sequence has more than {MOST_ITEMS:,} items.", remedy="Narrow it by a predicate.")
+        found += [part] if len(part) else []
+    return found

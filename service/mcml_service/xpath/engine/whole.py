@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache, partial
-from itertools import groupby
+from itertools import chain, groupby
 from operator import itemgetter
 
 import numpy as np
@@ -24,7 +24,7 @@ from mcml_service.xpath.engine.context import Bound, Context
 from mcml_service.xpath.engine.functions import NotOnColumnsError, as_booleans, as_numbers
 from mcml_service.xpath.engine.loops import as_contexts, each_alone
 from mcml_service.xpath.engine.nearest_runs import best_runs
-from mcml_service.xpath.engine.parts import Part, Parts, at, gathered, listed, values_of
+from mcml_service.xpath.engine.parts import MOST_ITEMS, Part, Parts, at, gathered, hold_parts, listed, values_of
 from mcml_service.xpath.engine.scan import Scan
 from mcml_service.xpath.engine.sequences import items_of, value_of
 from mcml_service.xpath.engine.source import Nth, Source
@@ -67,7 +67,6 @@ from mcml_service.xpath.nodes.texts import Strings
 
 TOGETHER = 32_768
 """Items of a loop that are looked at together."""
-MOST_ITEMS = 10_000_000
 MOST_LITERALS = 10_000
 """Limit of values that replace an expression."""
 MOST_SORTED_NODES = 100_000
@@ -137,7 +136,7 @@ class Whole:
             return literal(float(sum(map(len, found))))
         if call.function in aggregates.TRUTH_AGGREGATES:
             return literal(any(map(len, found)) == (call.function == "exists"))
-        parts = _bounded(found)
+        parts = hold_parts(found)
         as_number = call.function != "string-join"
         joined = self._joined([replace(part, column=values_of(part, as_number=as_number)) for part in parts])
         values = [value_of(joined), *(value_of(self.constant(other)) for other in others)]
@@ -223,7 +222,7 @@ class Whole:
             if together:
                 yield from self._slices(expression, part, position, total)
             else:
-                yield from self._one_by_one(expression.body, variable, part)
+                yield from chain.from_iterable(self._one_by_one(expression.body, variable, part))
             position += len(part)
 
     def _slices(self, expression: For | Each, part: Part, position: int, total: int | None) -> Iterator[Part]:
@@ -254,7 +253,7 @@ class Whole:
             of = np.asarray(part.column, np.int64)[found.groups] if part.are_nodes else None
             yield Part(part.forest, found.column, None if found.kind == "nodes" else of)
 
-    def _one_by_one(self, body: Expression, variable: str, part: Part) -> Iterator[Part]:
+    def _one_by_one(self, body: Expression, variable: str, part: Part) -> Iterator[list[Part]]:
         """Evaluate a body that queries the scope again for each item, once for each distinct item."""
         if part.are_nodes and begins_paths(body, variable):
             raise NotOnColumnsError
@@ -265,10 +264,10 @@ class Whole:
                 written = literal(item)
                 asked = normal(put(body, variable, written, partial(_same, written)))
                 known[item] = list(self.parts(self.reduced(asked)))
-            yield from known[item]
+            yield known[item]
 
     def _filtered(self, expression: Filter) -> Iterator[Part]:
-        parts = _bounded(self.parts(expression.operand))
+        parts = hold_parts(self.parts(expression.operand))
         for predicate in expression.predicates:
             parts = list(self._where(predicate, parts))
         yield from parts
@@ -276,6 +275,9 @@ class Whole:
     def _where(self, predicate: Expression, parts: list[Part]) -> Iterator[Part]:
         size = float(sum(map(len, parts)))
         position = 0
+        if not any(part.are_nodes for part in parts):
+            # Values are in no document, so paths in conditions on them are those of all documents.
+            predicate = self.reduced(predicate)
         for part in parts:
             self._check()
             inside = as_contexts(part.items, Context(np.zeros(1, np.int64)))
@@ -298,7 +300,7 @@ class Whole:
             texts = aggregates.distinct(self._source(arguments[0]))
             yield Part(self.nowhere, Strings(np.arange(len(texts)), texts))
             return
-        parts = _bounded(self.parts(arguments[0]))
+        parts = hold_parts(self.parts(arguments[0]))
         if name in ("distinct-values", "data", "index-of"):
             atoms = [replace(p, column=values_of(p, as_number=False)) if p.are_nodes else p for p in parts]
             others = [value_of(self.constant(each)) for each in arguments[1:]]
@@ -335,26 +337,40 @@ class Whole:
 
     def _sorted(self, parts: list[Part], arguments: tuple[Expression, ...]) -> Iterator[Part]:
         keys: list[Part] = []
+        count = 0
+        # Items without a key come first.
+        with_key = [np.zeros(0, np.int64)]
         for part in parts:
-            key = each_alone(part.items)
-            if len(arguments) == 3:
-                function = arguments[2]
-                if not isinstance(function, Function):
-                    raise NotOnColumnsError
-                variables = {function.variable: Bound(value_of(key))}
-                inside = replace(_alone(np.zeros(len(part), np.int64)), variables=variables)
-                key = items_of(self._columns(part.forest).value(function.body, inside))
-                if not np.array_equal(key.groups, np.arange(len(part))):
-                    raise NotOnColumnsError
-            found = Part(part.forest, key.column)
-            keys.append(replace(found, column=values_of(found, as_number=False)) if found.are_nodes else found)
-        count = sum(map(len, parts))
+            for rows, found in self._keys(part, arguments):
+                keys.append(replace(found, column=values_of(found, as_number=False)) if found.are_nodes else found)
+                with_key.append(rows + count)
+            count += len(part)
         if any(part.are_nodes for part in parts) and count > MOST_SORTED_NODES:
             raise LimitError(f"More than {MOST_SORTED_NODES:,} nodes cannot be sorted.", remedy="Narrow them.")
         places = Items(np.zeros(count, np.int64), np.arange(count).astype(np.float64), 1)
-        key_items = each_alone(self._joined(keys))
+        key_items = Items(np.concatenate(with_key), self._joined(keys).column, count)
         order = items_of(sequences.sorted_by(self.nowhere, places, value_of(key_items))).column
         yield from at(parts, np.asarray(order).astype(np.int64))
+
+    def _keys(self, part: Part, arguments: tuple[Expression, ...]) -> Iterator[tuple[Ints, Part]]:
+        """Yield the places of items that have a key to sort by, and these keys."""
+        key = each_alone(part.items)
+        if len(arguments) == 3:
+            function = arguments[2]
+            if not isinstance(function, Function):
+                raise NotOnColumnsError
+            if asks_scope(function.body):
+                for place, answer in enumerate(self._one_by_one(function.body, function.variable, part)):
+                    some = [found for found in answer if len(found)]
+                    if sum(map(len, some)) > 1:
+                        raise NotOnColumnsError
+                    yield from ((np.array([place]), found) for found in some)
+                return
+            inside = replace(_alone(np.zeros(len(part), np.int64)), variables={function.variable: Bound(value_of(key))})
+            key = items_of(self._columns(part.forest).value(function.body, inside))
+            if (np.diff(key.groups) == 0).any():
+                raise NotOnColumnsError
+        yield key.groups, Part(part.forest, key.column)
 
     def _joined(self, parts: list[Part]) -> Items:
         """Parts of values as one sequence. NotOnColumnsError where they are of several kinds."""
@@ -370,18 +386,6 @@ class Whole:
 def _alone(nodes: Ints) -> Context:
     """Context nodes each of which is the only item of its list, as a document is."""
     return Context(nodes, np.ones(len(nodes)), np.ones(len(nodes)))
-
-
-def _bounded(parts: Iterator[Part]) -> list[Part]:
-    """All of them that hold anything. LimitError for more items than are held at once."""
-    found: list[Part] = []
-    count = 0
-    for part in parts:
-        count += len(part)
-        if count > MOST_ITEMS:
-            raise LimitError(f"A sequence has more than {MOST_ITEMS:,} items.", remedy="Narrow it by a predicate.")
-        found += [part] if len(part) else []
-    return found
 
 
 def _same(value: Expression) -> Expression:

@@ -1,15 +1,17 @@
 """Loops and quantifiers, and FLWOR of XQuery 3.1 §3.12 in terms of them.
 
 `for $a in A let $b := B where C order by K descending return R` is a loop over the sorted items of A that fulfil C;
-`group by $k := K` is a loop over the distinct values of K, in which `$a` is all items of A with this value. Ordering
-and grouping follow one `for`: XPath has no tuples of several variables. Several keys are several sorts, or loops within
-loops; groups of several keys stay in the order of the items.
+`group by $k := K` is a loop over the distinct values of K, in which `$a` is all items of A with this value; the items
+without a value of K are a group too, in which `$k` is empty. Ordering and grouping follow one `for`: XPath has no
+tuples of several variables. Several keys are several sorts, or loops within loops; groups of several keys stay in the
+order of the items.
 """
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass
+from collections.abc import Sequence as Seq
+from dataclasses import dataclass, replace
 
 from mcml.errors import Place, QueryError
 from mcml_service.xpath.language.cursor import Cursor
@@ -21,6 +23,7 @@ from mcml_service.xpath.language.tree import (
     Function,
     If,
     Let,
+    Literal,
     Operation,
     Quantified,
     Sequence,
@@ -28,6 +31,15 @@ from mcml_service.xpath.language.tree import (
     Variable,
 )
 
+ONE_ITEM = frozenset(
+    (
+        *("string", "concat", "count", "number", "boolean", "not", "exists", "empty", "name", "local-name", "sum"),
+        *("string-length", "normalize-space", "lower-case", "upper-case", "substring", "substring-before"),
+        *("substring-after", "translate", "starts-with", "ends-with", "contains", "matches"),
+    )
+)
+"""Functions that answer with one item, whatever they are given."""
+OF_ONE_ITEM = frozenset({"=", "!=", "<", "<=", ">", ">=", "and", "or", "||"})
 CLAUSES = ("for", "let", "where", "order", "stable", "group", "return")
 
 
@@ -38,6 +50,31 @@ class Clause:
     kind: str
     variable: str
     expression: Expression
+
+
+@dataclass(frozen=True)
+class Group:
+    """A loop over the values of a key, `keys`. name: of the key; variable: of the items with one value, from `source`.
+
+    rest: whether items without a value are a group, the "first" or the "last"; "" where every item has one.
+    """
+
+    name: str
+    variable: str
+    source: Expression
+    key: Expression
+    keys: Expression
+    rest: str
+
+    def members(self, condition: Expression, span: Span) -> Expression:
+        item = Variable(self.variable, span=span)
+        return For(self.variable, self.source, If(condition, item, Sequence((), span), span), span)
+
+    def has_value(self, span: Span) -> Expression:
+        """Whether the key of an item is the value. NaN is a value too, although it equals nothing."""
+        key, value = self.key, Variable(self.name, span=span)
+        is_none = Operation("and", (Operation("!=", (key, key), span), Operation("!=", (value, value), span)), span)
+        return Operation("or", (Operation("=", (key, value), span), is_none), span)
 
 
 @dataclass(frozen=True)
@@ -105,13 +142,14 @@ class Loops(Cursor):
                 at=place,
                 remedy="Loop over one sequence, and bind the others with let.",
             )
+        groups: list[Group] = []
         if word.text == "group":
             self._word("by")
-            clauses = self._read_groups(word, clauses)
+            groups, clauses = self._read_groups(word, clauses)
             if self._at_word("return"):
                 self._advance()
-                return _nest(clauses, self._expression(), (word.start, self._end()))
-            if [clause.kind for clause in clauses].count("for") > 1:
+                return _nest([*groups, *clauses], self._expression(), (word.start, self._end()))
+            if len(groups) > 1:
                 raise self._unexpected("groups of several keys have no order; 'return' is missing")
             word = self._advance()
         if word.text == "stable":
@@ -122,24 +160,30 @@ class Loops(Cursor):
         keys = self._read_keys()
         self._word("return")
         span = (word.start, self._end())
+        if groups:
+            return _nest(_order_groups(groups[0], clauses, keys, span), self._expression(), span)
         return _nest(_order(clauses, keys, span), self._expression(), span)
 
-    def _read_groups(self, word: Token, before: list[Clause]) -> list[Clause]:
-        """Parse `$k := K, $l := L`, and the text up to `order` or `return`."""
+    def _read_groups(self, word: Token, before: list[Clause]) -> tuple[list[Group], list[Clause]]:
+        """Parse `$k := K, $l := L`, and the clauses up to `order` or `return`."""
         variable = before[0].variable
-        clauses: list[Clause] = []
-        while not clauses or self._accept(","):
+        groups: list[Group] = []
+        while not groups or self._accept(","):
             self._expect("$")
             name = self._variable_name()
             self._expect(":=")
             key = self._expression()
             span = (word.start, self._end())
+            rest = "" if _has_one_item(key, _lets(before)) else "last"
+            key = _nest(_lets(before), key, span)
             # A further key divides the groups of the one before.
-            source = Variable(variable, span=span) if clauses else _select_items(before, span)
-            clauses += _group(source, variable, name, _nest(_lets(before), key, span), span)
+            source = Variable(variable, span=span) if groups else _select_items(before, span)
+            keys = Call("distinct-values", (For(variable, source, key, span),), span)
+            groups.append(Group(name, variable, source, key, keys, rest))
+        clauses: list[Clause] = []
         while self._at_word("let", "where"):
             clauses += self._read_clause(self._advance().text)
-        return clauses
+        return groups, clauses
 
     def _read_keys(self) -> list[Key]:
         """`K descending, L`"""
@@ -153,13 +197,41 @@ class Loops(Cursor):
         return keys
 
 
-def _nest(clauses: list[Clause], body: Expression, span: Span) -> Expression:
+def _nest(clauses: Seq[Clause | Group], body: Expression, span: Span) -> Expression:
     for clause in reversed(clauses):
-        if clause.kind == "where":
+        if isinstance(clause, Group):
+            body = _loop_over_groups(clause, body, span)
+        elif clause.kind == "where":
             body = If(clause.expression, body, Sequence((), span), span)
         else:
             body = (For if clause.kind == "for" else Let)(clause.variable, clause.expression, body, span)
     return body
+
+
+def _loop_over_groups(group: Group, body: Expression, span: Span) -> Expression:
+    members = group.members(group.has_value(span), span)
+    loop = For(group.name, group.keys, Let(group.variable, members, body, span), span)
+    if not group.rest:
+        return loop
+    nothing = Sequence((), span)
+    others = group.members(Call("empty", (group.key,), span), span)
+    are_some = Call("exists", (Variable(group.variable, span=span),), span)
+    rest = Let(group.name, nothing, Let(group.variable, others, If(are_some, body, nothing, span), span), span)
+    return Sequence((rest, loop) if group.rest == "first" else (loop, rest), span)
+
+
+def _has_one_item(expression: Expression, lets: list[Clause]) -> bool:
+    """Whether it is one item by its form, whatever documents hold."""
+    if isinstance(expression, Variable):
+        bound = next((clause for clause in reversed(lets) if clause.variable == expression.name), None)
+        return bound is not None and _has_one_item(bound.expression, lets[: lets.index(bound)])
+    if isinstance(expression, Operation):
+        if expression.operator in OF_ONE_ITEM:
+            return True
+        return expression.operator in ("+", "-", "*", "div", "mod", "negate") and all(
+            _has_one_item(operand, lets) for operand in expression.operands
+        )
+    return isinstance(expression, Literal) or (isinstance(expression, Call) and expression.function in ONE_ITEM)
 
 
 def _select_items(clauses: list[Clause], span: Span) -> Expression:
@@ -192,13 +264,21 @@ def _order(clauses: list[Clause], keys: list[Key], span: Span) -> list[Clause]:
     return [Clause("for", loop.variable, source), *_lets(clauses)]
 
 
-def _group(source: Expression, variable: str, name: str, key: Expression, span: Span) -> list[Clause]:
-    """A loop over the different keys of items, in which their variable is all items of one key."""
-    keys = Call("distinct-values", (For(variable, source, key, span),), span)
-    group = Variable(name, span=span)
-    # NaN is a group too, although it equals nothing.
-    is_none = Operation("and", (Operation("!=", (key, key), span), Operation("!=", (group, group), span)), span)
-    is_same = Operation("or", (Operation("=", (key, group), span), is_none), span)
-    item = Variable(variable, span=span)
-    members = For(variable, source, If(is_same, item, Sequence((), span), span), span)
-    return [Clause("for", name, keys), Clause("let", variable, members)]
+def _order_groups(group: Group, clauses: list[Clause], keys: list[Key], span: Span) -> list[Clause | Group]:
+    """Return the loop over groups in the order of keys. QueryError where the group without a value would have no
+    place in it.
+    """
+    members = Clause("let", group.variable, group.members(group.has_value(span), span))
+    ordered, *_ = _order([Clause("for", group.name, group.keys), members, *clauses], keys, span)
+    first = keys[0].expression
+    if isinstance(first, Call) and first.function == "string" and first.arguments:
+        first = first.arguments[0]
+    if group.rest and not (isinstance(first, Variable) and first.name == group.name):
+        raise QueryError(
+            f"${group.name} may be empty, and the order does not say where the group without a value goes",
+            at=Place(column=span[0] + 1),
+            remedy=f"Group by a text, ${group.name} := string(…), or order by ${group.name} first.",
+        )
+    # Nothing is less than any value.
+    rest = group.rest and ("last" if keys[0].is_descending else "first")
+    return [replace(group, keys=ordered.expression, rest=rest), *clauses]
