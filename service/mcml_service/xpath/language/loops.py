@@ -38,7 +38,7 @@ ONE_ITEM = frozenset(
         *("substring-after", "translate", "starts-with", "ends-with", "contains", "matches"),
     )
 )
-"""Functions that answer with one item, whatever they are given."""
+"""Functions that always answer with one item."""
 OF_ONE_ITEM = frozenset({"=", "!=", "<", "<=", ">", ">=", "and", "or", "||"})
 CLAUSES = ("for", "let", "where", "order", "stable", "group", "return")
 
@@ -221,7 +221,7 @@ def _loop_over_groups(group: Group, body: Expression, span: Span) -> Expression:
 
 
 def _has_one_item(expression: Expression, lets: list[Clause]) -> bool:
-    """Whether it is one item by its form, whatever documents hold."""
+    """Whether its form alone makes it one item."""
     if isinstance(expression, Variable):
         bound = next((clause for clause in reversed(lets) if clause.variable == expression.name), None)
         return bound is not None and _has_one_item(bound.expression, lets[: lets.index(bound)])
