@@ -32,11 +32,12 @@ from mcml_service.xpath.language.certain import conditions
 from mcml_service.xpath.language.complete import Completion, complete
 from mcml_service.xpath.language.hints import hints
 from mcml_service.xpath.language.labels import without_index
-from mcml_service.xpath.language.parse import Query, parse
+from mcml_service.xpath.language.parse import Query, find_constant, parse
 from mcml_service.xpath.language.rules import normal
 from mcml_service.xpath.language.scopes import asks_each, is_node_set
 from mcml_service.xpath.language.tree import Call, Expression
 from mcml_service.xpath.language.types import distinct_of, item_type, type_of
+from mcml_service.xpath.language.unparse import unparse
 from mcml_service.xpath.library.caches import Caches
 from mcml_service.xpath.library.disk.part_file import path_of
 from mcml_service.xpath.library.disk.sidecar import Sidecar
@@ -221,6 +222,12 @@ class _Asking:
         try:
             return self._on_columns(normal(self.query.tree), page)
         except (TooWideError, TooLongError, NotOnColumnsError):
+            tree = self.query.tree
+            constant = find_constant(unparse(tree), tree, {}, strict=not self.query.compatible)
+            if constant is not None and self.per is None:
+                # It holds the values of the scope, so every document would give the same answer again.
+                self.query = replace(self.query, constant=constant)
+                return self._constant(page)
             self.explain.way = "projection"
             self.explain.plan = ["the documents as trees, without what the expression cannot touch"]
             self.require_documents_alone()

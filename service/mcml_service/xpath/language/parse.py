@@ -94,7 +94,7 @@ def parse(text: str, variables: Mapping[str, Atomic] | None = None, *, strict: b
         tree = read_written(text, variables or {}, compatible=False) if strict else _tree(text, variables or {})
         _bound_depth(tree)
         tree = certain(from_document(with_stored_names(tree, warnings, in_name=False)))
-        constant = _constant(text, tree, variables or {}, strict=strict)
+        constant = find_constant(text, tree, variables or {}, strict=strict)
     except RecursionError:
         raise LimitError("the expression is nested too deeply", remedy="Write it flatter.") from None
     return Query(tree, tuple(dict.fromkeys(warnings)), compatible=not strict, constant=constant)
@@ -112,8 +112,8 @@ def _tree(text: str, variables: Mapping[str, Atomic]) -> Expression:
     return tree
 
 
-def _constant(text: str, tree: Expression, variables: Mapping[str, Atomic], *, strict: bool) -> Written | None:
-    """See `Query`.
+def find_constant(text: str, tree: Expression, variables: Mapping[str, Atomic], *, strict: bool) -> Written | None:
+    """The expression as XPath 3.1 if its value does not depend on documents, else None; see `Query`.
 
     Values on columns are doubles without types, so elementpath evaluates expressions that consist only of values.
     """
@@ -138,8 +138,9 @@ def _read_written(text: str, error: QueryError, variables: Mapping[str, Atomic])
     except QueryError as other:
         if isinstance(error, ArityError):
             raise error from None
-        # The parser that came further is the one that the writer had in mind.
-        chosen = max(error, other, key=_column)
+        # The parser that came further is the one that the writer had in mind; variables are looked up after all is parsed.
+        is_parsed = other.details.get("xpath_error") == "XPST0008"
+        chosen = other if is_parsed else max(error, other, key=_column)
         remedy = chosen.remedy or _hint(text, chosen.what)
         raise QueryError(chosen.what, at=chosen.at, remedy=remedy, **chosen.details) from None
     require_certain(sure)

@@ -40,13 +40,15 @@ from mcml_service.xpath.language.types import type_of
 
 
 def asks_scope(expression: Expression) -> bool:
-    """Whether it holds an absolute path outside of predicates."""
+    """Whether it holds an absolute path, outside of predicates on nodes."""
     if isinstance(expression, Written):
         return True
     if isinstance(expression, Path):
         return expression.absolute or (expression.start is not None and asks_scope(expression.start))
     if isinstance(expression, Filter):
-        return asks_scope(expression.operand)
+        # Nodes have a document, in which conditions ask; values have none.
+        of_values = expression.predicates if type_of(expression.operand) != "nodes" else ()
+        return asks_scope(expression.operand) or any(map(asks_scope, of_values))
     return any(map(asks_scope, children(expression)))
 
 
@@ -120,7 +122,7 @@ def spans_documents(expression: Expression, *, is_whole: bool = True) -> bool:
     if isinstance(expression, Path):
         return expression.start is not None and spans_documents(expression.start, is_whole=False)
     if isinstance(expression, Filter):
-        return type_of(expression.operand) != "nodes" and asks_scope(expression.operand)
+        return type_of(expression.operand) != "nodes" and asks_scope(expression)
     if isinstance(expression, Call) and expression.function == RUNS:
         return spans_documents(expression.arguments[0], is_whole=False)
     if isinstance(expression, Call) and SAFE_FUNCTIONS[expression.function].takes_items:

@@ -44,7 +44,7 @@ def read_written(text: str, variables: Mapping[str, Atomic], *, compatible: bool
     """
     text = spell_for_elementpath(text)
     root = read_tokens(MOTION_CALL.sub(_unprefixed, text), compatible=compatible, parser=_WithBodies)
-    for token in root.iter():
+    for token in _tokens(root):
         _check(token)
     needed = _variables(root)
     for name, column in needed.items():
@@ -59,6 +59,8 @@ def read_written(text: str, variables: Mapping[str, Atomic], *, compatible: bool
     inner = split_arguments(text) if root.label == "function" and root.symbol in AGGREGATES else []
     function = root.symbol if inner else ""
     spans = any(_is_of_sequences(token) for token in root.iter() if token is not root or not function)
+    # Bodies of inline functions and values of maps may ask for items of one document, but not for those of all.
+    spans = spans or any(_is_of_sequences(token) and _has_root(token) for token in _tokens(root) if token is not root)
     motion = tuple(found.call for found in written_calls(text, dict(bound)))
     constant = not motion and not _reads_document(root)
     return Written(text, bound, function, tuple(inner), _gives_nodes(root), spans, motion, constant)
@@ -111,6 +113,18 @@ def _parts(token: Any) -> Iterator[Any]:
         yield token.body
 
 
+def _tokens(token: Any) -> Iterator[Any]:
+    """Yield a token and all tokens in it, also those that elementpath does not list."""
+    yield token
+    for part in _parts(token):
+        yield from _tokens(part)
+
+
+def _has_root(token: Any) -> bool:
+    """Whether an absolute path is in it."""
+    return any(part.symbol in ("/", "//") and len(part) < 2 for part in _tokens(token))
+
+
 def _reads_document(token: Any, *, is_outer: bool = True) -> bool:
     """Whether the value may depend on a document. is_outer: the focus is the document, no item of the expression."""
     symbol, label, operands = token.symbol, token.label, list(_parts(token))
@@ -158,13 +172,13 @@ def _gives_nodes(token: Any) -> bool:
 def _variables(root: Any) -> dict[str, int]:
     """Names of variables that the expression does not bind itself, each with the column of its first use."""
     bound: set[str] = set()
-    for token in root.iter():
+    for token in _tokens(root):
         if token.label == "inline function":
             bound.update(token.varnames)
         if token.symbol in _BINDERS:
             bound.update(str(part[0].value) for part in list(token)[:-1:2] if part.symbol == "$")
     used: dict[str, int] = {}
-    for token in root.iter():
+    for token in _tokens(root):
         if token.symbol == "$" and token[0].value not in bound:
             used.setdefault(str(token[0].value), token.span[0] + 1)
     return used
