@@ -138,7 +138,7 @@ def _read_written(text: str, error: QueryError, variables: Mapping[str, Atomic])
     except QueryError as other:
         if isinstance(error, ArityError):
             raise error from None
-        # The parser that came further is the one that the writer had in mind; variables are looked up after all is parsed.
+        # The parser that came further is the one that the writer had in mind. Variables are looked up at the end.
         is_parsed = other.details.get("xpath_error") == "XPST0008"
         chosen = other if is_parsed else max(error, other, key=_column)
         remedy = chosen.remedy or _hint(text, chosen.what)
