@@ -3,7 +3,7 @@ import type { Schemas } from "../../api/client";
 import { Trouble } from "../../ui/Trouble";
 import type { Loaded } from "../../ui/useAsync";
 import { number, w } from "../../words";
-import { activityText, capital, jointText } from "./bodyNames";
+import { activityText, angleText, capital, jointText } from "./bodyNames";
 import { x, type QueryWord } from "./words";
 
 type Example = Schemas["QueryExample"];
@@ -29,7 +29,7 @@ export function exampleText({ kind, values }: Example): string {
   const words = Object.entries(values).map(([name, value]) => {
     if (typeof value === "number") return [name, number(value, 2)];
     if (name === "joint" || name === "other") return [name, jointText(value)];
-    if (name === "angle") return [name, value.replaceAll("-", " ")];
+    if (name === "angle") return [name, angleText(value)];
     return [name, kind === "activity" ? activityText(value) : value];
   });
   return capital(x(WORDS[kind], Object.fromEntries(words) as Record<string, string>));

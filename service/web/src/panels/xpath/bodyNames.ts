@@ -51,6 +51,18 @@ export function jointText(name: string): string {
   return partText(name);
 }
 
+/** "left knee flexion" of left-knee-flexion; movements that have no word stay as they are. */
+export function angleText(name: string): string {
+  const [, side = "", body = "", movement = ""] = /^(?:(left|right)-)?([a-z]+)-(.+)$/.exec(name) ?? [];
+  const words = { part: `label.body_${body}`, movement: `label.move_${movement}` };
+  if (!(words.part in x.en && words.movement in x.en)) return name.replaceAll("-", " ");
+  const part = x(words.part as QueryWord);
+  return x("label.angleOf", {
+    part: side ? x(side === "left" ? "label.leftOf" : "label.rightOf", { part }) : part,
+    movement: x(words.movement as QueryWord),
+  });
+}
+
 export const activityText = (name: string): string =>
   (ACTIVITIES as readonly string[]).includes(name)
     ? x(`label.activity_${name.replaceAll(" ", "_")}` as QueryWord)

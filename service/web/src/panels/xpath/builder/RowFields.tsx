@@ -1,6 +1,6 @@
 /** The fields of one condition. */
 import { w } from "../../../words";
-import { activityText, ACTIVITIES, jointText } from "../bodyNames";
+import { activityText, ACTIVITIES, angleText, jointText } from "../bodyNames";
 import {
   CHANNELS,
   COMPARISONS,
@@ -171,7 +171,7 @@ function MeasureFields({ row, choices, project, onChange, onJoint }: Fields<Meas
           label={w("label.quantityAngle")}
           value={row.joint}
           choices={choices.angles}
-          textOf={(name) => name.replaceAll("-", " ")}
+          textOf={angleText}
           onFocus={() => onJoint(false)}
           onChange={(joint) => onChange({ ...row, joint })}
         />
