@@ -2,6 +2,7 @@ import { wordsOf } from "../../words/table";
 
 export const r = wordsOf(
   {
+    "error.noPicture": "The browser recorded no picture. Try again, or use a longer loop.",
     "label.proposals": "Proposals", "label.proposalNumber": "Proposal {n}", "label.proposed": "Proposal {n} created for review",
     "button.propose": "Propose", "label.message": "Message (optional)", "help.propose": "Suggest this change; others review it before it is applied.",
     "help.viewersPropose": "Viewers propose changes; editors apply them.", "help.reviewRequired": "This project requires a review of changes.",
@@ -29,6 +30,7 @@ export const r = wordsOf(
     "label.jointsRecognised": "{mapped} of {total} joints recognised", "label.namesGuessed": "1 guess|{n} guesses",
   },
   {
+    "error.noPicture": "브라우저가 화면을 녹화하지 못했습니다. 다시 시도하거나 더 긴 반복 구간을 쓰세요.",
     "label.proposals": "제안", "label.proposalNumber": "제안 {n}", "label.proposed": "검토할 제안 {n}을(를) 만들었습니다",
     "button.propose": "제안", "label.message": "메시지(선택)", "help.propose": "변경을 제안합니다. 다른 사람이 검토한 뒤 적용됩니다.",
     "help.viewersPropose": "보기 권한으로는 변경을 제안하고, 편집자가 적용합니다.", "help.reviewRequired": "이 프로젝트는 변경에 검토가 필요합니다.",
@@ -56,6 +58,7 @@ export const r = wordsOf(
     "label.jointsRecognised": "관절 {total}개 중 {mapped}개 인식됨", "label.namesGuessed": "추측 {n}개",
   },
   {
+    "error.noPicture": "ブラウザーが映像を記録できませんでした。もう一度試すか、長いループを使ってください。",
     "label.proposals": "提案", "label.proposalNumber": "提案 {n}", "label.proposed": "提案 {n} をレビュー用に作成しました",
     "button.propose": "提案する", "label.message": "メッセージ(任意)", "help.propose": "この変更を提案します。適用前に他の人がレビューします。",
     "help.viewersPropose": "閲覧者は変更を提案し、編集者が適用します。", "help.reviewRequired": "このプロジェクトでは変更にレビューが必要です。",
