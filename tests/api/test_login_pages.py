@@ -91,6 +91,8 @@ def test_a_wrong_password_is_told_in_the_language(client: TestClient) -> None:
 
 
 def test_names_in_messages_are_kept_and_escaped() -> None:
+    assert translate("ja", "Sign in with Campus") == "Campus でサインイン"
+    assert translate("ja", "Sign in with a token") == "トークンでサインイン"
     assert translate("ko", "The name '<b>' is taken.") == "'<b>' 이름은 이미 사용 중입니다."
     page = bytes(LoginPages("ko", None).login("The name '<b>' is taken.").body).decode()
     assert "&lt;b&gt;" in page

@@ -29,6 +29,8 @@ def choose_language(accepted: str) -> str:
 
 def translate(language: str, sentence: str) -> str:
     """An English sentence in the language; sentences without a translation stay English."""
+    if sentence in (whole := _tables().get(language, {})):
+        return whole[sentence]
     for pattern, translated in _patterns(language):
         if filled := pattern.fullmatch(sentence):
             return translated.format(**filled.groupdict())
@@ -37,10 +39,11 @@ def translate(language: str, sentence: str) -> str:
 
 @cache
 def _patterns(language: str) -> list[tuple[re.Pattern[str], str]]:
-    """The sentences of a language as patterns, with a group for each {value}, and their translation."""
+    """The sentences with values of a language as patterns, a group for each {value}, and their translation."""
     return [
         (re.compile(re.sub(r"\\\{(\w+)\\\}", r"(?P<\1>.+)", re.escape(english))), translated)
         for english, translated in _tables().get(language, {}).items()
+        if "{" in english
     ]
 
 
