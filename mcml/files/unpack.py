@@ -57,7 +57,7 @@ class _Budget:
         self, member: IO[bytes] | gzip.GzipFile | Member, compressed: int, name: str, file: SourceFile, stack: ExitStack
     ) -> BinaryIO:
         """Unpack a member. Sizes stated by archives may be false, so the bytes themselves are counted."""
-        spool = cast(BinaryIO, stack.enter_context(tempfile.SpooledTemporaryFile(max_size=8 * COPY_BYTES)))  # noqa: SIM115
+        spool = cast(BinaryIO, stack.enter_context(tempfile.SpooledTemporaryFile(max_size=8 * COPY_BYTES)))  # noqa: SIM115  # the stack closes it
         size = 0
         while block := member.read(COPY_BYTES):
             size += len(block)

@@ -134,7 +134,7 @@ def build_guide() -> None:
     sources = _sum_files(GUIDE_MADE_FROM)
     mkdocs = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--config-file", str(GUIDE_MADE_FROM[1])]
     _run(mkdocs, {**os.environ, "NO_MKDOCS_2_WARNING": "1"})
-    # Other languages than English, and what is of use where a site has an address.
+    # Search in other languages, maps of scripts, and the site map of a public address are not served.
     shutil.rmtree(GUIDE / "assets/javascripts/lunr")
     for unused in (*GUIDE.rglob("*.map"), *GUIDE.glob("sitemap.xml*")):
         unused.unlink()

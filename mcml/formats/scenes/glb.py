@@ -68,7 +68,7 @@ class Glb:
 def need_library() -> None:
     """Raises UnsupportedError where the library for glTF is not installed."""
     try:
-        import pygltflib  # noqa: F401
+        import pygltflib  # noqa: F401  # asks whether it is installed
     except ImportError:
         raise UnsupportedError(
             "glTF needs a library that is not installed.",

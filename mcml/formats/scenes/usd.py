@@ -53,7 +53,7 @@ class Usd:
 
     def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:
         try:
-            import pxr  # noqa: F401
+            import pxr  # noqa: F401  # asks whether it is installed
         except ImportError:
             raise UnsupportedError(
                 "USD needs a library that is not installed.",

@@ -136,7 +136,7 @@ _PARSERS = _Parsers()
 
 def _as_doubles(text: bytes | memoryview) -> Array | None:
     try:
-        buffer = _PARSERS.parser.parse(text).as_buffer(of_type="d")  # type: ignore[union-attr]
+        buffer = _PARSERS.parser.parse(text).as_buffer(of_type="d")  # type: ignore[union-attr]  # no array: AttributeError
     except (ValueError, RuntimeError, TypeError, AttributeError):
         return None
     return np.frombuffer(buffer, dtype=np.float64)

@@ -96,7 +96,7 @@ def login(
     if invitation is not None:
         return shown.join("invitation", invitation, INVITED)
     if link is not None:
-        # The first account is offered if there is none, and access without an account.
+        # Without an account yet, the page offers to create the first one.
         with http.app.state.repository.database.read() as tx:
             return shown.follow(link, first=not tx.accounts.have_owner())
     return shown.login("Sign in to open the repository.", then=then)

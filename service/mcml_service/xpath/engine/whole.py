@@ -276,7 +276,7 @@ class Whole:
         size = float(sum(map(len, parts)))
         position = 0
         if not any(part.are_nodes for part in parts):
-            # Values are in no document, so paths in conditions on them are those of all documents.
+            # Values belong to no document, so a path in a condition on them asks all documents.
             predicate = self.reduced(predicate)
         for part in parts:
             self._check()

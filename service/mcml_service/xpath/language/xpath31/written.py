@@ -59,7 +59,7 @@ def read_written(text: str, variables: Mapping[str, Atomic], *, compatible: bool
     inner = split_arguments(text) if root.label == "function" and root.symbol in AGGREGATES else []
     function = root.symbol if inner else ""
     spans = any(_is_of_sequences(token) for token in root.iter() if token is not root or not function)
-    # Bodies of inline functions and values of maps may ask for items of one document, but not for those of all.
+    # A path from the root in an inline function or a map needs all documents; items of one document do not.
     spans = spans or any(_is_of_sequences(token) and _has_root(token) for token in _tokens(root) if token is not root)
     motion = tuple(found.call for found in written_calls(text, dict(bound)))
     constant = not motion and not _reads_document(root)
