@@ -29,6 +29,7 @@ from mcml_service.xpath.language.tree import (
     Sequence,
     Span,
     Variable,
+    free_variables,
 )
 
 ONE_ITEM = frozenset(
@@ -246,6 +247,17 @@ def _lets(clauses: list[Clause]) -> list[Clause]:
     return [clause for clause in clauses if clause.kind == "let"]
 
 
+def _used_lets(clauses: list[Clause], expression: Expression) -> list[Clause]:
+    """The lets that an expression needs: others, such as all items of a group, would be evaluated for each key."""
+    used: list[Clause] = []
+    needed = set(free_variables(expression))
+    for clause in reversed(_lets(clauses)):
+        if clause.variable in needed:
+            needed |= set(free_variables(clause.expression))
+            used.insert(0, clause)
+    return used
+
+
 def _order(clauses: list[Clause], keys: list[Key], span: Span) -> list[Clause]:
     """Return a loop over the items in the order of the first key, then of the next keys, then in their original
     order.
@@ -254,7 +266,7 @@ def _order(clauses: list[Clause], keys: list[Key], span: Span) -> list[Clause]:
     source = _select_items(clauses, span)
     # Sorting is stable, so the last key comes first.
     for key in reversed(keys):
-        function = Function(loop.variable, _nest(_lets(clauses), key.expression, span), span)
+        function = Function(loop.variable, _nest(_used_lets(clauses, key.expression), key.expression, span), span)
         if key.is_descending:
             # Equal items keep their order.
             source = Call("reverse", (source,), span)
