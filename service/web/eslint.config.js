@@ -85,6 +85,11 @@ export default tseslint.config(
       "max-lines-per-function": "off",
       "@typescript-eslint/no-non-null-assertion": "off",
       "@typescript-eslint/require-await": "off",
+      // Files share modules (tests/web/test_units.py): one that another file has loaded before is not replaced any more.
+      "no-restricted-properties": [
+        "error",
+        { object: "vi", property: "mock", message: "Replace what the browser gives (vi.spyOn, vi.stubGlobal)." },
+      ],
     },
   },
 );

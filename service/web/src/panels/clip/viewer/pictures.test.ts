@@ -4,10 +4,10 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import type { Stage } from "../../../scene/stage";
 import type { Clip } from "../../../state/clip/clip";
 import { notes } from "../../../state/session/notes";
-import { saveBlob } from "../../../ui/exporting/saveBlob";
 import { filming, saveFilm } from "./pictures";
 
-vi.mock("../../../ui/exporting/saveBlob", () => ({ saveBlob: vi.fn() }));
+/** The files that the browser was given to keep. */
+let saved: { name: string; size: number }[] = [];
 
 /** Empty data at first, as of an encoder that has not begun. */
 class LateRecorder {
@@ -45,11 +45,20 @@ beforeEach(() => {
   vi.useFakeTimers();
   vi.stubGlobal("MediaRecorder", LateRecorder);
   notes.value = [];
+  saved = [];
+  let size = 0;
+  vi.spyOn(URL, "createObjectURL").mockImplementation((blob) => {
+    size = (blob as Blob).size;
+    return "blob:saved";
+  });
+  vi.spyOn(HTMLAnchorElement.prototype, "click").mockImplementation(function (this: HTMLAnchorElement) {
+    saved.push({ name: this.download, size });
+  });
 });
 afterEach(() => {
   vi.useRealTimers();
   vi.unstubAllGlobals();
-  vi.mocked(saveBlob).mockClear();
+  vi.restoreAllMocks();
 });
 
 describe("a video of the loop", () => {
@@ -58,9 +67,7 @@ describe("a video of the loop", () => {
     const done = saveFilm(stage, makeClip());
     await vi.advanceTimersByTimeAsync(6_000);
     await done;
-    const [blob, name] = vi.mocked(saveBlob).mock.calls[0] ?? [];
-    expect(name).toBe("walk.webm");
-    expect(blob?.size).toBe("picture".length);
+    expect(saved).toEqual([{ name: "walk.webm", size: "picture".length }]);
     expect(filming.value).toBe(false);
   });
 
@@ -69,7 +76,7 @@ describe("a video of the loop", () => {
     const done = saveFilm(stage, makeClip());
     await vi.advanceTimersByTimeAsync(6_000);
     await done;
-    expect(saveBlob).not.toHaveBeenCalled();
+    expect(saved).toEqual([]);
     expect(notes.value.map((one) => one.text)).toEqual([
       "The browser recorded no picture. Try again, or use a longer loop.",
     ]);
