@@ -102,7 +102,6 @@ def test_what_is_not_there_is_told(engine: Queries, text: str, what: str) -> Non
     ("text", "per"),
     [
         ("//frame[count(mo:top(1, //frame)) > 0]", None),
-        ("mo:top(1, //frame) | //frame[1]", None),
         ("mo:top(1, //frame)", "document"),
     ],
 )

@@ -93,6 +93,12 @@ def test_any_text_is_a_pattern_or_refused(pattern: str, text: str, flags: str) -
             call(text, pattern, flags)
 
 
+@pytest.mark.parametrize(("pattern", "flags"), [("\\", "x"), ("\\²", ""), ("(a)\\²", "i")])
+def test_a_backslash_before_nothing_or_another_digit_is_refused(pattern: str, flags: str) -> None:
+    with pytest.raises(QueryError, match="is no regular expression"):
+        regular.matches("a", pattern, flags)
+
+
 def test_half_of_a_letter_is_refused() -> None:
     with pytest.raises(QueryError):
         regular.matches("a", "\ud800")

@@ -80,7 +80,7 @@ def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Queries]:
 def test_trees_answer_as_expected(case: Case) -> None:
     assert case.expected
     query = parse(case.expression)
-    found = Tree([DOCUMENT.encode()]).items(query.text, variables={}, offset=0, limit=1000)
+    found = Tree([[DOCUMENT.encode()]]).items(query.text, variables={}, offset=0, limit=1000)
     nodes = [(item.address, item.value) for item in found.items if isinstance(item, Found)]
     case.check(nodes if nodes or not found.items else found.items[0])
 
@@ -107,6 +107,6 @@ def test_columns_answer_as_expected(case: Case, engine: Queries) -> None:
 
 
 def test_pages_and_totals() -> None:
-    found = Tree([DOCUMENT.encode()]).items("//frame/@id", variables={}, offset=3, limit=2)
+    found = Tree([[DOCUMENT.encode()]]).items("//frame/@id", variables={}, offset=3, limit=2)
     assert [item.value for item in found.items if isinstance(item, Found)] == ["4", "5"]
     assert found.total == 6

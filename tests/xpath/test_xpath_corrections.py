@@ -49,7 +49,7 @@ def processor() -> PySaxonProcessor:
 
 @pytest.fixture(scope="module")
 def document() -> Tree:
-    return Tree([DOCUMENT.encode()])
+    return Tree([[DOCUMENT.encode()]])
 
 
 def wanted(processor: Any, text: str, *, compatible: bool) -> list[Any] | None:

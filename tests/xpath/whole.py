@@ -12,7 +12,6 @@ from typing import Any
 
 from lxml import etree
 
-from mcml_service.xpath.language.labels import without_index
 from mcml_service.xpath.language.parse import parse
 from mcml_service.xpath.language.tree import (
     Call,
@@ -32,19 +31,14 @@ from mcml_service.xpath.language.tree import (
     walk,
     with_children,
 )
-from mcml_service.xpath.language.types import depends_on_position, type_of
 from mcml_service.xpath.language.unparse import unparse
 from tests.xpath.oracle import plain
 from tests.xpath.saxon import Places, _item
 
 OF_SEQUENCES = {
     "count", "sum", "min", "max", "avg", "exists", "empty", "distinct-values", "string-join", "data", "reverse", "head",
-    "tail", "subsequence", "remove", "index-of", "sort",
+    "insert-before", "tail", "subsequence", "remove", "index-of", "sort",
 }  # fmt: skip
-
-
-class NotWholeError(Exception):
-    """Predicates behind parentheses count in each document, which `$all` does not tell."""
 
 
 def spelled(tree: Expression) -> Expression:
@@ -98,21 +92,9 @@ def _spelled(tree: Expression, *, many: bool, alone: bool) -> Expression:
     return with_children(tree, lambda part: _spelled(part, many=False, alone=alone))
 
 
-def _counts_in_each(tree: Expression) -> bool:
-    """Whether predicates behind parentheses count positions in each document."""
-    held = tree.start if isinstance(tree, Path) else tree
-    if not isinstance(held, Filter) or type_of(held) != "nodes":
-        return False
-    counting = [each for each in held.predicates if type_of(each) == "number" or depends_on_position(each)]
-    return bool(counting) and (held is not tree or without_index(held)[1] is None)
-
-
 def answer(saxon: Any, text: str, trees: Mapping[str, Any]) -> list[Any]:
     """The items of the answer: (document, kind, address, value) of nodes, and values."""
-    tree = parse(text).tree
-    if any(map(_counts_in_each, walk(without_index(tree)[0]))):
-        raise NotWholeError
-    tree = spelled(tree)
+    tree = spelled(parse(text).tree)
     sources = [etree.tostring(each.getroot(), encoding="unicode") for each in trees.values()]
     nodes = [saxon.parse_xml(xml_text=source) for source in sources]
     places = {

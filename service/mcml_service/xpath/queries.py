@@ -47,7 +47,7 @@ from mcml_service.xpath.limits import Limits, Running, no_such_question
 from mcml_service.xpath.nodes.node import Node
 from mcml_service.xpath.nodes.pairs import TooWideError
 from mcml_service.xpath.trees.evaluate import Found
-from mcml_service.xpath.trees.sequences import Sequences, require_alone, value_of_nothing
+from mcml_service.xpath.trees.sequences import Sequences, are_together, value_of_nothing
 
 DEFAULT_LIMIT = 100
 MOST_BY_TREES = 100_000
@@ -103,7 +103,8 @@ class Queries:
             try:
                 answer = asking.answer(page)
             except LimitError as error:
-                if asking.motion and error.details.get("code") == "query-timeout":
+                by_trees = asking.explain.way == "projection"
+                if asking.motion and not by_trees and error.details.get("code") == "query-timeout":
                     error.remedy = "Derive the bodies once for all queries: mcml db derive."
                 if request.explain:
                     error.details["explain"] = asking.explained((time.perf_counter() - start) * 1000).model_dump()
@@ -129,11 +130,14 @@ class Queries:
             try:
                 found = collect(asking.nodes(), request.limit)
             except (TooWideError, TooLongError, NotOnColumnsError):
-                asking.require_documents_alone()
+                refuse_top(asking.motion)
                 documents = [one for group in asking.bodies.select(asking.scope.groups()) for one in group]
             else:
                 return Answer(self.database, self.caches, commit, since, found)
-        parts = [documents] if without_index(query.tree)[1] is not None else [[stored] for stored in documents]
+        at_once = without_index(query.tree)[1] is not None or (
+            request.per is None and are_together(query, len(documents))
+        )
+        parts = [documents] if at_once else [[stored] for stored in documents]
         return Shown(self._by_trees(query, parts, commit, since, limits, request.limit or MOST_BY_TREES))
 
     def _by_trees(
@@ -230,7 +234,7 @@ class _Asking:
                 return self._constant(page)
             self.explain.way = "projection"
             self.explain.plan = ["the documents as trees, without what the expression cannot touch"]
-            self.require_documents_alone()
+            refuse_top(self.motion)
             return self._by_trees(page)
 
     def leave_out_guesses(self, guesses: str) -> None:
@@ -346,7 +350,8 @@ class _Asking:
 
     def _sequences(self) -> Sequences:
         groups = list(self.bodies.select(self.scope.groups()))
-        return Sequences(self.tx, self.engine.caches, self.query, groups, self.limits)
+        alone = self.per == "document"
+        return Sequences(self.tx, self.engine.caches, self.query, groups, self.limits, per_document=alone)
 
     def _by_trees(self, page: Page) -> QueryAnswer:
         source = self._sequences()
@@ -359,17 +364,13 @@ class _Asking:
         found = source.page(page.offset, page.limit + 1)
         if found.single is not None:
             kind = kind_of_value(found.single[0][1])
+            if source.is_one:
+                return QueryAnswer(type=kind, value=plain(found.single[0][1]))
             return scalars(kind, [stored for stored, _ in found.single], [value for _, value in found.single])
         some = found.items[: page.limit]
         items = [node_item(item) if isinstance(item, Node) else ValueItem(value=plain(item)) for item in some]
         answer = page.of_items(self.tx, items, more=len(found.items) > page.limit)
         return answer if items else answer.model_copy(update={"type": "nodes" if found.nodes else "values"})
-
-    def require_documents_alone(self) -> None:
-        """Refuses what must be evaluated on all documents together, which XML is not."""
-        refuse_top(self.motion)
-        if self.per != "document":
-            require_alone(self.query.tree, len(self.scope.documents()))
 
     def _of_aggregate(self, function: str, value: object, page: Page) -> QueryAnswer:
         if isinstance(value, list):

@@ -34,8 +34,9 @@ from mcml_service.xpath.language.meaning import ITEM
 from mcml_service.xpath.language.motion_functions import RUNS, TOP
 from mcml_service.xpath.language.reach import HeadPart
 from mcml_service.xpath.language.rules import normal
-from mcml_service.xpath.language.scopes import asks_each, asks_scope, begins_paths, begins_with_top, is_node_set, put
+from mcml_service.xpath.language.scopes import asks_each, asks_scope, begins_paths, is_node_set, put
 from mcml_service.xpath.language.tree import (
+    OF_NODES,
     Call,
     Each,
     Expression,
@@ -118,7 +119,7 @@ class Whole:
         if isinstance(expression, Call) and expression.function in SINGLE:
             return self._single(expression)
         expression = with_children(expression, self.reduced)
-        takes_values = isinstance(expression, Operation) or (
+        takes_values = (isinstance(expression, Operation) and expression.operator not in OF_NODES) or (
             isinstance(expression, Call) and not SAFE_FUNCTIONS[expression.function].takes_items
         )
         return with_children(expression, self._literals) if takes_values else expression
@@ -186,10 +187,13 @@ class Whole:
     def parts(self, expression: Expression) -> Iterator[Part]:
         """The items of a reduced expression, some at a time."""
         self._check()
-        if isinstance(expression, Path) and expression.start is not None and not is_node_set(expression):
+        is_set = is_node_set(expression)
+        if isinstance(expression, Path) and expression.start is not None and not is_set:
             yield from self._onward(expression.start, expression.steps)
-        elif type_of(expression) == "nodes" and not begins_with_top(expression):
+        elif is_set or (type_of(expression) == "nodes" and without_index(expression)[1] is not None):
             yield from (Part(forest, nodes) for forest, nodes in self.nodes(expression).chunks())
+        elif isinstance(expression, Operation) and expression.operator == "|":
+            yield from self._onward(Sequence(expression.operands), (Step("self", "node()"),))
         elif isinstance(expression, Sequence):
             for item in expression.items:
                 yield from self.parts(item)

@@ -66,12 +66,8 @@ _WITH_FRAMES = frozenset({DOCUMENT, MCML, MOTION, FRAME})
 
 def projection(tree: Expression) -> Projection:
     """The least projection on which the expression has its value, nodes serialised."""
-    analysis = _Analysis()
-    result = analysis.types(tree, frozenset({DOCUMENT}))
-    analysis.use(result)
-    if result & _WITH_FRAMES:
-        return Projection.WHOLE
-    return analysis.least()
+    analysis = Analysis()
+    return analysis.projection(analysis.types(tree, frozenset({DOCUMENT})))
 
 
 def head_of(tree: Expression, *, counted: bool = False) -> HeadPart:
@@ -79,7 +75,7 @@ def head_of(tree: Expression, *, counted: bool = False) -> HeadPart:
 
     counted: only the number of nodes is needed.
     """
-    analysis = _Analysis()
+    analysis = Analysis()
     result = analysis.types(tree, frozenset({DOCUMENT}))
     analysis.use(result)
     # Functions that take the nodes, such as sum(), may read their text, which includes the header's.
@@ -93,7 +89,7 @@ def head_of(tree: Expression, *, counted: bool = False) -> HeadPart:
 
 def is_of_skeleton(tree: Expression) -> bool:
     """Whether the value depends on skeletons alone, and is no node but of them."""
-    analysis = _Analysis()
+    analysis = Analysis()
     result = analysis.types(tree, frozenset({DOCUMENT}))
     analysis.use(result)
     if result & {DOCUMENT, MCML}:
@@ -103,10 +99,10 @@ def is_of_skeleton(tree: Expression) -> bool:
 
 def types_of(tree: Expression, context: Types = frozenset({DOCUMENT})) -> Types:
     """Types of the nodes that an expression can select; of a value, none."""
-    return _Analysis().types(tree, context)
+    return Analysis().types(tree, context)
 
 
-class _Analysis:
+class Analysis:
     """Collects the types of all nodes that an expression can depend on."""
 
     def __init__(self) -> None:
@@ -117,8 +113,10 @@ class _Analysis:
     def use(self, types: Types) -> None:
         self._used |= types
 
-    def least(self) -> Projection:
-        if self._used & _BONE_TYPES:
+    def projection(self, result: Types) -> Projection:
+        """The least projection for all that has been seen. result: types of the nodes of the value."""
+        self.use(result)
+        if self._used & _BONE_TYPES or result & _WITH_FRAMES:
             return Projection.WHOLE
         return Projection.FRAMES if self._used & _FRAME_TYPES else Projection.HEAD
 
@@ -130,9 +128,9 @@ class _Analysis:
         if isinstance(expression, Literal):
             return frozenset()
         if isinstance(expression, Written):
-            self.use(_everything())
+            self.use(EVERYTHING)
             self._head_text = True
-            return _everything()
+            return EVERYTHING
         if isinstance(expression, Path):
             return self._path(expression, context)
         if isinstance(expression, Filter):
@@ -146,7 +144,7 @@ class _Analysis:
                 self.use(frozenset().union(*operands[1:]))
                 return frozenset().union(*operands)
             for operand in operands:
-                self._value(operand)
+                self.value(operand)
             return frozenset()
         if isinstance(expression, Call):
             return self._call(expression, context)
@@ -161,7 +159,7 @@ class _Analysis:
             self.use(self.types(expression.test, context))
             return self.types(expression.then, context) | self.types(expression.otherwise, context)
         if isinstance(expression, Function):
-            self._value(self.types(expression.body, context))
+            self.value(self.types(expression.body, context))
             return frozenset()
         found = self.types(expression.source, context)
         self.use(found)
@@ -186,7 +184,7 @@ class _Analysis:
             if call.function in ("count", "boolean", "not", "name", "local-name", "namespace-uri"):
                 self.use(types)
             else:
-                self._value(types)
+                self.value(types)
         signature = SAFE_FUNCTIONS[call.function]
         if call.function in MOTION_FUNCTIONS:
             self.use(frozenset({FRAME}))
@@ -195,9 +193,9 @@ class _Analysis:
         if call.function == WINDOW:
             return frozenset({FRAME})
         # There are no attributes of type ID in MCML, so id() selects nothing; its types are kept anyway.
-        return _everything() if call.function == "id" else frozenset()
+        return EVERYTHING if call.function == "id" else frozenset()
 
-    def _value(self, types: Types) -> None:
+    def value(self, types: Types) -> None:
         """The string of these nodes is taken: the text of all that is in them."""
         self.use(types)
         self._head_text = self._head_text or bool(types & {DOCUMENT, MCML})
@@ -214,14 +212,18 @@ class _Analysis:
         if path.start is not None:
             current = self.types(path.start, context)
         for step in path.steps:
-            following = frozenset().union(*(reach(source, step) for source in current))
-            # A node from which the step reaches any node matters, of any type.
-            self.use(frozenset(source for source in current if reach(source, step)))
+            following = self.step(current, step)
             if step.predicates:
                 self.use(following)
                 self._predicates(step.predicates, following)
             current = following
         return current
+
+    def step(self, current: Types, step: Step) -> Types:
+        """Types that a step reaches from nodes of these types, predicates aside."""
+        # A node from which the step reaches any node matters, of any type.
+        self.use(frozenset(source for source in current if reach(source, step)))
+        return frozenset().union(*(reach(source, step) for source in current))
 
 
 def reach(source: str, step: Step) -> Types:
@@ -275,7 +277,7 @@ def _axis(source: str, axis: str) -> Types:
             return frozenset()
         return frozenset().union(*(_children()[parent] for parent in parent_types(source)))
     if axis in ("following", "preceding"):
-        return _everything()
+        return EVERYTHING
     return frozenset()
 
 
@@ -312,7 +314,5 @@ def _inside(tag: str) -> Types:
     return inside | {f"@{name}" for name in inside if not name.startswith("#")}
 
 
-@cache
-def _everything() -> Types:
-    """All types but attributes: those no axis but `attribute` reaches."""
-    return frozenset({DOCUMENT}) | _descendants()[DOCUMENT]
+EVERYTHING: Types = frozenset({DOCUMENT}) | _descendants()[DOCUMENT]
+"""All types but attributes: those no axis but `attribute` reaches."""

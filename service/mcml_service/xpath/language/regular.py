@@ -87,6 +87,9 @@ def compiled(pattern: str, flags: str = "") -> Any:
         return re2.compile(text, options)
     except (RegexError, UnicodeEncodeError) as error:
         raise QueryError(f"{pattern!r} is no regular expression: {error}", remedy=_REFUSED) from None
+    except AttributeError:
+        # elementpath takes every sign that Python calls a digit for a back-reference.
+        raise QueryError(f"{pattern!r} is no regular expression: a digit follows a backslash") from None
     except re2.error as error:
         said = error.args[0].decode(errors="replace") if error.args and isinstance(error.args[0], bytes) else str(error)
         if "too large" in said or "repetition" in said or "too deep" in said:
@@ -118,6 +121,8 @@ def _parts(text: str) -> Iterator[str]:
         size = 1
         if sign == "\\":
             size = 2
+            if place + 1 == len(text):
+                raise RegexError("it ends with a backslash")
             yield _escape(text[place + 1], in_class=in_class)
         elif in_class:
             in_class = sign != "]"

@@ -10,8 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
-from mcml_service.xpath.language.functions import AGGREGATES, SAFE_FUNCTIONS
-from mcml_service.xpath.language.labels import without_index
+from mcml_service.xpath.language.functions import SAFE_FUNCTIONS
 from mcml_service.xpath.language.meaning import ITEM
 from mcml_service.xpath.language.motion_functions import MOTION_FUNCTIONS, OF_FRAME_SETS, RUNS, TOP
 from mcml_service.xpath.language.tree import (
@@ -36,7 +35,7 @@ from mcml_service.xpath.language.tree import (
     walk,
     with_children,
 )
-from mcml_service.xpath.language.types import type_of
+from mcml_service.xpath.language.types import depends_on_position, item_type, type_of
 
 
 def asks_scope(expression: Expression) -> bool:
@@ -53,15 +52,31 @@ def asks_scope(expression: Expression) -> bool:
 
 
 def is_node_set(expression: Expression) -> bool:
-    """Whether it gives nodes of each document that those of other documents do not change: no `(…)[n]` around it, which
-    counts over all of them, and no path from a sequence."""
-    if begins_with_top(expression):
+    """Whether it gives nodes of each document that those of other documents do not change: no position behind
+    parentheses, which counts over all of them, and no function of sequences."""
+    if type_of(expression) != "nodes" or begins_with_top(expression):
         return False
-    if isinstance(expression, Path) and expression.start is not None and type_of(expression.start) != "nodes":
-        return False
-    if isinstance(expression, Filter) and isinstance(expression.operand, Path | Filter):
-        return is_node_set(expression.operand) and without_index(expression)[1] is None
-    return type_of(expression) == "nodes" and without_index(expression)[1] is None
+    if isinstance(expression, Path):
+        return expression.start is None or is_node_set(expression.start)
+    if isinstance(expression, Filter):
+        return is_node_set(expression.operand) and not any(map(_may_count, expression.predicates))
+    if isinstance(expression, Operation):
+        return all(map(_are_node_sets, expression.operands))
+    if isinstance(expression, If):
+        return is_node_set(expression.then) and is_node_set(expression.otherwise)
+    return True
+
+
+def _are_node_sets(operand: Expression) -> bool:
+    return all(map(_are_node_sets, operand.items)) if isinstance(operand, Sequence) else is_node_set(operand)
+
+
+def _may_count(predicate: Expression) -> bool:
+    """Whether the truth of a predicate may depend on the position of an item."""
+    is_number = type_of(predicate) == "number" or (
+        type_of(predicate) == "sequence" and item_type(predicate) in ("number", "any")
+    )
+    return is_number or depends_on_position(predicate)
 
 
 def begins_with_top(expression: Expression) -> bool:
@@ -111,30 +126,6 @@ def asks_each(expression: Expression, *, in_sequence: bool = True, at_document: 
     if isinstance(expression, Sequence):
         return any(asks(item, in_sequence=in_sequence) for item in expression.items)
     return isinstance(expression, Written)
-
-
-def spans_documents(expression: Expression, *, is_whole: bool = True) -> bool:
-    """Tell whether documents cannot be evaluated one by one: a function of sequences, or a loop, needs the items of
-    all. is_whole: it is the whole expression; the values of an aggregate around it are combined.
-    """
-    if isinstance(expression, Written):
-        return expression.spans and not expression.nodes
-    if isinstance(expression, Path):
-        return expression.start is not None and spans_documents(expression.start, is_whole=False)
-    if isinstance(expression, Filter):
-        return type_of(expression.operand) != "nodes" and asks_scope(expression)
-    if isinstance(expression, Call) and expression.function == RUNS:
-        return spans_documents(expression.arguments[0], is_whole=False)
-    if isinstance(expression, Call) and SAFE_FUNCTIONS[expression.function].takes_items:
-        inner = expression.arguments[SAFE_FUNCTIONS[expression.function].place]
-        if not asks_scope(inner):
-            return False
-        return not (is_whole and expression.function in AGGREGATES) or spans_documents(inner, is_whole=False)
-    if isinstance(expression, Quantified | Let):
-        return asks_scope(expression.source)
-    if isinstance(expression, For | Each):
-        return asks_scope(expression.body) or spans_documents(expression.source, is_whole=False)
-    return any(spans_documents(part, is_whole=False) for part in children(expression))
 
 
 def put(expression: Expression, variable: str, outside: Expression, inside: Callable[[], Expression]) -> Expression:

@@ -187,9 +187,8 @@ class Written:
     """A whole XPath 3.1 expression without columns, as written.
 
     variables: the values of free variables. function, arguments: of a call that makes one value from all documents.
-    nodes: whether its operator gives nodes. spans: whether it contains a function of sequences, or a quantifier, that
-    needs the items of all documents together. motion: the calls of functions of bodies in motion in it. constant:
-    whether its value is independent of documents.
+    nodes: whether its operator gives nodes. motion: the calls of functions of bodies in motion in it. constant: whether
+    its value is independent of documents.
     """
 
     text: str
@@ -197,7 +196,6 @@ class Written:
     function: str = ""
     arguments: tuple[str, ...] = ()
     nodes: bool = False
-    spans: bool = False
     motion: tuple[Call, ...] = ()
     constant: bool = False
     span: Span = field(default=(0, 0), compare=False)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
-from itertools import product
+from itertools import chain, product
 from math import prod
 from typing import Any, TypeAlias
 from urllib.parse import quote, unquote
@@ -62,13 +62,17 @@ FEW = 100
 ONE_BY_ONE = 4
 """With more names, this many are added one after the other before all are given."""
 _MAPS, _ARRAYS = (f"Q{{http://www.w3.org/2005/xpath-functions/{kind}}}" for kind in ("map", "array"))
-# A column ends with the number for nodes outside frames. In 1.0-compatibility mode, sums are no integers.
+# A column ends with the numbers for nodes outside the frames of each document. In 1.0-compatibility mode, sums are no
+# integers.
 _FUNCTIONS = f"""let $mo-frames := array {{ /mcml/motion/frame }},
 $mo-places := {_MAPS}merge(
   for $i in 1 to {_ARRAYS}size($mo-frames) return {_MAPS}entry(generate-id($mo-frames($i)), $i)),
-$mo-heads := xs:integer({_ARRAYS}size($mo-frames) + 1),
+$mo-roots := array {{ / }},
+$mo-heads := {_MAPS}merge(for $i in 1 to {_ARRAYS}size($mo-roots) return
+  {_MAPS}entry(generate-id($mo-roots($i)), xs:integer({_ARRAYS}size($mo-frames) + $i))),
 $mo-place := function($node) {{
-  if ($node instance of node()) then ($mo-places(generate-id($node/ancestor-or-self::frame)), $mo-heads)[1]
+  if ($node instance of node())
+  then ($mo-places(generate-id($node/ancestor-or-self::frame)), $mo-heads(generate-id(root($node))))[1]
   else error((), 'a function of bodies is asked with a value as context, which is in no frame; bind it with for') }},
 $mo-name := function($named) {{
   string(head($named) ! (if (. instance of node()) then @name else .)) }},
@@ -116,17 +120,20 @@ class BodyValues:
             found.update(dict.fromkeys(group.keys, forest))
         return found
 
-    def _columns(self, stored: Listed) -> Columns:
-        """Of a document alone: others may never be looked at."""
-        forest = self._forests[stored.key]
-        if forest not in self._noted:
-            # The warnings of an answer come from the facts of the bodies of a group.
-            Bodies(forest, self._limits.check).facts()
-            self._noted.add(forest)
-        return Columns(forest.part([stored]), self._limits.check, is_later=True)
+    def _columns(self, documents: Sequence[Listed]) -> Columns:
+        """Of these documents alone: others may never be looked at."""
+        for stored in documents:
+            forest = self._forests[stored.key]
+            if forest not in self._noted:
+                # The warnings of an answer come from the facts of the bodies of a group.
+                Bodies(forest, self._limits.check).facts()
+                self._noted.add(forest)
+        return Columns(forest.part(documents), self._limits.check, is_later=True)
 
-    def answer(self, ask: Callable[[str, Values], Items], text: str, variables: Values, stored: Listed) -> Items:
-        """Return elementpath's answer to an expression about a document.
+    def answer(
+        self, ask: Callable[[str, Values], Items], text: str, variables: Values, documents: Sequence[Listed]
+    ) -> Items:
+        """Return elementpath's answer to an expression about documents.
 
         ask: evaluates it, with variables. The joint of an argument such as in `mo:height(.)` is known only during the
         evaluation: the expression is then evaluated again with the missing numbers. Raises QueryError for expressions
@@ -134,7 +141,7 @@ class BodyValues:
         """
         if PREFIX not in text:
             return ask(text, variables)
-        columns = self._columns(stored)
+        columns = self._columns(documents)
         while True:
             asked = _Asked(columns, text, variables, self._limits.max_elements, self._met)
             try:
@@ -145,12 +152,15 @@ class BodyValues:
 
 
 class _Asked:
-    """An expression for elementpath, about one document. text, variables: its input."""
+    """An expression for elementpath, about some documents. text, variables: its input."""
 
     def __init__(self, columns: Columns, text: str, variables: Values, most: int, met: Met) -> None:
         self._motions = columns.motions
-        frames = columns.forest.all_frames(np.zeros(1, np.int64))[1]
+        source, frames = columns.forest.all_frames(np.arange(len(columns.forest)))
         self._context = Context(np.concatenate([frames, columns.documents().nodes]))
+        # The place of the first frame of the document of each node, from 0.
+        starts = np.searchsorted(source, np.arange(len(columns.forest)))
+        self._starts = np.concatenate([starts[source], starts])
         self._left = most
         self._met = met
         self._given = variables
@@ -198,6 +208,7 @@ class _Asked:
             return f"{self._prefix}runs(({self._rewritten(found.arguments[0])}), {', '.join(bounds)})"
         if call.function == WINDOW:
             first, last = self._motions.reach(call, self._context.nodes)
+            first, last = (np.asarray(end) + self._starts for end in (first, last))
             ends = {"first": self._column(call, first), "last": self._column(Call("last", (call,)), last)}
             return f"{self._prefix}window({self._table(ends)}, .)"
         if call.function in OF_NUMBERS and any(isinstance(part, Written) for part in walk(call)):
@@ -236,9 +247,9 @@ class _Asked:
         return product(*chosen) if few or len(met) > ONE_BY_ONE else met
 
     def _joints(self, call: Call, place: int) -> list[str]:
-        """Return the joints of the document, and an empty name for all others."""
+        """Return the joints of the documents, and an empty name for all others."""
         feet = FEET if MOTION_FUNCTIONS[call.function].parameters[place] == JOINT_OR_SIDE else ()
-        return ["", *feet, *self._motions.bodies.facts().names[0]]
+        return ["", *feet, *dict.fromkeys(chain.from_iterable(self._motions.bodies.facts().names))]
 
     def _name(self, found: WrittenCall, place: int) -> str:
         said = f"({self._rewritten(found.arguments[place])})"
@@ -263,7 +274,7 @@ class _Asked:
             self._left -= len(self._context)
             if self._left < 0:
                 raise LimitError(
-                    "The query needs more numbers of one document than the limit allows.",
+                    "The query needs more numbers of the frames of its documents than the limit allows.",
                     remedy="Name fewer joints, ask smaller documents, or raise MCML_QUERY_ELEMENTS.",
                     code="query-too-large",
                 )

@@ -31,6 +31,7 @@ from mcml.language.addresses import ALWAYS_NUMBERED, address_attribute, address_
 from mcml_service.xpath.language.tree import Atomic
 from mcml_service.xpath.language.xpath31.corrections import Context
 from mcml_service.xpath.language.xpath31.parser import in_words, query_error, read_tokens
+from mcml_service.xpath.language.xpath31.scope import mark_scope
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,12 +39,13 @@ class Found:
     """A node of a result.
 
     kind: "element", "attribute", "text", "document" or "namespace". address: the canonical XPath that finds it.
-    value: an element as XML, the value of an attribute or text.
+    value: an element as XML, the value of an attribute or text. document: its place among those of the tree.
     """
 
     kind: str
     address: str
     value: str
+    document: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,30 +57,46 @@ class Items:
 
 
 class Tree:
-    """A document that expressions are evaluated on.
+    """Documents that expressions are evaluated on.
 
-    document: its XML in pieces, without white space between elements.
+    documents: of each its XML in pieces, without white space between elements. A single one is the document of all
+    paths; of several, those that take sequences are of all (`language/xpath31/scope.py`).
     """
 
-    def __init__(self, document: Iterable[bytes]) -> None:
-        parser = etree.XMLParser(huge_tree=True, resolve_entities=False, no_network=True, load_dtd=False)
-        for piece in document:
-            parser.feed(piece)
-        self._root = parser.close().getroottree()
-        self._node: Any = Context(self._root).root
+    def __init__(self, documents: Iterable[Iterable[bytes]]) -> None:
+        self._nodes: list[Any] = []
+        self._roots: list[Any] = []
+        last = 0
+        for document in documents:
+            node, root, last = _read(document, last)
+            self._nodes.append(node)
+            self._roots.append(root)
+        self._places = {node: place for place, node in enumerate(self._nodes)}
         self._addresses = Addresses()
 
     def items(
-        self, text: str, *, variables: Mapping[str, Atomic], offset: int, limit: int, compatible: bool = True
+        self,
+        text: str,
+        *,
+        variables: Mapping[str, Atomic],
+        offset: int,
+        limit: int,
+        compatible: bool = True,
+        document: int = 0,
     ) -> Items:
-        """The value of an expression that has been checked (`language/xpath31/written.py`); the document is the focus.
+        """The value of an expression that has been checked (`language/xpath31/written.py`).
 
+        document: the place of the one that is the focus, and that is asked where one value is needed.
         compatible: in the mode compatible with XPath 1.0. Raises QueryError where it has no value, with the W3C's code.
         """
         try:
             given: Any = {name: _given(value) for name, value in variables.items()}
-            context = Context(self._node, variables=given, timezone="Z")
-            found = list(_tokens(text, compatible).select(context))
+            context = Context(self._nodes[document], variables=given, timezone="Z")
+            tokens = _tokens(text, compatible)
+            if len(self._nodes) > 1:
+                context.scope = tuple(self._nodes)
+                mark_scope(tokens)
+            found = list(tokens.select(context))
             return Items(tuple(self._item(item) for item in islice(found, offset, offset + limit)), len(found))
         except ElementPathError as error:
             raise query_error(error) from None
@@ -94,20 +112,38 @@ class Tree:
         return self._found(item) if isinstance(item, XPathNode) else _atomic(item)
 
     def _found(self, node: Any) -> Found:
+        top = node
+        while top.parent is not None:
+            top = top.parent
+        place = self._places[top]
         if isinstance(node, DocumentNode):
-            return Found("document", "/", str(etree.tostring(self._root.getroot(), encoding="unicode")))
+            return Found("document", "/", str(etree.tostring(self._roots[place], encoding="unicode")), place)
         if isinstance(node, ElementNode):
             element: Any = node.value
             value = etree.tostring(element, encoding="unicode", with_tail=False)
-            return Found("element", self._addresses.of(element), str(value))
+            return Found("element", self._addresses.of(element), str(value), place)
         owner = self._addresses.of(node.parent.value)
         if isinstance(node, AttributeNode):
-            return Found("attribute", address_attribute(owner, str(node.name)), str(node.value))
+            return Found("attribute", address_attribute(owner, str(node.name)), str(node.value), place)
         if isinstance(node, TextNode):
-            return Found("text", address_text(owner), node.value)
+            return Found("text", address_text(owner), node.value, place)
         if isinstance(node, NamespaceNode):
-            return Found("namespace", address_namespace(owner), node.uri)
+            return Found("namespace", address_namespace(owner), node.uri, place)
         raise QueryError("A comment or processing instruction is no node of MCML.")
+
+
+def _read(document: Iterable[bytes], last: int) -> tuple[Any, Any, int]:
+    """The node of a document, its root, and the position of its last node. last: that of the document before."""
+    parser = etree.XMLParser(huge_tree=True, resolve_entities=False, no_network=True, load_dtd=False)
+    for piece in document:
+        parser.feed(piece)
+    root = parser.close()
+    top: Any = Context(root.getroottree()).root
+    node = top
+    for node in top.iter_descendants():
+        node.position += last
+    # Namespaces and attributes count from their element.
+    return top, root, node.position + len(getattr(node.value, "attrib", ())) + 2
 
 
 @lru_cache(maxsize=256)

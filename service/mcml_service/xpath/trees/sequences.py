@@ -12,11 +12,13 @@ from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
 from mcml_service.xpath.language.functions import AGGREGATES
 from mcml_service.xpath.language.labels import without_index
+from mcml_service.xpath.language.motion_functions import PREFIX, RUNS
 from mcml_service.xpath.language.parse import Query
-from mcml_service.xpath.language.scopes import spans_documents
-from mcml_service.xpath.language.tree import Atomic, Call, Expression, Literal, Written
+from mcml_service.xpath.language.reach import Projection, projection
+from mcml_service.xpath.language.tree import Atomic, Call, Literal, Written
 from mcml_service.xpath.language.types import type_of
 from mcml_service.xpath.language.unparse import unparse
+from mcml_service.xpath.language.xpath31.written import find_projection, find_scope
 from mcml_service.xpath.library.caches import Caches
 from mcml_service.xpath.library.groups import Group
 from mcml_service.xpath.limits import Limits
@@ -31,28 +33,46 @@ MOST = 1_000_000
 
 @dataclass(frozen=True)
 class Answer:
-    """single: one value of each document. total: of all items, where it is known. nodes: whether all items are."""
+    """single: one value of each document. nodes: whether all items are."""
 
     items: list[Node | Atomic]
     nodes: bool
     single: list[tuple[Listed, Atomic]] | None = None
-    total: int | None = None
 
 
 class Sequences:
-    """The answer of an expression over a scope."""
+    """The answer of an expression over a scope.
 
-    def __init__(self, tx: Transaction, caches: Caches, query: Query, groups: Sequence[Group], limits: Limits) -> None:
+    together: whether all documents must be in memory at once. each: whether every document has its own answer.
+    is_one: whether the expression has one value for all of them, not one for each. asked: the documents for each of
+    which it is evaluated.
+    """
+
+    def __init__(
+        self,
+        tx: Transaction,
+        caches: Caches,
+        query: Query,
+        groups: Sequence[Group],
+        limits: Limits,
+        *,
+        per_document: bool = False,
+    ) -> None:
         self.limits = limits
         self.compatible = query.compatible
         self.documents = list(chain.from_iterable(groups))
         inner, self.nth = without_index(query.tree)
         query = replace(query, tree=inner)
         self.tree = query.tree
-        self.xml = Xml(tx, limits, query.tree)
         self.text = query.text
+        self.xml = Xml(tx, limits, _projection(query))
         self.variables = dict(self.tree.variables) if isinstance(self.tree, Written) else {}
         self.bodies = BodyValues(tx, caches, groups, limits)
+        scope = find_scope(self.text, compatible=self.compatible)
+        self.together = are_together(query, len(self.documents)) and not per_document
+        self.each = scope.each
+        self.is_one = self.together and not scope.each
+        self.asked = self.documents[:1] if self.is_one else self.documents
         self._last: tuple[Listed, Tree] | None = None
 
     def aggregate(self) -> tuple[str, Atomic | list[Atomic] | None] | None:
@@ -61,25 +81,25 @@ class Sequences:
         The value is a list for distinct-values, and None for the least, greatest or mean of nothing.
         """
         function, arguments = self._call()
-        if not function:
+        if not function or self.each:
             return None
         if function in ("count", "sum", "exists", "empty"):
-            each = [self._one(stored, self.text) for stored in self.documents]
+            each = [self._one(stored, self.text) for stored in self.asked]
             if function in ("count", "sum"):
                 return function, float(sum(float(value) for value in each))
             return function, any(each) if function == "exists" else all(each)
         if function == "avg":
-            pairs = [self._all(stored, f"(sum({arguments[0]}), count({arguments[0]}))") for stored in self.documents]
+            pairs = [self._all(stored, f"(sum({arguments[0]}), count({arguments[0]}))") for stored in self.asked]
             count = sum(float(pair[1]) for pair in pairs)
             return function, sum(float(pair[0]) for pair in pairs) / count if count else None
         if function in ("min", "max"):
-            values = [value for stored in self.documents for value in self._all(stored, self.text)]
+            values = [value for stored in self.asked for value in self._all(stored, self.text)]
             return function, _extreme(function, values)
         if function == "distinct-values":
-            return function, list(dict.fromkeys(v for stored in self.documents for v in self._all(stored, self.text)))
-        first = self.documents[:1] if len(arguments) > 1 else []
+            return function, list(dict.fromkeys(v for stored in self.asked for v in self._all(stored, self.text)))
+        first = self.asked[:1] if len(arguments) > 1 else []
         between = "".join(str(self._one(stored, f"string({arguments[1]})")) for stored in first)
-        texts = [self._all(stored, f"for $i in ({arguments[0]}) return string($i)") for stored in self.documents]
+        texts = [self._all(stored, f"for $i in ({arguments[0]}) return string($i)") for stored in self.asked]
         return function, between.join(str(text) for some in texts for text in some)
 
     def page(self, offset: int, limit: int) -> Answer:
@@ -88,14 +108,14 @@ class Sequences:
             offset, limit = (self.nth - 1, 1) if offset == 0 else (0, 0)
         items: list[Node | Atomic] = []
         single: list[tuple[Listed, Atomic]] | None = [] if offset == 0 else None
-        for stored in self.documents:
+        for stored in self.asked:
             found = self._evaluate(stored, self.text, offset, max(1, limit - len(items)))
             only = found.items[0] if found.total == 1 and found.items else None
             if single is not None and only is not None and not isinstance(only, Found):
                 single.append((stored, only))
             else:
                 single = None
-            items += [_shown(stored, item) for item in found.items][: limit - len(items)]
+            items += [self._shown(stored, item) for item in found.items][: limit - len(items)]
             offset = max(0, offset - found.total)
             if len(items) >= limit and single is None:
                 break
@@ -107,12 +127,13 @@ class Sequences:
         return runs_of_nodes(self._nodes_by_document())
 
     def _nodes_by_document(self) -> Iterator[tuple[Listed, Sequence[Node | Found]]]:
-        if self.nth is not None:
-            yield from ((node.stored, [node]) for node in self.page(0, 1).items if isinstance(node, Node))
+        if self.nth is not None or self.together:
+            found = self.page(0, 1 if self.nth is not None else self.limits.max_elements)
+            yield from ((node.stored, [node]) for node in found.items if isinstance(node, Node))
             return
-        for stored in self.documents:
-            found = self._evaluate(stored, self.text, 0, self.limits.max_elements)
-            yield stored, [item for item in found.items if isinstance(item, Found)]
+        for stored in self.asked:
+            each = self._evaluate(stored, self.text, 0, self.limits.max_elements)
+            yield stored, [item for item in each.items if isinstance(item, Found)]
 
     def _gives_nodes(self) -> bool:
         return self.tree.nodes if isinstance(self.tree, Written) else type_of(self.tree) == "nodes"
@@ -137,43 +158,55 @@ class Sequences:
 
     def _evaluate(self, stored: Listed, text: str, offset: int, limit: int) -> Items:
         self.limits.check()
-
         tree = self._tree(stored)
+        place = self.documents.index(stored) if self.together else 0
 
         def ask(text: str, variables: Values) -> Items:
-            return tree.items(text, variables=variables, offset=offset, limit=limit, compatible=self.compatible)
+            return tree.items(
+                text, variables=variables, offset=offset, limit=limit, compatible=self.compatible, document=place
+            )
 
-        return self.bodies.answer(ask, text, self.variables, stored)
+        return self.bodies.answer(ask, text, self.variables, self.documents if self.together else [stored])
 
     def _tree(self, stored: Listed) -> Tree:
-        """Return the tree of a document; the last one is cached for repeated use."""
-        if self._last is None or self._last[0] is not stored:
-            self._last = stored, Tree(self.xml.of(stored))
+        """Return the tree of a document, or of all; the last one is cached for repeated use."""
+        if self._last is None or (self._last[0] is not stored and not self.together):
+            self._last = stored, Tree(self.xml.of_all(self.documents if self.together else [stored]))
         return self._last[1]
+
+    def _shown(self, stored: Listed, item: Found | Atomic) -> Node | Atomic:
+        if not isinstance(item, Found):
+            return item
+        return Node(item.kind, self.documents[item.document] if self.together else stored, item.address, item.value)
+
+
+def _projection(query: Query) -> Projection:
+    if isinstance(query.tree, Written):
+        return find_projection(query.text, compatible=query.compatible)
+    return projection(query.tree)
+
+
+def are_together(query: Query, documents: int) -> bool:
+    """Whether this number of documents cannot be evaluated one by one. Raises QueryError where an expression needs all
+    of them for a value of each, or for runs, and has functions of bodies.
+    """
+    scope = find_scope(query.text, compatible=query.compatible)
+    together = documents > 1 and scope.together
+    if together and PREFIX in query.text and (scope.each or RUNS in query.text):
+        raise QueryError(
+            "This combines all documents, but contains a function of bodies that is evaluated on one document at a "
+            "time.",
+            remedy="Ask with per=document, or one document; or write it without casts, maps and inline functions.",
+            code="needs-one-document",
+        )
+    return together
 
 
 def value_of_nothing(query: Query) -> Items:
     """Return the value of an expression without documents."""
     assert query.constant is not None
     text, variables = query.constant.text, dict(query.constant.variables)
-    return Tree([NOTHING]).items(text, variables=variables, offset=0, limit=MOST, compatible=query.compatible)
-
-
-def require_alone(tree: Expression, documents: int) -> None:
-    """Raise QueryError for an expression that needs several documents together, and cannot be evaluated for each
-    alone.
-    """
-    if documents > 1 and spans_documents(tree):
-        raise QueryError(
-            "This combines all documents, but contains a function that is evaluated on one document at a time.",
-            remedy="Ask with per=document, or one document; or write it without casts, comparisons of nodes, and "
-            "loops in loops over nodes.",
-            code="needs-one-document",
-        )
-
-
-def _shown(stored: Listed, item: Found | Atomic) -> Node | Atomic:
-    return Node(item.kind, stored, item.address, item.value) if isinstance(item, Found) else item
+    return Tree([[NOTHING]]).items(text, variables=variables, offset=0, limit=MOST, compatible=query.compatible)
 
 
 def _extreme(function: str, values: Sequence[Atomic]) -> Atomic | None:

@@ -27,6 +27,7 @@ from elementpath.xpath_tokens import XPathArray, XPathFunction, XPathToken
 
 from mcml.errors import LimitError
 from mcml_service.xpath.language.xpath31.arithmetic import OPERATORS, arithmetic
+from mcml_service.xpath.language.xpath31.flwor import Flwor
 from mcml_service.xpath.language.xpath31.ordering import distinct_values, sort, sort_array
 
 LONGEST_RANGE = 10_000_000
@@ -59,7 +60,12 @@ XPathToken.string_value = _string  # type: ignore[assignment, method-assign]
 
 
 class Context(XPathContext):
-    """The dynamic context of an expression."""
+    """The dynamic context of an expression.
+
+    scope: the document nodes of which an absolute path outside of predicates is, none for those of the root.
+    """
+
+    scope: tuple[Any, ...] = ()
 
     def iter_followings(self) -> Iterator[Any]:
         """Yield the following axis (XPath 3.1 §3.3.2.1).
@@ -116,7 +122,8 @@ def _substring(self: Any, context: Any = None) -> str:
 def _path(self: Any, context: Any = None) -> Iterator[Any]:
     """A path of two operands (XPath 3.1 §3.3): nodes without duplicates in document order, or values as they come."""
     if len(self) < 2 or context is None:
-        yield from super(type(self), self).select(context)
+        for one in _at_roots(self, _needed(self, context)):
+            yield from super(type(self), self).select(one)
         return
     values: list[Any] = []
     nodes: dict[Any, None] = {}
@@ -132,6 +139,64 @@ def _path(self: Any, context: Any = None) -> Iterator[Any]:
     if values and nodes:
         raise self.error("XPTY0018", "a path gives nodes and values")
     yield from values or sorted(nodes, key=lambda node: node.position)
+
+
+def _top(node: Any) -> Any:
+    while node.parent is not None:
+        node = node.parent
+    return node
+
+
+def _is_before(self: Any, context: Any = None) -> Any:
+    """`<<` and `>>` (XPath 3.1 §3.7.3), also of nodes of several documents."""
+    nodes = [list(operand.select(copy(context))) for operand in self]
+    if not all(nodes):
+        return []
+    if any(len(some) > 1 or not isinstance(some[0], XPathNode) for some in nodes):
+        raise self.error("XPTY0004", f"an operand of {self.symbol} is not a single node")
+    first, second = (some[0].position for some in nodes)
+    return first < second if self.symbol == "<<" else first > second
+
+
+def _node(self: Any, context: Any = None) -> Iterator[Any]:
+    """The kind test node(), which any document passes."""
+    for item in _needed(self, context).iter_children_or_self():
+        if isinstance(item, XPathNode):
+            yield item
+
+
+def _root(self: Any, context: Any = None) -> Any:
+    """fn:root: the document of a node, also of one of several."""
+    context = self.context or _needed(self, context)
+    node = self.get_argument(context, default_to_context=True)
+    if node is None:
+        return []
+    if not isinstance(node, XPathNode):
+        raise self.error("XPTY0004", "root() needs a node")
+    return _top(node)
+
+
+def _path_of(self: Any, context: Any = None) -> Any:
+    """fn:path: in the document of its node."""
+    context = copy(self.context or _needed(self, context))
+    node = self.get_argument(context, default_to_context=True)
+    if isinstance(node, XPathNode):
+        context.root = _top(node)
+    return _PATH(self, context)
+
+
+def _at_roots(token: Any, context: Any) -> Iterator[Any]:
+    """Yield the context at the documents in which an absolute path begins (`scope.mark_scope`)."""
+    if not context.scope:
+        yield context
+        return
+    roots = context.scope if token.is_whole else (context.document,)
+    if token.in_predicate and isinstance(context.item, XPathNode):
+        roots = (_top(context.item),)
+    for root in roots:
+        one = copy(context)
+        one.root = one.document = one.item = root
+        yield one
 
 
 def _bound(self: Any, context: Any) -> Iterator[Any]:
@@ -150,11 +215,6 @@ def _bound(self: Any, context: Any) -> Iterator[Any]:
             bound.variables = {**outer.variables, self[place][0].value: item}
             inner.append((place + 2, bound))
         waiting += reversed(inner)
-
-
-def _for(self: Any, context: Any = None) -> Iterator[Any]:
-    for bound in _bound(self, _needed(self, context)):
-        yield from self[-1].select(copy(bound))
 
 
 def _some(self: Any, context: Any = None) -> bool:
@@ -224,6 +284,9 @@ def _needed(token: Any, context: Any) -> Any:
     return context
 
 
+_PATH: Any = XPath31Parser.symbol_table["path"].evaluate
+
+
 def _rounded(name: str) -> Any:
     """floor, ceiling, round or abs: of nothing, in the mode compatible with 1.0, no number (XPath 3.1 §3.1.5.2)."""
     evaluate: Any = XPath31Parser.symbol_table[name].evaluate
@@ -245,11 +308,13 @@ METHODS: dict[str, dict[str, Any]] = {
     f"{{{XPATH_FUNCTIONS_NAMESPACE}}}sort": {"evaluate": sort},
     f"{{{XPATH_ARRAY_FUNCTIONS_NAMESPACE}}}sort": {"evaluate": sort_array},
     # A kind test in a path takes no occurrence indicator (XPath 3.1 §3.3.2.2): `node() + 1` is a sum.
-    "node": {"nud": XPathFunction.nud},
+    "node": {"nud": XPathFunction.nud, "select": _node},
+    "path": {"evaluate": _path_of},
+    "root": {"evaluate": _root},
+    **{symbol: {"evaluate": _is_before} for symbol in ("<<", ">>")},
     "to": {"evaluate": lambda self, context=None: list(_range(self, context)), "select": _range},
-    "/": {"select": _path},
-    "//": {"select": _path},
-    "for": {"select": _for},
+    **{symbol: {"select": _path, "is_whole": False, "in_predicate": False} for symbol in ("/", "//")},
+    **{symbol: {k: v for k, v in vars(Flwor).items() if not k.startswith("__")} for symbol in ("for", "let")},
     "some": {"evaluate": _some},
     "every": {"evaluate": _every},
 }

@@ -21,19 +21,19 @@ from mcml_service.xpath.language.xpath31.collations import Collations
 _TEXTS = (str, UntypedAtomic, AnyURI)
 _NUMBERS = (int, float, Decimal)
 
-_Key: TypeAlias = tuple[str, Any]
+Key: TypeAlias = tuple[str, Any]
 """A kind of values, and a value that is comparable with others of its kind."""
 
 
 def distinct_values(self: Any, context: Any = None) -> Iterator[Any]:
     """fn:distinct-values: NaN is equal to itself, values that cannot be compared are distinct."""
     context = self.context or context
-    known: set[_Key] = set()
+    known: set[Key] = set()
     others: list[Any] = []
     with _collation(self, context) as collation:
         for value in self[0].atomization(context):
             if isinstance(value, (bool, *_TEXTS, *_NUMBERS)):
-                key = _key_of(value, collation.strxfrm)
+                key = key_of(value, collation.strxfrm)
                 if key not in known:
                     known.add(key)
                     yield value
@@ -63,25 +63,25 @@ def _sort_items(self: Any, context: Any, items: Iterable[Any]) -> list[Any]:
         keyed = []
         for item in items:
             values = item if value_of is None else value_of(item, context=context)
-            keyed.append(([_key_of(value, collation.strxfrm) for value in self.atomize_item(values)], item))
+            keyed.append(([key_of(value, collation.strxfrm) for value in self.atomize_item(values)], item))
 
-    def compare(one: tuple[list[_Key], Any], other: tuple[list[_Key], Any]) -> int:
-        return _compare(self, one[0], other[0])
+    def compare(one: tuple[list[Key], Any], other: tuple[list[Key], Any]) -> int:
+        return compare_keys(self, one[0], other[0])
 
     return [item for _, item in sorted(keyed, key=cmp_to_key(compare))]
 
 
-def _compare(self: Any, one: list[_Key], other: list[_Key]) -> int:
+def compare_keys(token: Any, one: list[Key], other: list[Key]) -> int:
     """-1, 0 or 1 for sequences of keys: by their items, then the shorter one first. Raises XPTY0004 for two kinds."""
     for first, second in zip(one, other, strict=False):
         if first == second:
             continue
         if first[0] != second[0]:
-            raise self.error("XPTY0004", f"a {first[0]} and a {second[0]} have no order")
+            raise token.error("XPTY0004", f"a {first[0]} and a {second[0]} have no order")
         try:
             return -1 if first[1] < second[1] else 1
         except TypeError as error:
-            raise self.error("XPTY0004", str(error)) from error
+            raise token.error("XPTY0004", str(error)) from error
     return (len(one) > len(other)) - (len(one) < len(other))
 
 
@@ -91,7 +91,7 @@ def _collation(self: Any, context: Any) -> Collations:
     return Collations(asked or self.parser.default_collation, self)
 
 
-def _key_of(value: Any, text_key: Callable[[str], Any]) -> _Key:
+def key_of(value: Any, text_key: Callable[[str], Any]) -> Key:
     """The same of values that are equal. NaN is equal to itself and less than all other numbers."""
     if isinstance(value, _TEXTS):
         return "string", text_key(str(value))

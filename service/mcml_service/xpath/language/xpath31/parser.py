@@ -130,8 +130,10 @@ def query_error(error: Exception, text: str = "") -> QueryError:
     line, column, code, what = _MESSAGE.fullmatch(str(error)).groups()  # type: ignore[union-attr]  # it always matches
     place = None
     if text:
+        token = getattr(error, "token", None)
         before = text.split("\n")[: int(line or 1) - 1]
-        place = Place(column=sum(len(one) + 1 for one in before) + int(column or 1))
+        at = sum(len(one) + 1 for one in before) + int(column or 1)
+        place = Place(column=token.span[0] + 1 if column is None and token is not None else at)
     details = {} if code is None else {"xpath_error": code}
     return QueryError(in_words(what), at=place, **details)
 
