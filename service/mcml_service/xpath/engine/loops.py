@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mcml_service.xpath.engine.context import Bound, Context, Value
 from mcml_service.xpath.engine.functions import NotOnColumnsError
@@ -77,6 +78,8 @@ def later(columns: Columns, expression: Later, context: Context, evaluate: Evalu
         found = evaluate(expression.body, as_contexts(items, context))
         return _at_contexts(found, items, in_document_order=expression.is_step)
     inside = context.at(items.groups).binding(expression.variable, value_of(each_alone(items)))
+    if isinstance(expression, For) and expression.position:
+        inside = inside.binding(expression.position, items.positions()[0])
     if isinstance(expression, For):
         return _at_contexts(evaluate(expression.body, inside), items)
     return _quantified(expression, items, columns.truth(expression.body, inside))
@@ -95,6 +98,17 @@ def as_contexts(items: Items, context: Context) -> Context:
         return Context(alone.nodes, positions, sizes, context.variables_at(items.groups))
     inside = replace(context.at(items.groups), positions=positions, sizes=sizes)
     return replace(inside, variables={**inside.variables, ITEM: Bound(alone)})
+
+
+def in_parts(items: Items, before: int, size: float) -> Context:
+    """Items of one sequence as context, with their positions in it. before: the items before them. size: of all."""
+    inside = as_contexts(items, Context(np.zeros(1, np.int64)))
+    return replace(inside, positions=places_from(before, len(items)), sizes=np.full(len(items), size))
+
+
+def places_from(before: int, count: int) -> NDArray[np.float64]:
+    """Positions from the one after `before`."""
+    return np.arange(before + 1, before + count + 1).astype(np.float64)
 
 
 def filtered(columns: Columns, expression: Filter, context: Context) -> Value:

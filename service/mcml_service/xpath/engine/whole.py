@@ -22,7 +22,7 @@ from mcml_service.xpath.engine.column_source import ColumnSource
 from mcml_service.xpath.engine.columns import Columns
 from mcml_service.xpath.engine.context import Bound, Context
 from mcml_service.xpath.engine.functions import NotOnColumnsError, as_booleans, as_numbers
-from mcml_service.xpath.engine.loops import as_contexts, each_alone
+from mcml_service.xpath.engine.loops import each_alone, in_parts, places_from
 from mcml_service.xpath.engine.nearest_runs import best_runs
 from mcml_service.xpath.engine.parts import MOST_ITEMS, Part, Parts, at, gathered, hold_parts, listed, values_of
 from mcml_service.xpath.engine.scan import Scan
@@ -219,6 +219,8 @@ class Whole:
     def _loop(self, expression: For | Each) -> Iterator[Part]:
         variable = expression.variable if isinstance(expression, For) else ITEM
         together = not asks_scope(expression.body)
+        if not together and isinstance(expression, For) and expression.position:
+            raise NotOnColumnsError
         position = 0
         sized = isinstance(expression, Each) and any(part == Call("last") for part in walk(expression.body))
         total = sum(map(len, self.parts(expression.source))) if sized else None
@@ -240,10 +242,10 @@ class Whole:
         if isinstance(expression, For):
             nodes = np.asarray(part.column, np.int64) if part.are_nodes else np.zeros(len(part), np.int64)
             inside = replace(_alone(nodes), variables={expression.variable: Bound(alone)})
+            if expression.position:
+                inside = inside.binding(expression.position, places_from(position, len(part)))
         else:
-            inside = as_contexts(part.items, Context(np.zeros(1, np.int64)))
-            positions = np.arange(position + 1, position + len(part) + 1).astype(np.float64)
-            inside = replace(inside, positions=positions, sizes=np.full(len(part), float(total or 0)))
+            inside = in_parts(part.items, position, float(total or 0))
         try:
             found = items_of(self._columns(part.forest).value(expression.body, inside))
         except TooWideError:
@@ -284,9 +286,7 @@ class Whole:
             predicate = self.reduced(predicate)
         for part in parts:
             self._check()
-            inside = as_contexts(part.items, Context(np.zeros(1, np.int64)))
-            positions = np.arange(position + 1, position + len(part) + 1).astype(np.float64)
-            inside = replace(inside, positions=positions, sizes=np.full(len(part), size))
+            inside = in_parts(part.items, position, size)
             yield part.chosen(self._columns(part.forest).kept(predicate, inside))
             position += len(part)
 

@@ -2,9 +2,9 @@
 
 `for $a in A let $b := B where C order by K descending return R` is a loop over the sorted items of A that fulfil C;
 `group by $k := K` is a loop over the distinct values of K, in which `$a` is all items of A with this value; the items
-without a value of K are a group too, in which `$k` is empty. Ordering and grouping follow one `for`: XPath has no
-tuples of several variables. Several keys are several sorts, or loops within loops; groups of several keys stay in the
-order of the items.
+without a value of K are a group too, in which `$k` is empty. `count $n` is a loop with places over the items so far.
+Several keys are several sorts, or loops within loops; groups of several keys stay in the order of the items. Tuples of
+several variables are evaluated on trees (`xpath31/flwor.py`).
 """
 
 from __future__ import annotations
@@ -41,16 +41,17 @@ ONE_ITEM = frozenset(
 )
 """Functions that always answer with one item."""
 OF_ONE_ITEM = frozenset({"=", "!=", "<", "<=", ">", ">=", "and", "or", "||"})
-CLAUSES = ("for", "let", "where", "order", "stable", "group", "return")
+CLAUSES = ("for", "let", "where", "order", "stable", "group", "count", "return")
 
 
 @dataclass(frozen=True)
 class Clause:
-    """kind: "for", "let" or "where". variable: "" of a condition."""
+    """kind: "for", "let" or "where". variable: "" of a condition. position: the variable for the place of an item."""
 
     kind: str
     variable: str
     expression: Expression
+    position: str = ""
 
 
 @dataclass(frozen=True)
@@ -98,17 +99,22 @@ class Loops(Cursor):
             return self._read_quantifier(word)
         clauses: list[Clause] = []
         while True:
-            clauses += self._read_clause(word.text)
+            if word.text == "group":
+                return self._read_group(word, clauses)
+            if word.text in ("order", "stable"):
+                clauses = _order(clauses, self._read_order(word, clauses), (word.start, self._end()))
+            elif word.text == "count":
+                clauses = self._read_count(word, clauses)
+            else:
+                clauses += self._read_clause(word.text)
             if not self._at_word(*CLAUSES):
                 raise self._unexpected("'return' is missing")
             word_before, word = word, self._advance()
             if word.text == "return":
                 return _nest(clauses, self._expression(), (word_before.start, self._end()))
-            if word.text in ("order", "stable", "group"):
-                return self._read_order(word, clauses)
 
     def _read_quantifier(self, word: Token) -> Expression:
-        bound = self._read_bindings("in")
+        bound = self._read_bindings()
         self._word("satisfies")
         body = self._expression()
         span = (word.start, self._end())
@@ -119,51 +125,66 @@ class Loops(Cursor):
     def _read_clause(self, kind: str) -> list[Clause]:
         if kind == "where":
             return [Clause(kind, "", self._expression())]
-        return [Clause(kind, name, source) for name, source in self._read_bindings("in" if kind == "for" else ":=")]
+        clauses: list[Clause] = []
+        while not clauses or self._accept(","):
+            self._expect("$")
+            name, position = self._variable_name(), ""
+            if kind == "for" and self._at_word("at"):
+                self._advance()
+                self._expect("$")
+                position = self._variable_name()
+                if position == name:
+                    raise self._unexpected("an item and its place need two names")
+            clauses.append(Clause(kind, name, self._source("in" if kind == "for" else ":="), position))
+        return clauses
 
-    def _read_bindings(self, sign: str) -> list[tuple[str, Expression]]:
+    def _read_bindings(self) -> list[tuple[str, Expression]]:
         """`$a in …, $b in …`"""
         bound: list[tuple[str, Expression]] = []
         while not bound or self._accept(","):
             self._expect("$")
-            name = self._variable_name()
-            if sign == "in":
-                self._word(sign)
-            else:
-                self._expect(sign)
-            bound.append((name, self._expression()))
+            bound.append((self._variable_name(), self._source("in")))
         return bound
 
-    def _read_order(self, word: Token, clauses: list[Clause]) -> Expression:
-        """Parse the text after `order`, `stable` or `group`."""
-        place = Place(column=word.start + 1)
-        if [clause.kind for clause in clauses].count("for") != 1 or clauses[0].kind != "for":
-            raise QueryError(
-                f"{word.text!r} requires exactly one `for` with one variable before it",
-                at=place,
-                remedy="Loop over one sequence, and bind the others with let.",
-            )
-        groups: list[Group] = []
-        if word.text == "group":
-            self._word("by")
-            groups, clauses = self._read_groups(word, clauses)
-            if self._at_word("return"):
-                self._advance()
-                return _nest([*groups, *clauses], self._expression(), (word.start, self._end()))
-            if len(groups) > 1:
-                raise self._unexpected("groups of several keys have no order; 'return' is missing")
-            word = self._advance()
+    def _source(self, sign: str) -> Expression:
+        if sign == "in":
+            self._word(sign)
+        else:
+            self._expect(sign)
+        return self._expression()
+
+    def _read_count(self, word: Token, clauses: list[Clause]) -> list[Clause]:
+        """Parse `$n` after `count`: the loop over the items so far has their places."""
+        _require_one_loop(word, clauses)
+        self._expect("$")
+        source = _select_items(clauses, (word.start, self._end()))
+        return [Clause("for", clauses[0].variable, source, self._variable_name()), *_lets(clauses)]
+
+    def _read_order(self, word: Token, clauses: list[Clause]) -> list[Key]:
+        """Parse the text after `order` or `stable`."""
+        _require_one_loop(word, clauses)
         if word.text == "stable":
             word = self._advance()
         if word.text != "order":
             raise QueryError(f"unexpected {word.text!r}", at=Place(column=word.start + 1))
         self._word("by")
-        keys = self._read_keys()
+        return self._read_keys()
+
+    def _read_group(self, word: Token, clauses: list[Clause]) -> Expression:
+        """Parse the text after `group`."""
+        _require_one_loop(word, clauses)
+        self._word("by")
+        groups, clauses = self._read_groups(word, clauses)
+        if self._at_word("return"):
+            self._advance()
+            return _nest([*groups, *clauses], self._expression(), (word.start, self._end()))
+        if len(groups) > 1:
+            raise self._unexpected("groups of several keys have no order; 'return' is missing")
+        word = self._advance()
+        keys = self._read_order(word, [Clause("for", groups[0].name, groups[0].keys)])
         self._word("return")
         span = (word.start, self._end())
-        if groups:
-            return _nest(_order_groups(groups[0], clauses, keys, span), self._expression(), span)
-        return _nest(_order(clauses, keys, span), self._expression(), span)
+        return _nest(_order_groups(groups[0], clauses, keys, span), self._expression(), span)
 
     def _read_groups(self, word: Token, before: list[Clause]) -> tuple[list[Group], list[Clause]]:
         """Parse `$k := K, $l := L`, and the clauses up to `order` or `return`."""
@@ -204,9 +225,22 @@ def _nest(clauses: Seq[Clause | Group], body: Expression, span: Span) -> Express
             body = _loop_over_groups(clause, body, span)
         elif clause.kind == "where":
             body = If(clause.expression, body, Sequence((), span), span)
+        elif clause.kind == "for":
+            body = For(clause.variable, clause.expression, body, span, clause.position)
         else:
-            body = (For if clause.kind == "for" else Let)(clause.variable, clause.expression, body, span)
+            body = Let(clause.variable, clause.expression, body, span)
     return body
+
+
+def _require_one_loop(word: Token, clauses: list[Clause]) -> None:
+    """Raise QueryError for a stream of several variables, which is evaluated on trees (`xpath31/flwor.py`)."""
+    loops = [clause for clause in clauses if clause.kind == "for"]
+    if len(loops) != 1 or loops[0] is not clauses[0] or loops[0].position:
+        raise QueryError(
+            f"{word.text!r} requires exactly one `for` with one variable before it",
+            at=Place(column=word.start + 1),
+            remedy="Loop over one sequence, and bind the others with let.",
+        )
 
 
 def _loop_over_groups(group: Group, body: Expression, span: Span) -> Expression:

@@ -51,7 +51,10 @@ def bind(
         own = _item(expression.variable, source)
         if isinstance(expression, Let):
             own = replace(own, type=type_of(source))
-        body = bind(expression.body, variables, {**types, expression.variable: own})
+        bound = {expression.variable: own}
+        if isinstance(expression, For) and expression.position:
+            bound[expression.position] = Variable(expression.position, "number", is_integer=True)
+        body = bind(expression.body, variables, {**types, **bound})
         return replace(expression, source=source, body=body)
     if isinstance(expression, Function):
         # Its type is known where the function is called.

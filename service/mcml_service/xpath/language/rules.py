@@ -45,6 +45,7 @@ from mcml_service.xpath.language.tree import (
     Step,
     Variable,
     free_variables,
+    names_of,
     with_children,
 )
 from mcml_service.xpath.language.types import depends_on_position, type_of
@@ -104,7 +105,7 @@ def _typed(expression: Expression, variable: str, types: Types) -> Expression:
         return replace(expression, reached=types) if expression.name == variable else expression
     if variable not in free_variables(expression):
         return expression
-    if isinstance(expression, For | Let | Quantified) and expression.variable == variable:
+    if isinstance(expression, For | Let | Quantified) and variable in names_of(expression):
         return replace(expression, source=_typed(expression.source, variable, types))
     return with_children(expression, lambda part: _typed(part, variable, types))
 

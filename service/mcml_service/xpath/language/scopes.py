@@ -32,6 +32,7 @@ from mcml_service.xpath.language.tree import (
     Written,
     children,
     free_variables,
+    names_of,
     walk,
     with_children,
 )
@@ -137,7 +138,7 @@ def put(expression: Expression, variable: str, outside: Expression, inside: Call
         return expression
     if isinstance(expression, Variable):
         return outside
-    if isinstance(expression, Binder) and expression.variable == variable:
+    if isinstance(expression, Binder) and variable in names_of(expression):
         return replace(expression, source=put(expression.source, variable, outside, inside))
     if isinstance(expression, Each) and variable == ITEM:
         return replace(expression, source=put(expression.source, variable, outside, inside))

@@ -124,12 +124,16 @@ class Sequence:
 
 @dataclass(frozen=True, slots=True)
 class For:
-    """`for $variable in source return body`; several variables are nested, one in the body of the other."""
+    """`for $variable at $position in source return body`; several variables are nested, one in the body of the other.
+
+    position: name of the variable for the place of an item, from 1; "" without one.
+    """
 
     variable: str
     source: Expression
     body: Expression
     span: Span = field(default=(0, 0), compare=False)
+    position: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -266,13 +270,18 @@ def walk(expression: Expression) -> Iterator[Expression]:
         stack.extend(children(current))
 
 
+def names_of(binder: Binder) -> frozenset[str]:
+    """Names of the variables that it binds in its body."""
+    return frozenset({binder.variable, binder.position} if isinstance(binder, For) else {binder.variable})
+
+
 @lru_cache(maxsize=4096)
 def free_variables(expression: Expression) -> frozenset[str]:
     """Names of variables that are bound outside of an expression."""
     if isinstance(expression, Variable):
         return frozenset({expression.name})
     if isinstance(expression, Binder):
-        return free_variables(expression.source) | (free_variables(expression.body) - {expression.variable})
+        return free_variables(expression.source) | (free_variables(expression.body) - names_of(expression))
     if isinstance(expression, Function):
         return free_variables(expression.body) - {expression.variable}
     if isinstance(expression, Each):

@@ -86,7 +86,8 @@ def _later(expression: Expression) -> str:
         binds = ":=" if isinstance(expression, Let) else "in"
         then = "satisfies" if isinstance(expression, Quantified) else "return"
         source, body = unparse(expression.source), unparse(expression.body)
-        return f"{word} ${expression.variable} {binds} {source} {then} {body}"
+        place = f" at ${expression.position}" if isinstance(expression, For) and expression.position else ""
+        return f"{word} ${expression.variable}{place} {binds} {source} {then} {body}"
     raise TypeError(f"no expression: {expression!r}")
 
 

@@ -233,6 +233,8 @@ def _read_for(token: Any) -> list[Clause]:
             _require(parser, "empty")
         if _accept(parser, "at"):
             names.append(_variable(token))
+            if names[0] == names[1]:
+                raise token.error("XQST0089", "an item and its place need two names")
         parser.advance("in")
         clauses.append(For(tuple(names), _operand(token), allows_empty))
     return clauses
