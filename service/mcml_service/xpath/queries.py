@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from copy import copy
 from dataclasses import replace
 from typing import Literal
@@ -35,9 +36,11 @@ from mcml_service.xpath.language.labels import without_index
 from mcml_service.xpath.language.parse import Query, find_constant, parse
 from mcml_service.xpath.language.rules import normal
 from mcml_service.xpath.language.scopes import asks_each, is_node_set
-from mcml_service.xpath.language.tree import Call, Expression
-from mcml_service.xpath.language.types import distinct_of, item_type, type_of
+from mcml_service.xpath.language.tree import Call, Expression, Written
+from mcml_service.xpath.language.types import distinct_of, is_integer, item_type, type_of
 from mcml_service.xpath.language.unparse import unparse
+from mcml_service.xpath.language.values import spelled
+from mcml_service.xpath.language.xpath31.written import with_values
 from mcml_service.xpath.library.caches import Caches
 from mcml_service.xpath.library.disk.part_file import path_of
 from mcml_service.xpath.library.disk.sidecar import Sidecar
@@ -52,6 +55,7 @@ from mcml_service.xpath.trees.sequences import Sequences, are_together, value_of
 DEFAULT_LIMIT = 100
 MOST_BY_TREES = 100_000
 """Nodes of an answer that is written out document by document."""
+ONE_VALUE = aggregates.NUMBER_AGGREGATES | aggregates.TRUTH_AGGREGATES
 LAST_SECONDS = 2.0
 """That a process may take at its end to write what the next one reads."""
 
@@ -247,6 +251,8 @@ class _Asking:
         if self.query.constant is not None and self.per is None:
             self.explain.plan.append("a value that no document can change")
             return self._constant(page)
+        if isinstance(tree, Written) and self.per is None:
+            self._put_values(tree)
         if not self.query.has_columns:
             raise NotOnColumnsError
         if self.per == "document":
@@ -268,6 +274,20 @@ class _Asking:
         if isinstance(tree, Call) and tree.function == "distinct-values":
             return page.of_values(self.tx, [value for part in parts for value in part.values()])
         return self._sequence(tree, parts, page)
+
+    def _put_values(self, tree: Written) -> None:
+        """Put the values of all documents that columns have into an expression that they do not answer."""
+        asked = self.query
+
+        def value_of(text: str) -> str | None:
+            self.query = parse(text, dict(tree.variables))
+            with suppress(TooWideError, TooLongError, NotOnColumnsError):
+                value = self.whole.reduced(normal(self.query.tree))
+                return spelled(value, is_integer=is_integer(self.query.tree))
+            return None
+
+        if asked.compatible:
+            self.query = replace(asked, tree=with_values(tree, ONE_VALUE, value_of))
 
     def _sequence(self, tree: Expression, parts: Iterable[Part], page: Page) -> QueryAnswer:
         if item_type(tree) == "nodes" or page.request.as_ != "json":
@@ -348,13 +368,10 @@ class _Asking:
             return QueryAnswer(type=kind_of_value(values[0]), value=plain(values[0]))
         return page.of_values(self.tx, values)
 
-    def _sequences(self) -> Sequences:
-        groups = list(self.bodies.select(self.scope.groups()))
-        alone = self.per == "document"
-        return Sequences(self.tx, self.engine.caches, self.query, groups, self.limits, per_document=alone)
-
     def _by_trees(self, page: Page) -> QueryAnswer:
-        source = self._sequences()
+        groups = list(self.bodies.select(self.scope.groups()))
+        caches, alone = self.engine.caches, self.per == "document"
+        source = Sequences(self.tx, caches, self.query, groups, self.limits, per_document=alone)
         if page.request.as_ == "runs":
             return page.of_runs(self.tx, source.runs())
         if page.request.as_ == "json" and page.request.per is None:
@@ -364,9 +381,8 @@ class _Asking:
         found = source.page(page.offset, page.limit + 1)
         if found.single is not None:
             kind = kind_of_value(found.single[0][1])
-            if source.is_one:
-                return QueryAnswer(type=kind, value=plain(found.single[0][1]))
-            return scalars(kind, [stored for stored, _ in found.single], [value for _, value in found.single])
+            documents, values = [stored for stored, _ in found.single], [value for _, value in found.single]
+            return QueryAnswer(type=kind, value=plain(values[0])) if source.is_one else scalars(kind, documents, values)
         some = found.items[: page.limit]
         items = [node_item(item) if isinstance(item, Node) else ValueItem(value=plain(item)) for item in some]
         answer = page.of_items(self.tx, items, more=len(found.items) > page.limit)

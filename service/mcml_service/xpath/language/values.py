@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import islice
 
 from mcml.errors import LimitError
@@ -32,6 +33,19 @@ def literal(value: float | str | bool) -> Expression:
 def sequence_of(values: list[float | str | bool]) -> Expression:
     """Several values as one."""
     return literal(values[0]) if len(values) == 1 else Sequence(tuple(map(literal, values)))
+
+
+def spelled(value: Expression, *, is_integer: bool) -> str | None:
+    """A number, boolean or nothing as XPath 3.1 with its type; None for other expressions."""
+    if isinstance(value, Literal) and isinstance(value.value, float):
+        number = value.value
+        if is_integer and number.is_integer():
+            return str(int(number))
+        special = "NaN" if math.isnan(number) else "INF" if number > 0 else "-INF"
+        return f"xs:double('{repr(number) if math.isfinite(number) else special}')"
+    if isinstance(value, Call) and value.function in ("true", "false"):
+        return f"{value.function}()"
+    return "()" if value == Sequence(()) else None
 
 
 def require_room(expression: Let, source: Expression) -> None:

@@ -59,6 +59,18 @@ def tokens_of(token: Any) -> Iterator[Any]:
         yield from tokens_of(part)
 
 
+def calls_of_all(token: Any, functions: Set[str]) -> Iterator[Any]:
+    """Yield the outermost calls of functions, outside of predicates, whose value is the same wherever they stand: they
+    have an absolute path, and depend on no variable and no focus.
+    """
+    is_call = token.label == "function" and token.symbol in functions
+    if is_call and _is_wide(token, frozenset()) and not _free(token) and not _reads(token, roots=False):
+        yield token
+        return
+    for part in list(parts_of(token))[: 1 if _is_predicate(token) else None]:
+        yield from calls_of_all(part, functions)
+
+
 def _outside(token: Any) -> Iterator[Any]:
     """Yield a token and all tokens in it but those in predicates on nodes."""
     yield token

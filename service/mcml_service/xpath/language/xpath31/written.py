@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Set
 from typing import Any
 
 from mcml.errors import Place, QueryError
@@ -17,6 +17,7 @@ from mcml_service.xpath.language.xpath31.parser import XPath31, read_tokens
 from mcml_service.xpath.language.xpath31.scope import (
     OF_BODIES,
     Scope,
+    calls_of_all,
     free_names,
     gives_nodes,
     mark_scope,
@@ -49,7 +50,7 @@ def read_written(text: str, variables: Mapping[str, Atomic], *, compatible: bool
     files, the network or the environment.
     """
     text = spell_for_elementpath(text)
-    root = _read(text, compatible)
+    root = _read(text, compatible=compatible)
     for token in tokens_of(root):
         _check(token)
     needed: dict[str, int] = {}
@@ -73,15 +74,30 @@ def read_written(text: str, variables: Mapping[str, Atomic], *, compatible: bool
 
 def find_scope(text: str, *, compatible: bool) -> Scope:
     """Whether an expression needs several documents together, and whether each has its own answer."""
-    return mark_scope(_read(text, compatible))
+    return mark_scope(_read(text, compatible=compatible))
+
+
+def with_values(written: Written, functions: Set[str], value_of: Callable[[str], str | None]) -> Written:
+    """The expression with values in the place of calls of functions that have one for all documents.
+
+    In the mode compatible with XPath 1.0. value_of: the value of a call as an expression; None where it stays.
+    """
+    text, variables = written.text, dict(written.variables)
+    places = [token.span[0] for token in calls_of_all(_read(text, compatible=True), functions)]
+    for start in sorted(places, reverse=True):
+        _, end = argument_spans(text, text.index("(", start) + 1)
+        value = None if text[:start].endswith(":") else value_of(text[start:end])
+        if value is not None:
+            text = f"{text[:start]}{value}{text[end:]}"
+    return written if text == written.text else read_written(text, variables)
 
 
 def find_projection(text: str, *, compatible: bool) -> Projection:
     """The least projection on which an expression has its value, nodes serialised."""
-    return projection_of(_read(text, compatible))
+    return projection_of(_read(text, compatible=compatible))
 
 
-def _read(text: str, compatible: bool) -> Any:
+def _read(text: str, *, compatible: bool) -> Any:
     return read_tokens(MOTION_CALL.sub(_unprefixed, text), compatible=compatible, parser=_WithBodies)
 
 
