@@ -333,3 +333,20 @@ def test_documents_together_are_limited(database: Database) -> None:
     with pytest.raises(LimitError, match="of 2 documents together, the limit is 1,000"):
         held.answer(QueryRequest(q=f"1 + {asked}"))
     held.close()
+
+
+DEEP = [
+    "xs:integer(count(reverse(//" + "/".join(["*"] * 400) + "))) + xs:integer(1)",
+    "for $a in //frame, $z in 1 order by xs:integer(1) return " + "for $a in ($a) return " * 400 + "xs:string($a)",
+    "xs:integer(1) = 1 and (" + " or ".join(["//frame = 1"] * 400) + ")",
+    "fold-left(//frame, 0, function($a, $b) { $a }) + xs:integer(" + " + ".join(["1"] * 400) + ")",
+    "(//frame)" + "[xs:boolean(1)]" * 400,
+    "//frame" + " ! (.)" * 400 + " ! xs:string(@id)",
+]
+
+
+@pytest.mark.parametrize("asked", DEEP)
+@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+def test_depth_is_limited(engine: tuple[Queries, Oracle], asked: str) -> None:  # noqa: F811
+    with pytest.raises(LimitError, match="too deeply"):
+        engine[0].answer(QueryRequest(q=asked))

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Set
+from collections.abc import Callable, Iterator, Mapping, Set
+from contextlib import contextmanager
 from typing import Any
 
-from mcml.errors import Place, QueryError
+from mcml.errors import LimitError, Place, QueryError
 from mcml_service.xpath.language.arity import check_arity
 from mcml_service.xpath.language.calls import MOTION_CALL, argument_spans, written_calls
 from mcml_service.xpath.language.functions import AGGREGATES
@@ -43,6 +44,15 @@ for _function in MOTION_FUNCTIONS:
 _WithBodies.build()
 
 
+@contextmanager
+def _within_depth() -> Iterator[None]:
+    """Raise LimitError for an expression that is parsed, and nested too deeply to be examined."""
+    try:
+        yield
+    except RecursionError:
+        raise LimitError("the expression is nested too deeply", remedy="Write it flatter.") from None
+
+
 def read_written(text: str, variables: Mapping[str, Atomic], *, compatible: bool = True) -> Written:
     """The expression as a tree of one node.
 
@@ -72,11 +82,13 @@ def read_written(text: str, variables: Mapping[str, Atomic], *, compatible: bool
     return Written(text, bound, function, tuple(inner), gives_nodes(root, others=_OF_FRAMES), motion, constant)
 
 
+@_within_depth()
 def find_scope(text: str, *, compatible: bool) -> Scope:
     """Whether an expression needs several documents together, and whether each has its own answer."""
     return mark_scope(_read(text, compatible=compatible))
 
 
+@_within_depth()
 def with_values(written: Written, functions: Set[str], value_of: Callable[[str], str | None]) -> Written:
     """The expression with values in the place of calls of functions that have one for all documents.
 
@@ -92,6 +104,7 @@ def with_values(written: Written, functions: Set[str], value_of: Callable[[str],
     return written if text == written.text else read_written(text, variables)
 
 
+@_within_depth()
 def find_projection(text: str, *, compatible: bool) -> Projection:
     """The least projection on which an expression has its value, nodes serialised."""
     return projection_of(_read(text, compatible=compatible))
