@@ -82,7 +82,7 @@ def _studio() -> dict[str, str]:
     """The English of each table of words: of a panel, the first of its two tables."""
     sources = ROOT / "service/web/src"
     texts = {"words/en.ts": (sources / "words/en.ts").read_text(encoding="utf-8")}
-    for path in sorted(sources.glob("panels/*/words.ts")):
+    for path in sorted([*sources.glob("panels/*/words.ts"), *sources.glob("ui/*/words.ts")]):
         english = path.read_text(encoding="utf-8").partition("\n  {\n")[2].partition("\n  },\n")[0]
         texts[str(path.relative_to(sources))] = english
     return {place: "\n".join(re.findall(r': "((?:[^"\\]|\\.)*)"', text)) for place, text in texts.items()}

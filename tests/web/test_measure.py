@@ -152,7 +152,7 @@ def test_plots_and_arrays_are_downloaded(measured: tuple[Any, str]) -> None:
 @pytest.mark.slow
 def test_measurements_are_chosen_and_removed(measured: tuple[Any, str]) -> None:
     page, _ = measured
-    page.get_by_role("button", name="Remove Speed left_hand").click()
+    page.get_by_role("button", name="Remove Speed: left hand").click()
     expect(page.get_by_role("status").filter(has_text="5 rows of 5 clips")).to_be_visible()
     page.get_by_label("Measurement", exact=True).select_option("Height")
     page.get_by_label("Joints", exact=True).select_option("left_foot")

@@ -11,7 +11,7 @@ const holes = (text: string) => [...new Set(text.match(/\{\w+\}/g) ?? [])].sort(
 
 type Table = Record<string, string>;
 type Tables = Record<Language, Table>;
-const panels = import.meta.glob<Record<string, Tables>>("../panels/*/words.ts", { eager: true });
+const panels = import.meta.glob<Record<string, Tables>>("../{panels,ui}/*/words.ts", { eager: true });
 const sources = Object.values(
   import.meta.glob<string>(
     ["../**/*.{ts,tsx}", "../../pages.json", "!../**/*.test.*", "!./{en,ko,ja}.ts", "!../**/words.ts"],

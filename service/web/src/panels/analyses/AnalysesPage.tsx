@@ -5,6 +5,7 @@ import { windowOf, type PageRow } from "../../pages";
 import { subject } from "../../state/session/shell";
 import { runAnalysis, jobs, cancelJob, type Job } from "../../state/session/jobs";
 import { go } from "../../state/session/route";
+import { analysisHelp, analysisTitle } from "../../ui/analyses/titles";
 import { ClipSelection, selectionNow, useMembers } from "../../ui/clips/ClipSelection";
 import { SchemaForm, type Values } from "../../ui/forms/SchemaForm";
 import { Trouble } from "../../ui/Trouble";
@@ -40,9 +41,9 @@ function Catalogue({ items }: { items: Info[] }) {
           {items.map((one) => (
             <li key={one.name} class="card-plain">
               <h2>
-                <a href={`/analyses/${one.name}`}>{one.title}</a>
+                <a href={`/analyses/${one.name}`}>{analysisTitle(one)}</a>
               </h2>
-              <p>{one.description}</p>
+              <p>{analysisHelp(one)}</p>
               <Window of={windowOf(one.name)} />
             </li>
           ))}
@@ -125,9 +126,9 @@ function Form({ info }: { info: Info }) {
       }}
     >
       <section class="analysis-clips" aria-label={a("label.clipsWord")}>
-        <h2>{info.title}</h2>
+        <h2>{analysisTitle(info)}</h2>
         <p class="dim">
-          {info.description} {a("help.needs", { least: info.fewest, most: info.most })}
+          {analysisHelp(info)} {a("help.needs", { least: info.fewest, most: info.most })}
         </p>
         <h3>{a("label.clipsWord")}</h3>
         <ClipSelection members={members} left={left} onLeft={setLeft} />
@@ -141,7 +142,7 @@ function Form({ info }: { info: Info }) {
             id="result-name"
             class="field"
             value={name}
-            placeholder={info.title}
+            placeholder={analysisTitle(info)}
             onInput={(event) => setName(event.currentTarget.value)}
           />
         </div>
@@ -158,7 +159,7 @@ function Form({ info }: { info: Info }) {
           ) : (
             <>
               <button type="submit" class="button primary" disabled={count < info.fewest || running !== null}>
-                {a("button.start", { name: info.title })}
+                {a("button.start", { name: analysisTitle(info) })}
               </button>
               {count < info.fewest && <span class="dim">{a("help.tooFew", { n: info.fewest })}</span>}
             </>

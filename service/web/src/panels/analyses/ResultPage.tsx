@@ -7,6 +7,7 @@ import { subject } from "../../state/session/shell";
 import { placeOf } from "../../state/session/jobs";
 import { note, refuse } from "../../state/session/notes";
 import { go, param, setParams } from "../../state/session/route";
+import { analysisTitle } from "../../ui/analyses/titles";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
 import { Trouble } from "../../ui/Trouble";
@@ -49,8 +50,8 @@ export function ResultPage({ id }: { id: string }) {
             <div class="grow">
               <h2 class="cut">{found.name}</h2>
               <p class="dim">
-                <a href={`/analyses/${info.name}`}>{info.title}</a> · {a("label.madeFrom", { n: found.inputs.length })}{" "}
-                · {when(found.created)}
+                <a href={`/analyses/${info.name}`}>{analysisTitle(info)}</a> ·{" "}
+                {a("label.madeFrom", { n: found.inputs.length })} · {when(found.created)}
               </p>
             </div>
             {placeOf(info.name, id) !== `/results/${id}` && (

@@ -4,6 +4,7 @@ import { ask, get } from "../../api/client";
 import { refuse } from "../../state/session/notes";
 import { param, setParams } from "../../state/session/route";
 import { subject } from "../../state/session/shell";
+import { analysisTitle } from "../../ui/analyses/titles";
 import { selectionNow, useMembers } from "../../ui/clips/ClipSelection";
 import { Icon } from "../../ui/icons";
 import { RunPlayer } from "../../ui/playing/RunPlayer";
@@ -107,7 +108,7 @@ function Start({ chosen }: { chosen: boolean }) {
       <ul>
         {(analyses.value?.items ?? []).map((one) => (
           <li key={one.name}>
-            <a href={windowOf(one.name)?.path ?? `/analyses/${one.name}`}>{one.title}</a>
+            <a href={windowOf(one.name)?.path ?? `/analyses/${one.name}`}>{analysisTitle(one)}</a>
           </li>
         ))}
       </ul>

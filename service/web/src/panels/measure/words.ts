@@ -2,6 +2,7 @@ import { wordsOf } from "../../words/table";
 
 export const m = wordsOf(
   {
+    "label.quantityOf": "{kind}: {what}",
     "help.intro": "Measure any quantity in many clips: mean curves, and a table with outliers first.",
     "help.first": "Choose clips, then add a measurement.", "help.add": "Add a measurement to see curves and a table.",
     "label.setup": "Setup", "label.clips": "Clips", "label.measurements": "Measurements",
@@ -17,6 +18,7 @@ export const m = wordsOf(
     "label.hiddenCurves": "first {n} drawn", "help.none": "No frame range has a value. The notes give the reasons.", "button.allAnalyses": "Show analyses and results",
   },
   {
+    "label.quantityOf": "{what} {kind}",
     "help.intro": "여러 클립에서 원하는 값을 측정합니다. 평균 곡선과, 이상치를 맨 위에 둔 표를 보여 줍니다.",
     "help.first": "클립을 고른 다음 측정 항목을 추가하세요.", "help.add": "측정 항목을 추가하면 곡선과 표가 나타납니다.",
     "label.setup": "측정 설정", "label.clips": "클립", "label.measurements": "측정 항목",
@@ -32,6 +34,7 @@ export const m = wordsOf(
     "label.hiddenCurves": "처음 {n}개만 표시", "help.none": "값이 있는 프레임 구간이 없습니다. 이유는 참고에 있습니다.", "button.allAnalyses": "분석과 결과 보기",
   },
   {
+    "label.quantityOf": "{what}の{kind}",
     "help.intro": "多くのクリップの任意の量を測定します。平均曲線と、外れ値が先頭に来る表を示します。",
     "help.first": "クリップを選び、測定を追加してください。", "help.add": "測定を追加すると、曲線と表が出ます。",
     "label.setup": "設定", "label.clips": "クリップ", "label.measurements": "測定",

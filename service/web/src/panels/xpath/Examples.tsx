@@ -3,7 +3,7 @@ import type { Schemas } from "../../api/client";
 import { Trouble } from "../../ui/Trouble";
 import type { Loaded } from "../../ui/useAsync";
 import { number, w } from "../../words";
-import { activityText, angleText, capital, jointText } from "./bodyNames";
+import { activityText, angleText, capital, jointText } from "../../ui/bodies/bodyNames";
 import { x, type QueryWord } from "./words";
 
 type Example = Schemas["QueryExample"];

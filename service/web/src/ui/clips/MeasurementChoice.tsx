@@ -18,7 +18,11 @@ import {
 import { useAsync } from "../useAsync";
 import { w, type Word } from "../../words";
 
-const AXIS_WORDS: Partial<Record<string, Word>> = { up: "label.axisUp", front: "label.front", left: "label.sideLeft" };
+export const AXIS_WORDS: Partial<Record<string, Word>> = {
+  up: "label.axisUp",
+  front: "label.front",
+  left: "label.sideLeft",
+};
 
 export const KIND_WORDS: Record<Kind, Word> = {
   height: "label.quantityHeight",

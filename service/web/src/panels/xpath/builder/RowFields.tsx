@@ -1,6 +1,6 @@
 /** The fields of one condition. */
 import { w } from "../../../words";
-import { activityText, ACTIVITIES, angleText, jointText } from "../bodyNames";
+import { activityText, ACTIVITIES, angleText, jointText } from "../../../ui/bodies/bodyNames";
 import {
   CHANNELS,
   COMPARISONS,

@@ -1,5 +1,5 @@
 /** Names of joints and activities as people say them. */
-import { x, type QueryWord } from "./words";
+import { b, type BodyWord } from "./words";
 
 const PARTS = new Set([
   "hand",
@@ -41,13 +41,13 @@ export const ACTIVITIES = [
   "raise right hand",
 ] as const;
 
-const partText = (part: string): string => (PARTS.has(part) ? x(`label.part_${part}` as QueryWord) : part);
+const partText = (part: string): string => (PARTS.has(part) ? b(`label.part_${part}` as BodyWord) : part);
 
 /** "left hand" of left_hand; names that MCML has not stay as they are. */
 export function jointText(name: string): string {
   const [side, part] = [name.slice(0, name.indexOf("_")), name.slice(name.indexOf("_") + 1)];
   if ((side === "left" || side === "right") && PARTS.has(part))
-    return x(side === "left" ? "label.leftOf" : "label.rightOf", { part: partText(part) });
+    return b(side === "left" ? "label.leftOf" : "label.rightOf", { part: partText(part) });
   return partText(name);
 }
 
@@ -55,17 +55,17 @@ export function jointText(name: string): string {
 export function angleText(name: string): string {
   const [, side = "", body = "", movement = ""] = /^(?:(left|right)-)?([a-z]+)-(.+)$/.exec(name) ?? [];
   const words = { part: `label.body_${body}`, movement: `label.move_${movement}` };
-  if (!(words.part in x.en && words.movement in x.en)) return name.replaceAll("-", " ");
-  const part = x(words.part as QueryWord);
-  return x("label.angleOf", {
-    part: side ? x(side === "left" ? "label.leftOf" : "label.rightOf", { part }) : part,
-    movement: x(words.movement as QueryWord),
+  if (!(words.part in b.en && words.movement in b.en)) return name.replaceAll("-", " ");
+  const part = b(words.part as BodyWord);
+  return b("label.angleOf", {
+    part: side ? b(side === "left" ? "label.leftOf" : "label.rightOf", { part }) : part,
+    movement: b(words.movement as BodyWord),
   });
 }
 
 export const activityText = (name: string): string =>
   (ACTIVITIES as readonly string[]).includes(name)
-    ? x(`label.activity_${name.replaceAll(" ", "_")}` as QueryWord)
+    ? b(`label.activity_${name.replaceAll(" ", "_")}` as BodyWord)
     : name;
 
 /** A sentence with a capital letter. */
