@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Iterator
 from contextlib import suppress
 from random import Random
@@ -27,6 +28,10 @@ SHAPES = [
     *("//frame[@id = ({0}, {1})]", "//frame[position() = ({0}, {1})]", "({0}, {1})[. > {0}]", "(//frame)[{0}]"),
     *("//frame[{0}][{1}]", "subsequence(//frame, {0}, {1})", "//frame[@id = {0} to {1}]", "count({0} to {1})"),
     *("({0} to {1})[2]", "substring('abc', {0}, {1})", "mo:runs(//frame, {0}, {1})", "//frame[mo:window({0}, {1})]"),
+    *("for $x at $i in ({0}, {1}) order by {0} return $x", "for $x in {0}, $y in {1} group by $k := $x return $k"),
+    *("for $x in {0} count $n where $n = {1} return $n", "for $x in {0}, $y in {1} stable order by $y, $x return $x"),
+    *("(//frame)[position() = {0}]", "array{{({0}, {1})}}?*", "fold-left(({0}, {1}), {0}, concat#2)"),
+    *("for $x allowing empty in {0} return count(({1}, $x))", "//bone except head(({0}, {1}))"),
     *("mo:top({0}, //frame)", "{0} idiv {1}", "for $i in ({0}, {1}) return //frame[$i]", "{0} to {1} to {0}"),
 ]
 
@@ -103,3 +108,25 @@ def test_values(engine: Queries, text: str, value: object) -> None:
 def test_refused(text: str) -> None:
     with pytest.raises(QueryError):
         parse(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "remedy"),
+    [
+        ("for m in /mcml return $m", "begin with \\$"),
+        ("for $m in /mcml order $m return $m", "order by"),
+        ("for $m in /mcml sort by $m return $m", "order by"),
+        ("for $m in /mcml group by $m/header/filename return count($m)", "group by \\$k :="),
+        ("for $x as xs:string in ('a', 'b') return $x", "no types"),
+        ("for tumbling window $w in //frame start when true() return $w", "Windows are not supported"),
+        ("for $m in /mcml order by $m/header/filename desc return $m", "descending"),
+        ("for $m in /mcml order by count($m//frame)", "End the loop with return"),
+        ("let $x = 5 return $x", "let \\$n :="),
+        ("for $m in /mcml count n return n", "begin with \\$"),
+        ("select count(//frame) from /mcml", "not SQL"),
+    ],
+)
+def test_mistakes_in_loops_have_a_remedy(text: str, remedy: str) -> None:
+    with pytest.raises(QueryError) as caught:
+        parse(text)
+    assert re.search(remedy, str(caught.value.remedy))

@@ -274,6 +274,21 @@ def _bound(text: str) -> None:
         raise LimitError("more than 100 minus signs in a row")
 
 
+_REMEDIES = (
+    (r"unexpected '(tumbling|sliding)'", "Windows are not supported. Use mo:window(), or positions."),
+    (r"(?i)\s*select\s", "This is XPath, not SQL: for $m in /mcml where … order by … return $m/header/filename."),
+    (r"\s*(for|let|some|every)\s+\w", "Names of variables begin with $, such as: for $m in /mcml return …"),
+    (r"unexpected '(desc|asc)'", "Write descending or ascending after the key."),
+    (r"unexpected '(sort|sorted|orderby)'", "Write order by before the key."),
+    (r"unexpected 'as'", "Variables have no types here: leave out `as` and the type."),
+    (r"'by' is missing", "Write order by or group by."),
+    (r"':=' is missing", "Write := between a variable and its value, such as: let $n := …, group by $k := …"),
+    (r"'\$' is missing|a variable is missing", "Names of variables begin with $."),
+    (r"'return' is missing", "End the loop with return, such as: for $m in /mcml return $m/header/filename."),
+)
+"""Remedies for an error, by a pattern of its message or of the beginning of the expression."""
+
+
 def _hint(text: str, what: str) -> str:
     if text.count("'") % 2 and text.count('"') % 2 == 0:
         return "A quotation mark is not closed."
@@ -290,4 +305,7 @@ def _hint(text: str, what: str) -> str:
         return "Compare with a single = sign."
     if "&&" in text:
         return "Write `and` and `or`."
+    for pattern, remedy in _REMEDIES:
+        if re.search(pattern, what) or re.match(pattern, text):
+            return remedy
     return "Write XPath, such as //frame[motion_name='walk']."
