@@ -19,9 +19,9 @@ import { w } from "../../words";
 const AXES =
   /^(ancestor-or-self|ancestor|attribute|child|descendant-or-self|descendant|following-sibling|following|namespace|parent|preceding-sibling|preceding|self)(?=::)/;
 
-/** Words of XPath 2.0 where no name may stand: behind a value, or before a variable. */
+/** Words of XPath 3.1 and of FLWOR where no name may stand: behind a value, or before a variable. */
 const BETWEEN =
-  /^(and|or|div|idiv|mod|to|in|return|satisfies|then|else|union|except|intersect|is|eq|ne|lt|le|gt|ge|instance|treat|castable|cast|of|as)(?![\w.-])/;
+  /^(and|or|div|idiv|mod|to|in|return|satisfies|then|else|union|except|intersect|is|eq|ne|lt|le|gt|ge|instance|treat|castable|cast|of|as|where|(order|group)(?=\s+by\s)|stable(?=\s+order)|by|ascending|descending|empty(?=\s+(greatest|least))|greatest|least|allowing|(at|count)(?=\s+\$))(?![\w.-])/;
 const BEFORE_VARIABLE = /^(for|let|some|every)(?=\s+\$)/;
 const isBehindValue = (before: string) => /[\w.\])"'*]\s+$|[\])"']$/.test(before);
 
