@@ -345,6 +345,21 @@ DEEP = [
 ]
 
 
+@pytest.mark.parametrize(
+    ("asked", "plan"),
+    [
+        ("for $a in /mcml, $b in //bone order by $b/name return $b/name", "all together, without frames"),
+        ("fold-left(//frame/@id, 0, function($a, $b) { $a + $b })", "all together, without the bones of frames"),
+        ("//frame_bone/xs:double(@Rx)", "one after the other, whole"),
+    ],
+)
+@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+def test_the_plan_says_how_documents_are_read(engine: tuple[Queries, Oracle], asked: str, plan: str) -> None:  # noqa: F811
+    explained = engine[0].answer(QueryRequest(q=asked, explain=True)).explain
+    assert explained is not None
+    assert (explained.plan, explained.documents) == ([f"the documents as trees, {plan}"], 4)
+
+
 @pytest.mark.parametrize("asked", DEEP)
 @pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
 def test_depth_is_limited(engine: tuple[Queries, Oracle], asked: str) -> None:  # noqa: F811

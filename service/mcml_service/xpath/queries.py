@@ -237,7 +237,6 @@ class _Asking:
                 self.query = replace(self.query, constant=constant)
                 return self._constant(page)
             self.explain.way = "projection"
-            self.explain.plan = ["the documents as trees, without what the expression cannot touch"]
             refuse_top(self.motion)
             return self._by_trees(page)
 
@@ -372,6 +371,7 @@ class _Asking:
         groups = list(self.bodies.select(self.scope.groups()))
         caches, alone = self.engine.caches, self.per == "document"
         source = Sequences(self.tx, caches, self.query, groups, self.limits, per_document=alone)
+        self.explain.plan, self.explain.documents = [source.plan], len(source.documents)
         if page.request.as_ == "runs":
             return page.of_runs(self.tx, source.runs())
         if page.request.as_ == "json" and page.request.per is None:

@@ -27,6 +27,11 @@ from mcml_service.xpath.trees.body_values import BodyValues, Values
 from mcml_service.xpath.trees.evaluate import NOTHING, Found, Items, Tree
 from mcml_service.xpath.trees.projected import Xml, runs_of_nodes
 
+PARTS = {
+    Projection.HEAD: "without frames",
+    Projection.FRAMES: "without the bones of frames",
+    Projection.WHOLE: "whole",
+}
 MOST = 1_000_000
 """Limit of values of an expression without documents."""
 
@@ -74,6 +79,12 @@ class Sequences:
         self.is_one = self.together and not scope.each
         self.asked = self.documents[:1] if self.is_one else self.documents
         self._last: tuple[Listed, Tree] | None = None
+
+    @property
+    def plan(self) -> str:
+        """How the documents are read, for people."""
+        order = "all together" if self.together else "one after the other"
+        return f"the documents as trees, {order}, {PARTS[self.xml.projection]}"
 
     def aggregate(self) -> tuple[str, Atomic | list[Atomic] | None] | None:
         """(function, value) where the outermost function makes one value of all documents; None where it is another.
