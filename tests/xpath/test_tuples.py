@@ -4,15 +4,17 @@ documents: Saxon's answers to the same XQuery.
 
 from __future__ import annotations
 
+import json
 from random import Random
 
 import pytest
 
 from mcml.errors import LimitError, QueryError
-from mcml_schemas.querying.queries import NodeItem, QueryAnswer, QueryRequest, ScalarItem, ValueItem
+from mcml_schemas.querying.queries import NodeItem, QueryAnswer, QueryRequest, RunItem, ScalarItem, ValueItem
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.xpath import queries
+from mcml_service.xpath.answer.writing import STREAMS
 from mcml_service.xpath.queries import Queries
 from tests.builders import MCML, store
 from tests.edits import OTHER_SEEDS
@@ -133,6 +135,10 @@ def text(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     return str(int(value)) if isinstance(value, float) and value.is_integer() else str(value)
+
+
+def span(run: RunItem) -> range:
+    return range(run.first, run.last + 1)
 
 
 def compare(asked: tuple[Queries, Oracle], random: Random, count: int) -> None:
@@ -365,3 +371,25 @@ def test_the_plan_says_how_documents_are_read(engine: tuple[Queries, Oracle], as
 def test_depth_is_limited(engine: tuple[Queries, Oracle], asked: str) -> None:  # noqa: F811
     with pytest.raises(LimitError, match="too deeply"):
         engine[0].answer(QueryRequest(q=asked))
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        "(//frame[xs:integer(@id) > 1])[position() < 6]",
+        "for $m in /mcml, $f in $m//frame order by xs:integer($f/@id) descending return $f",
+        "map{'a': //frame}?a",
+    ],
+)
+@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+def test_streams_and_runs_are_those_of_all_documents(engine: tuple[Queries, Oracle], asked: str) -> None:  # noqa: F811
+    held, _ = engine
+    items = held.answer(QueryRequest(q=asked, limit=1000)).items or []
+    wanted = [(item.document, item.address) for item in items if isinstance(item, NodeItem)]
+    lines = b"".join(STREAMS["ndjson"][0](held.stream(QueryRequest(q=asked)))).splitlines()
+    assert [(json.loads(line)["document"], json.loads(line)["address"]) for line in lines] == wanted
+    runs = held.answer(QueryRequest(q=asked, limit=1000, **{"as": "runs"})).items or []
+    covered = [(run.document, frame) for run in runs if isinstance(run, RunItem) for frame in span(run)]
+    assert sorted(covered) == sorted((document, int(address.rpartition("[")[2][:-1])) for document, address in wanted)
+    assert not any((run.document, run.last + 1) in covered for run in runs if isinstance(run, RunItem))
+    assert len(wanted) > 2

@@ -63,8 +63,10 @@ def runs_of_nodes(found: Iterable[tuple[Listed, Sequence[Node | Found]]]) -> Ite
 
 def _frames_of_nodes(found: Iterable[tuple[Listed, Sequence[Node | Found]]]) -> Iterator[Run]:
     for stored, nodes in found:
+        frames: set[int] = set()
         for node in nodes:
             position = find_frame(node.address)
             if position is None:
                 raise in_no_frame(node.address)
-            yield Run(stored, position, position)
+            frames.add(position)
+        yield from (Run(stored, position, position) for position in sorted(frames))

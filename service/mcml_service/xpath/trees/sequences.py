@@ -140,7 +140,11 @@ class Sequences:
     def _nodes_by_document(self) -> Iterator[tuple[Listed, Sequence[Node | Found]]]:
         if self.nth is not None or self.together:
             found = self.page(0, 1 if self.nth is not None else self.limits.max_elements)
-            yield from ((node.stored, [node]) for node in found.items if isinstance(node, Node))
+            of: dict[int, list[Node]] = {stored.key: [] for stored in self.documents}
+            for node in found.items:
+                if isinstance(node, Node):
+                    of[node.stored.key].append(node)
+            yield from ((stored, of[stored.key]) for stored in self.documents)
             return
         for stored in self.asked:
             each = self._evaluate(stored, self.text, 0, self.limits.max_elements)
