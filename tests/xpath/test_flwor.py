@@ -192,6 +192,32 @@ def test_paths_about_values_are_those_of_all_documents(engine: tuple[Queries, Or
     assert wanted
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "for $x in (3, 1, 2) let $x := $x * 10 where $x > 10 order by $x return $x",
+        "for $f in D//frame group by $f := string($f/motion_name[1]) order by $f return $f",
+        "for $f in D//frame count $f where $f < 4 return $f",
+        "for $x in (3, 1, 2) let $n := $x let $n := $n + 1 order by $n return $n",
+        "for $m in D/mcml for $m in $m//bone order by string($m/name) return string($m/name)",
+        "for $x in (1, 2) let $c := 5 count $c return $c",
+        "for $x in (3, 1, 2) order by $x let $x := $x + 1 return $x",
+        "let $n := 5 return (for $f in D//frame let $n := $f/@id group by $k := string($f/motion_name[1])"
+        " order by $k return concat($k, count($n)))",
+        "let $n := (5, 6) return (for $f in D//frame, $x in 1 group by $k := string($f/motion_name[1])"
+        " order by $k return concat($k, count($n), count($f)))",
+        "for $x in (1, 2) return (for $x in ($x, 5) order by -$x return $x)",
+        "for $k in ('a', 'b') return (for $f in D//frame group by $k := count($f/frame_bone) order by $k return $k)",
+    ],
+)
+def test_variables_of_the_same_name_are_told_apart(engine: tuple[Queries, Oracle], text: str) -> None:
+    queries, oracle = engine
+    wanted = oracle.values(text.replace("D/", "$d/"))
+    answer = queries.answer(QueryRequest(q=text.replace("D/", "/"), limit=1000))
+    assert [_text(item.value) for item in answer.items or [] if isinstance(item, ValueItem | NodeItem)] == wanted
+    assert wanted
+
+
 def test_values_are_arranged_too(engine: tuple[Queries, Oracle]) -> None:
     queries, _ = engine
     answer = queries.answer(QueryRequest(q="for $n in (3, 1, 2) where $n < 3 order by $n descending return $n * 10"))

@@ -157,8 +157,10 @@ class Loops(Cursor):
         """Parse `$n` after `count`: the loop over the items so far has their places."""
         _require_one_loop(word, clauses)
         self._expect("$")
+        name = self._variable_name()
+        _require_new(word, [*_names(clauses), name])
         source = _select_items(clauses, (word.start, self._end()))
-        return [Clause("for", clauses[0].variable, source, self._variable_name()), *_lets(clauses)]
+        return [Clause("for", clauses[0].variable, source, name), *_lets(clauses)]
 
     def _read_order(self, word: Token, clauses: list[Clause]) -> list[Key]:
         """Parse the text after `order` or `stable`."""
@@ -174,17 +176,22 @@ class Loops(Cursor):
         """Parse the text after `group`."""
         _require_one_loop(word, clauses)
         self._word("by")
+        before = {clause.variable for clause in _lets(clauses)}
         groups, clauses = self._read_groups(word, clauses)
         if self._at_word("return"):
             self._advance()
-            return _nest([*groups, *clauses], self._expression(), (word.start, self._end()))
+            body = self._expression()
+            _require_known(word, before, [_nest(clauses, body, (word.start, self._end()))])
+            return _nest([*groups, *clauses], body, (word.start, self._end()))
         if len(groups) > 1:
             raise self._unexpected("groups of several keys have no order; 'return' is missing")
         word = self._advance()
         keys = self._read_order(word, [Clause("for", groups[0].name, groups[0].keys)])
         self._word("return")
         span = (word.start, self._end())
-        return _nest(_order_groups(groups[0], clauses, keys, span), self._expression(), span)
+        body = self._expression()
+        _require_known(word, before, [_nest(clauses, each, span) for each in (body, *(key.expression for key in keys))])
+        return _nest(_order_groups(groups[0], clauses, keys, span), body, span)
 
     def _read_groups(self, word: Token, before: list[Clause]) -> tuple[list[Group], list[Clause]]:
         """Parse `$k := K, $l := L`, and the clauses up to `order` or `return`."""
@@ -193,6 +200,7 @@ class Loops(Cursor):
         while not groups or self._accept(","):
             self._expect("$")
             name = self._variable_name()
+            _require_new(word, [*_names(before), *(group.name for group in groups), name])
             self._expect(":=")
             key = self._expression()
             span = (word.start, self._end())
@@ -241,6 +249,26 @@ def _require_one_loop(word: Token, clauses: list[Clause]) -> None:
             at=Place(column=word.start + 1),
             remedy="Loop over one sequence, and bind the others with let.",
         )
+    _require_new(word, _names(clauses))
+
+
+def _names(clauses: list[Clause]) -> list[str]:
+    return [clause.variable for clause in clauses if clause.variable]
+
+
+def _require_new(word: Token, names: list[str]) -> None:
+    """Raise QueryError where a variable takes the name of another one, which trees tell apart (`xpath31/flwor.py`)."""
+    if len(set(names)) < len(names):
+        raise QueryError(f"two variables before {word.text!r} have the same name", at=Place(column=word.start + 1))
+
+
+def _require_known(word: Token, before: set[str], after: list[Expression]) -> None:
+    """Raise QueryError for a variable of let that is used after a group: it has the values of all items then, which
+    only trees give it (`xpath31/flwor.py`).
+    """
+    for expression in after:
+        for name in before & free_variables(expression):
+            raise QueryError(f"${name} is of the items before they are grouped", at=Place(column=word.start + 1))
 
 
 def _loop_over_groups(group: Group, body: Expression, span: Span) -> Expression:

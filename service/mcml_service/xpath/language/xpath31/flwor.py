@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Set
 from copy import copy
 from dataclasses import dataclass
 from functools import cmp_to_key
@@ -136,12 +136,15 @@ class Order(Clause):
 
 @dataclass
 class Group(Clause):
-    """`group by $name := source, …`. sources: None where the variable is bound before."""
+    """`group by $name := source, …`. sources: None where the variable is bound before. joined: names of the variables
+    that have their values in all tuples of a group: those that this expression binds before it.
+    """
 
     names: tuple[str, ...]
     sources: list[Any]
     collations: list[str | None]
     token: Any
+    joined: set[str]
 
     def operands(self) -> list[Any]:
         return [source for source in self.sources if source is not None]
@@ -153,7 +156,7 @@ class Group(Clause):
                 keys = tuple(key for key, _ in keyed)
                 groups.setdefault(keys, ([value for _, value in keyed], []))[1].append(variables)
         for values, members in groups.values():
-            yield {**_joined(members), **dict(zip(self.names, values, strict=True))}
+            yield {**members[0], **_joined(members, self.joined), **dict(zip(self.names, values, strict=True))}
 
     def _values(self, variables: Variables, bound: Bound) -> Iterator[list[tuple[Key, Any]]]:
         """Yield the values of each key, with those to compare."""
@@ -282,7 +285,8 @@ def _read_group(token: Any) -> list[Clause]:
         names.append(_variable(token))
         sources.append(_operand(token) if _accept(parser, ":=") else None)
         collations.append(_read_collation(parser))
-    return [Group(tuple(names), sources, collations, token)]
+    before = {name for clause in token.clauses for name in clause.names}
+    return [Group(tuple(names), sources, collations, token, before)]
 
 
 _READERS: dict[str, Callable[[Any], list[Clause]]] = {
@@ -350,11 +354,12 @@ def _typed(value: Any) -> Any:
     return str(value) if isinstance(value, UntypedAtomic) else value
 
 
-def _joined(members: list[Variables]) -> Variables:
-    """Each variable of a group: its values in all tuples, one after the other."""
-    found: Variables = {name: [] for name in members[0]}
+def _joined(members: list[Variables], names: Set[str]) -> Variables:
+    """Variables of a group: their values in all tuples, one after the other."""
+    found: Variables = {name: [] for name in names}
     for variables in members:
-        for name, value in variables.items():
+        for name in names:
+            value = variables[name]
             found[name] += value if isinstance(value, list) else [value]
     return {name: value[0] if len(value) == 1 else value for name, value in found.items()}
 
