@@ -1,4 +1,4 @@
-"""XPath 3.1 that combines all documents: Saxon's answers to the same XQuery, those of columns, limits, plans, streams."""
+"""XPath 3.1 that combines all documents: answers of Saxon and of columns, limits, plans, streams."""
 
 from __future__ import annotations
 
