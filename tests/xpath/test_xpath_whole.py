@@ -53,6 +53,12 @@ OTHERS = [
     "sum((//frame)[position() <= 5]/frame_bone/@Rx)", "let $x := //frame return $x[3]/@id", "head(//bone) | //filename",
     "(//frame)[2]/following-sibling::frame[1]", "for $i in 1 to 3 return (//frame)[$i]/@id", "string((//frame)[2]/@id)",
     "if (//frame) then (//bone)[2] else ()", "(//frame)[@id > 1][2]/@id", "count((//frame | //bone)[position() > 4])",
+    "for $f in //frame[1] return concat($f/ancestor::mcml/header/filename, $f/@id)",
+    "//frame[2] ! string(../../header/filename)", "reverse(//frame)/ancestor::mcml/header/filename",
+    "string-join(for $x in /mcml/@* return string($x/../header/filename), ' ')",
+    "sort(//frame, (), function($f) { string($f/ancestor::mcml/header/filename) })/@id",
+    "(//frame[1], //frame[2])[ancestor::mcml/header/num_frames > 3]/@id", "(//bone) ! (position() * 2)",
+    "some $f in //frame satisfies $f/ancestor::mcml/header/filename = 'x'", "//frame/(ancestor::mcml//bone[1]/name)",
     "(//bone)[2] | (//bone)[4]", "sort(//bone/name)[1] | //filename[1]", "((//frame)[position() > 2])[2]/frame_bone[1]",
 ]  # fmt: skip
 BY_TREES = [

@@ -34,6 +34,7 @@ from mcml_service.xpath.language.complete import Completion, complete
 from mcml_service.xpath.language.hints import hints
 from mcml_service.xpath.language.labels import without_index
 from mcml_service.xpath.language.parse import Query, find_constant, parse
+from mcml_service.xpath.language.reach import head_of
 from mcml_service.xpath.language.rules import normal
 from mcml_service.xpath.language.scopes import asks_each, is_node_set
 from mcml_service.xpath.language.tree import Call, Expression, Written
@@ -319,8 +320,7 @@ class _Asking:
         tree = normal(self.query.tree)
         if self.per == "document":
             return self._column_source(tree)
-        tree = self.whole.reduced(tree)
-        return self._nodes(tree)
+        return self._nodes(self.whole.reduced(tree))
 
     def _nodes(self, tree: Expression) -> Source:
         alone = is_node_set(without_index(tree)[0])
@@ -331,15 +331,15 @@ class _Asking:
         plan = None if self.motion else plan_scan(tree)
         if plan is None:
             return self._column_source(tree)
-        scan = Scan(self.tx, plan, self.scope, self.engine.caches, self.limits.check)
+        scan = Scan(self.tx, plan, self.scope, self.engine.caches, self.limits.check, head_of(self.query.tree))
         self._explained("index", scan)
         return scan
 
     def _column_source(self, tree: Expression) -> ColumnSource:
         if not self.query.has_columns:
             raise NotOnColumnsError
-        caches = self.engine.caches
-        found = ColumnSource(self.tx, tree, self.scope, caches, self.limits.check, self.bodies, is_later=self.is_later)
+        caches, check, whole = self.engine.caches, self.limits.check, head_of(self.query.tree)
+        found = ColumnSource(self.tx, tree, self.scope, caches, check, self.bodies, whole, is_later=self.is_later)
         indexed = found.start is not None and found.start.indexed
         self._explained("index" if indexed else "columns", found)
         return found

@@ -42,8 +42,8 @@ class ColumnSource:
     """An expression over the documents of a scope, evaluated on columns.
 
     bodies: leaves out documents in which a measurement of the query is unknown. check: called often; raises
-    when the query must end. Every method may raise TooWideError or TooLongError where an intermediate result is larger
-    than is held at once.
+    when the query must end. head_part: the least of the documents' heads, for all that a query asks of the nodes.
+    Every method may raise TooWideError or TooLongError where an intermediate result is larger than is held at once.
     """
 
     def __init__(
@@ -54,6 +54,7 @@ class ColumnSource:
         caches: Caches,
         check: Callable[[], None],
         bodies: BodyScope | None = None,
+        head_part: HeadPart = HeadPart.MOTION,
         *,
         is_later: bool = False,
     ) -> None:
@@ -65,6 +66,7 @@ class ColumnSource:
         self._bodies = bodies
         self._check = check
         self._is_later = is_later
+        self._head_part = head_part
         self._any = any_attribute(tree)
         self._one_a_skeleton = is_of_skeleton(tree)
 
@@ -83,7 +85,7 @@ class ColumnSource:
         For queries with conditions, the first groups are small: often only the first page is needed. counted: only the
         number of nodes is needed.
         """
-        head_part = head_of(self.tree, counted=counted)
+        head_part = max(head_of(self.tree, counted=counted), self._head_part)
         for group in self._groups():
             yield Forest(self.tx, group, self._caches, head_part=head_part)
 

@@ -21,7 +21,7 @@ from mcml_service.xpath.nodes.numbering import Floats, Ints
 
 
 class Scan:
-    """Runs a plan over documents, given in groups in order of the answer."""
+    """Runs a plan over documents, given in groups in order of the answer. head_part: as of `ColumnSource`."""
 
     def __init__(
         self,
@@ -30,6 +30,7 @@ class Scan:
         scope: Scope,
         caches: Caches,
         check: Callable[[], None] = lambda: None,
+        head_part: HeadPart = HeadPart.MOTION,
     ) -> None:
         self.plan = plan
         groups = scope.groups()
@@ -37,7 +38,7 @@ class Scan:
         if plan.names:
             labelled = ranges_of(tx, plan.names, [key for group in groups for key in group.keys])
             groups = scope.groups([listed for group in groups for listed in group if listed.key in labelled])
-        forests = [Forest(tx, group, caches, head_part=HeadPart.MOTION) for group in groups]
+        forests = [Forest(tx, group, caches, head_part=head_part) for group in groups]
         self._parts = [GroupScan(forest, plan, labelled, check) for forest in forests]
 
     @property

@@ -275,6 +275,7 @@ def _bound(text: str) -> None:
 
 
 _REMEDIES = (
+    (r"(?s).*\bgroup\s+by\s+\$[\w.-]+\s*/", "Name the key: group by $k := $m/header/filename."),
     (r"unexpected '(tumbling|sliding)'", "Windows are not supported. Use mo:window(), or positions."),
     (r"(?i)\s*select\s", "This is XPath, not SQL: for $m in /mcml where … order by … return $m/header/filename."),
     (r"\s*(for|let|some|every)\s+\w", "Names of variables begin with $, such as: for $m in /mcml return …"),

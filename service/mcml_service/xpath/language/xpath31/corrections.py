@@ -67,6 +67,22 @@ class Context(XPathContext):
 
     scope: tuple[Any, ...] = ()
 
+    def iter_siblings(self, axis: str | None = None) -> Iterator[Any]:
+        """Yield the siblings (XPath 3.1 §3.3.2.1): attributes and namespaces have none."""
+        return iter(()) if isinstance(self.item, AttributeNode | NamespaceNode) else super().iter_siblings(axis)
+
+    def iter_attributes(self) -> Iterator[Any]:
+        """Yield the attributes of an element; other nodes have none."""
+        return super().iter_attributes() if isinstance(self.item, ElementNode) else iter(())
+
+    def iter_preceding(self) -> Iterator[Any]:
+        """Yield the preceding axis; that of an attribute or namespace is that of its element."""
+        status = self.item
+        if isinstance(status, AttributeNode | NamespaceNode) and status.parent is not None:
+            self.item = status.parent
+        yield from super().iter_preceding()
+        self.item = status
+
     def iter_followings(self) -> Iterator[Any]:
         """Yield the following axis (XPath 3.1 §3.3.2.1).
 
@@ -174,6 +190,15 @@ def _root(self: Any, context: Any = None) -> Any:
     if not isinstance(node, XPathNode):
         raise self.error("XPTY0004", "root() needs a node")
     return _top(node)
+
+
+def _namespaces(self: Any, context: Any = None) -> Iterator[Any]:
+    """The namespace axis (XPath 3.1 §3.3.2.1), whose nodes node() is true for as well."""
+    element, test = _needed(self, context).item, self[0]
+    for item in element.namespace_nodes if isinstance(element, ElementNode) else ():
+        if test.symbol in ("node", "namespace-node", "*") or (test.symbol == "(name)" and test.value == item.prefix):
+            context.item = item
+            yield item
 
 
 def _path_of(self: Any, context: Any = None) -> Any:
@@ -293,6 +318,11 @@ def _rounded(name: str) -> Any:
 
     def corrected(self: Any, context: Any = None) -> Any:
         found = evaluate(self, context)
+        if found == 0 and name != "abs":
+            # Of a negative double the result is negative zero (F&O 3.1 §4.4.2 to §4.4.4).
+            value = self.get_argument(self.context or context)
+            number = value if isinstance(value, float) else math.nan
+            return -0.0 if number == number and math.copysign(1, number) < 0 else found
         return math.nan if found == [] and self.parser.compatibility_mode else found
 
     return corrected
@@ -309,6 +339,7 @@ METHODS: dict[str, dict[str, Any]] = {
     f"{{{XPATH_ARRAY_FUNCTIONS_NAMESPACE}}}sort": {"evaluate": sort_array},
     # A kind test in a path takes no occurrence indicator (XPath 3.1 §3.3.2.2): `node() + 1` is a sum.
     "node": {"nud": XPathFunction.nud, "select": _node},
+    "namespace": {"select": _namespaces},
     "path": {"evaluate": _path_of},
     "root": {"evaluate": _root},
     **{symbol: {"evaluate": _is_before} for symbol in ("<<", ">>")},

@@ -252,10 +252,12 @@ def _joins(token: Any, wide: Set[str]) -> bool:
     if symbol == "for":
         return any(_is_wide(part, wide) for part in (parts if token.is_ordered() else parts[1:]))
     if symbol in ("!", "/", "//"):
-        return len(parts) > 1 and _is_wide(parts[1], wide)
+        is_counted = len(parts) > 1 and _asks_position(parts[1]) and _is_wide(parts[0], wide)
+        return is_counted or (len(parts) > 1 and _is_wide(parts[1], wide))
     if _is_predicate(token):
         is_counted = _may_count(parts[1]) and _is_wide(parts[0], wide)
-        return is_counted or (not gives_nodes(parts[0]) and _is_wide(parts[1], wide))
+        compares = any(part.symbol == "$" and len(part) and part[0].value in wide for part in tokens_of(parts[1]))
+        return is_counted or compares or (not gives_nodes(parts[0]) and _is_wide(parts[1], wide))
     several = symbol == "," or (symbol == "(" and len(parts) > 1) or symbol in ("=>", "some", "every")
     if several or label in ("array", "map", "inline function"):
         return any(_is_wide(part, wide) for part in parts)
@@ -275,9 +277,18 @@ def _is_wide(token: Any, wide: Set[str]) -> bool:
     return any(_is_wide(part, wide) for part in inside)
 
 
+def _asks_position(token: Any) -> bool:
+    """Whether the position of the item in focus, or their number, is asked."""
+    if token.label == "function" and token.symbol in ("position", "last"):
+        return True
+    parts = list(parts_of(token))
+    has_own_focus = len(parts) > 1 and (_is_predicate(token) or token.symbol in ("!", "/", "//"))
+    return any(map(_asks_position, parts[:1] if has_own_focus else parts))
+
+
 def _may_count(predicate: Any) -> bool:
     """Whether the truth of a predicate may depend on the position of an item."""
-    if any(part.label == "function" and part.symbol in ("position", "last") for part in tokens_of(predicate)):
+    if _asks_position(predicate):
         return True
     while predicate.symbol == "(" and len(predicate) == 1:
         predicate = predicate[0]
