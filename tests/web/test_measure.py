@@ -146,7 +146,7 @@ def test_plots_and_arrays_are_downloaded(measured: tuple[Any, str]) -> None:
     assert picture.tag == f"{SVG}svg"
     assert len(picture.findall(f"{SVG}svg")) == 2
     texts = [text.text for text in picture.findall(f"{SVG}text")]
-    assert any(text is not None and "left_hand" in text for text in texts)
+    assert any(text is not None and "left hand" in text for text in texts)
 
 
 @pytest.mark.slow
