@@ -58,8 +58,11 @@ def test_an_answer_is_gone_when_another_question_runs(visit: Visit, studio: Serv
     page.keyboard.press("Escape")
     # What is typed is not asked yet: copies and exports are of the answer that is shown.
     page.get_by_role("button", name="Export all").click()
-    expect(page.get_by_role("menuitem", name="CSV")).to_have_attribute("href", re.compile("motion_name"))
-    page.keyboard.press("Escape")
+    item = page.get_by_role("menuitem", name="CSV")
+    expect(item).to_have_attribute("href", re.compile("motion_name"))
+    # Completions may come late, and take a key that is pressed for the menu.
+    item.press("Escape")
+    expect(item).to_have_count(0)
     with held_at(page, r"/xpath\?") as held:
         page.keyboard.press("Control+Enter")
     expect(found).to_have_count(0)
