@@ -40,7 +40,7 @@ from mcml_service.xpath.language.scopes import asks_each, is_node_set
 from mcml_service.xpath.language.tree import Call, Expression, Written
 from mcml_service.xpath.language.types import distinct_of, is_integer, item_type, type_of
 from mcml_service.xpath.language.unparse import unparse
-from mcml_service.xpath.language.values import spelled
+from mcml_service.xpath.language.values import to_xpath31
 from mcml_service.xpath.language.xpath31.written import with_values
 from mcml_service.xpath.library.caches import Caches
 from mcml_service.xpath.library.disk.part_file import path_of
@@ -51,7 +51,7 @@ from mcml_service.xpath.limits import Limits, Running, no_such_question
 from mcml_service.xpath.nodes.node import Node
 from mcml_service.xpath.nodes.pairs import TooWideError
 from mcml_service.xpath.trees.evaluate import Found
-from mcml_service.xpath.trees.sequences import Sequences, are_together, value_of_nothing
+from mcml_service.xpath.trees.sequences import Sequences, scope_of, value_of_nothing
 
 DEFAULT_LIMIT = 100
 MOST_BY_TREES = 100_000
@@ -139,9 +139,8 @@ class Queries:
                 documents = [one for group in asking.bodies.select(asking.scope.groups()) for one in group]
             else:
                 return Answer(self.database, self.caches, commit, since, found)
-        at_once = without_index(query.tree)[1] is not None or (
-            request.per is None and are_together(query, len(documents))
-        )
+        asked = scope_of(query, len(documents), per_document=request.per is not None)
+        at_once = asked.together or without_index(query.tree)[1] is not None
         parts = [documents] if at_once else [[stored] for stored in documents]
         return Shown(self._by_trees(query, parts, commit, since, limits, request.limit or MOST_BY_TREES))
 
@@ -283,7 +282,7 @@ class _Asking:
             self.query = parse(text, dict(tree.variables))
             with suppress(TooWideError, TooLongError, NotOnColumnsError):
                 value = self.whole.reduced(normal(self.query.tree))
-                return spelled(value, is_integer=is_integer(self.query.tree))
+                return to_xpath31(value, is_integer=is_integer(self.query.tree))
             return None
 
         if asked.compatible:

@@ -53,8 +53,9 @@ def asks_scope(expression: Expression) -> bool:
 
 
 def is_node_set(expression: Expression) -> bool:
-    """Whether it gives nodes of each document that those of other documents do not change: no position behind
-    parentheses, which counts over all of them, and no function of sequences."""
+    """Whether its nodes are those of each document alone: it has no position behind parentheses, which counts over all
+    documents, and no function of sequences.
+    """
     if type_of(expression) != "nodes" or begins_with_top(expression):
         return False
     if isinstance(expression, Path):

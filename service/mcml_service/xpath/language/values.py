@@ -35,7 +35,7 @@ def sequence_of(values: list[float | str | bool]) -> Expression:
     return literal(values[0]) if len(values) == 1 else Sequence(tuple(map(literal, values)))
 
 
-def spelled(value: Expression, *, is_integer: bool) -> str | None:
+def to_xpath31(value: Expression, *, is_integer: bool) -> str | None:
     """A number, boolean or nothing as XPath 3.1 with its type; None for other expressions."""
     if isinstance(value, Literal) and isinstance(value.value, float):
         number = value.value

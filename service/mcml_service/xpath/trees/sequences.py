@@ -18,6 +18,7 @@ from mcml_service.xpath.language.reach import Projection, projection
 from mcml_service.xpath.language.tree import Atomic, Call, Literal, Written
 from mcml_service.xpath.language.types import type_of
 from mcml_service.xpath.language.unparse import unparse
+from mcml_service.xpath.language.xpath31.scope import Scope
 from mcml_service.xpath.language.xpath31.written import find_projection, find_scope
 from mcml_service.xpath.library.caches import Caches
 from mcml_service.xpath.library.groups import Group
@@ -73,10 +74,9 @@ class Sequences:
         self.xml = Xml(tx, limits, _projection(query))
         self.variables = dict(self.tree.variables) if isinstance(self.tree, Written) else {}
         self.bodies = BodyValues(tx, caches, groups, limits)
-        scope = find_scope(self.text, compatible=self.compatible)
-        self.together = are_together(query, len(self.documents)) and not per_document
-        self.each = scope.each
-        self.is_one = self.together and not scope.each
+        scope = scope_of(query, len(self.documents), per_document=per_document)
+        self.together, self.each = scope.together, scope.each
+        self.is_one = self.together and not self.each
         self.asked = self.documents[:1] if self.is_one else self.documents
         self._last: tuple[Listed, Tree] | None = None
 
@@ -201,20 +201,21 @@ def _projection(query: Query) -> Projection:
     return projection(query.tree)
 
 
-def are_together(query: Query, documents: int) -> bool:
-    """Whether this number of documents cannot be evaluated one by one. Raises QueryError where an expression needs all
-    of them for a value of each, or for runs, and has functions of bodies.
+def scope_of(query: Query, documents: int, *, per_document: bool) -> Scope:
+    """The scope of an expression over this number of documents. Raises QueryError where an expression needs all of them
+    for a value of each, or for runs, and has functions of bodies.
     """
     scope = find_scope(query.text, compatible=query.compatible)
-    together = documents > 1 and scope.together
-    if together and PREFIX in query.text and (scope.each or RUNS in query.text):
+    if documents < 2 or per_document:
+        return replace(scope, together=False)
+    if scope.together and PREFIX in query.text and (scope.each or RUNS in query.text):
         raise QueryError(
             "This combines all documents, but contains a function of bodies that is evaluated on one document at a "
             "time.",
             remedy="Ask with per=document, or one document; or write it without casts, maps and inline functions.",
             code="needs-one-document",
         )
-    return together
+    return scope
 
 
 def value_of_nothing(query: Query) -> Items:

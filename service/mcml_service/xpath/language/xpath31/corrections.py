@@ -62,7 +62,7 @@ XPathToken.string_value = _string  # type: ignore[assignment, method-assign]
 class Context(XPathContext):
     """The dynamic context of an expression.
 
-    scope: the document nodes of which an absolute path outside of predicates is, none for those of the root.
+    scope: the document nodes at which absolute paths outside of predicates begin; none: they begin at the root.
     """
 
     scope: tuple[Any, ...] = ()

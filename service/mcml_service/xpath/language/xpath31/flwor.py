@@ -156,7 +156,7 @@ class Group(Clause):
                 keys = tuple(key for key, _ in keyed)
                 groups.setdefault(keys, ([value for _, value in keyed], []))[1].append(variables)
         for values, members in groups.values():
-            yield {**members[0], **_joined(members, self.joined), **dict(zip(self.names, values, strict=True))}
+            yield {**members[0], **_concatenate(members, self.joined), **dict(zip(self.names, values, strict=True))}
 
     def _values(self, variables: Variables, bound: Bound) -> Iterator[list[tuple[Key, Any]]]:
         """Yield the values of each key, with those to compare."""
@@ -166,7 +166,7 @@ class Group(Clause):
                 found[name] = source.evaluate(bound(found))
             values = _one(self.token, self.token.atomize_item(found[name]))
             with _collation(self.token, stated) as collation:
-                keys = [(key_of(value, collation.strxfrm), _typed(value)) for value in values]
+                keys = [(key_of(value, collation.strxfrm), _to_string(value)) for value in values]
             yield keys or [(("nothing", ""), [])]
 
 
@@ -350,11 +350,11 @@ def _one(token: Any, values: Iterable[Any]) -> list[Any]:
     return found
 
 
-def _typed(value: Any) -> Any:
+def _to_string(value: Any) -> Any:
     return str(value) if isinstance(value, UntypedAtomic) else value
 
 
-def _joined(members: list[Variables], names: Set[str]) -> Variables:
+def _concatenate(members: list[Variables], names: Set[str]) -> Variables:
     """Variables of a group: their values in all tuples, one after the other."""
     found: Variables = {name: [] for name in names}
     for variables in members:

@@ -36,8 +36,9 @@ _OF_TRUTH = frozenset(
 
 
 def parts_of(token: Any) -> Iterator[Any]:
-    """Yield the tokens in a token, also those that elementpath does not list. Those of a long sequence, in which each
-    comma is in the next one, are yielded one after the other.
+    """Yield the tokens in a token, also those that elementpath does not list.
+
+    A sequence yields its items: elementpath nests each comma in the next one, deeper than recursion may go.
     """
     if token.symbol == "," and len(token) == 2:
         items = []

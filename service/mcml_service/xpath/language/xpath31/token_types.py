@@ -46,7 +46,7 @@ class _TokenTypes:
         self._bound: dict[str, Types] = {}
 
     def types(self, token: Any, context: Types) -> Types:
-        """Those of the nodes; of a value, none. context: of the context node."""
+        """The types of the nodes of its value; none where it has no nodes. context: the types of the context node."""
         step = _step_of(token)
         if step is not None:
             return self.analysis.step(context, step)
@@ -99,7 +99,7 @@ class _TokenTypes:
         if symbol in ("=>", "#"):
             name = str(parts[1 if symbol == "=>" else 0].value)
             self._taken(name, joined)
-            return self._called(name, joined, token.parser.symbol_table.get(name))
+            return self._result_types(name, joined, token.parser.symbol_table.get(name))
         if token.label in ("constructor function", "sequence type"):
             self.analysis.value(joined)
             return _NOTHING
@@ -110,7 +110,7 @@ class _TokenTypes:
             self.analysis.use(EVERYTHING)
             return EVERYTHING
         if symbol == "(" and len(parts) > 1:
-            # A call: what the function takes the text of is not known.
+            # A call of an unknown function, which may take the text of its arguments.
             self.analysis.value(joined)
         return joined
 
@@ -143,7 +143,7 @@ class _TokenTypes:
         if name == "root":
             return frozenset({DOCUMENT})
         self._taken(name, given)
-        return self._called(name, given, token)
+        return self._result_types(name, given, token)
 
     def _taken(self, name: str, given: Types) -> None:
         """Note what a function of this name sees of its arguments."""
@@ -152,7 +152,7 @@ class _TokenTypes:
         else:
             self.analysis.value(given)
 
-    def _called(self, name: str, given: Types, function: Any) -> Types:
+    def _result_types(self, name: str, given: Types, function: Any) -> Types:
         """The types of the result of a function of this name."""
         if name in _PASSING:
             return given
