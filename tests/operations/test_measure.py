@@ -132,6 +132,14 @@ def test_ranges_are_of_a_query_a_label_or_strides(people: tuple[TestClient, list
     assert none["warnings"] == ["Left out: no complete cycle of hop (2 of 2 clips: 'p0', 'p1')."]
 
 
+def test_ranges_of_a_query_are_in_the_order_of_its_answer(client: TestClient) -> None:
+    """That of names, which is not that in which clips were imported."""
+    for name in ("last", "middle", "first"):
+        upload(client, {f"{name}.bvh": person(1, 20)})
+    found = ask(client, query="//frame[@id > 5]", quantities=[HEIGHT])
+    assert [row["name"] for row in found["ranges"]] == ["first", "last", "middle"]
+
+
 def test_strides_are_those_of_gait(client: TestClient) -> None:
     gait = Gait(seconds=6)
     made: Any = upload(client, {"walk.c3d": make_c3d(gait, sorted(events_of(gait)))})

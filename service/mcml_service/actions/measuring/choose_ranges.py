@@ -122,7 +122,7 @@ def _ask(
             warnings += answer.warnings
             if not answer.complete:
                 warnings.append("The query was stopped at its limit, so frame ranges are missing.")
-            return [ChosenClip(*key, tuple(ranges)) for key, ranges in sorted(found.items())]
+            return [ChosenClip(*key, tuple(ranges)) for key, ranges in found.items()]
 
 
 def _require_room(count: int, request: RangesRequest) -> None:
