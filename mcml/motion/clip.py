@@ -101,6 +101,19 @@ class Reference:
         return cls(**{**values, "pose": pose, "hinges": hinges})
 
 
+_SAME_RATE = 1e-4
+"""Relative difference of a rate and of a frame time with few decimals that say the same."""
+
+
+def seconds_from(frame_time: str | None, rate: str | None) -> float | None:
+    """Seconds a frame: the frame time, else 1 / rate. None where it is not usable: positive, and so is its inverse."""
+    text = frame_time if frame_time is not None else rate
+    value = 0.0 if text is None else float(text)
+    if not (value > 0 and math.isfinite(value) and math.isfinite(1.0 / value)):
+        return None
+    return value if frame_time is not None else 1.0 / value
+
+
 @dataclass(frozen=True)
 class ClipHead:
     """A clip without its frames.
@@ -128,15 +141,28 @@ class ClipHead:
     reference: Reference | None = None
 
     def seconds_per_frame(self) -> float | None:
-        """Frame time as a number, from `frame_time` or else 1 / dataframe_rate; None where neither is usable.
+        """Frame time as a number, from `frame_time` or else 1 / dataframe_rate; None where neither is usable."""
+        return seconds_from(self.frame_time, self.fields.get("dataframe_rate"))
 
-        It is usable where it is positive, and so is the rate that it makes.
-        """
-        text = self.frame_time if self.frame_time is not None else self.fields.get("dataframe_rate")
-        value = 0.0 if text is None else float(text)
-        if not (value > 0 and math.isfinite(value) and math.isfinite(1.0 / value)):
+    def rate_text(self) -> str | None:
+        """Frames a second as a text: the header's, unless the frame time says another rate; None where unknown."""
+        seconds, stated = self.seconds_per_frame(), self.fields.get("dataframe_rate")
+        if seconds is None:
             return None
-        return value if self.frame_time is not None else 1.0 / value
+        if stated is not None and abs(seconds * float(stated) - 1) < _SAME_RATE:
+            return stated
+        return repr(1 / seconds).removesuffix(".0")
+
+    def every(self, step: int) -> ClipHead:
+        """The head of every step-th frame: a frame lasts that much longer, where the rate is stated."""
+        if step == 1:
+            return self
+        fields, frame_time = dict(self.fields), self.frame_time
+        if "dataframe_rate" in fields:
+            fields["dataframe_rate"] = repr(float(fields["dataframe_rate"]) / step)
+        if frame_time is not None:
+            frame_time = repr(float(frame_time) * step)
+        return replace(self, fields=fields, frame_time=frame_time)
 
 
 @dataclass(frozen=True)

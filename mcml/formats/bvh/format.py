@@ -201,8 +201,10 @@ def _write(clip: ClipStream) -> Iterator[bytes]:
 def _frame_time(clip: ClipStream, frames: int) -> str | None:
     """Return the frame time to write; None for a BVH file without one. Raises ConversionError if it is unknown."""
     head = clip.head
-    if head.frame_time is not None or head.format == "bvh":
+    if head.frame_time is not None:
         return head.frame_time
+    if head.format == "bvh" and head.seconds_per_frame() is None:
+        return None
     if frames < 2 and head.seconds_per_frame() is None:
         return _NO_TIME
     return lexeme(need_seconds(head, "BVH"))

@@ -187,9 +187,10 @@ def samples_at(quantity: Quantity, ids: NDArray[np.int64] | Sequence[int] | Sequ
 
 
 def rate_of(head: ClipHead) -> str:
-    """Frames a second of a clip, as sections write them; "" where unknown."""
-    seconds = head.seconds_per_frame()
-    rate = float(head.fields.get("dataframe_rate") or (1 / seconds if seconds else 0.0))
+    """Frames a second of a clip's file, as sections write them; "" where unknown. A frame time stated later tells how
+    long these frames last, not that they are others.
+    """
+    rate = float(head.fields.get("dataframe_rate") or head.rate_text() or 0.0)
     return str(np.float32(rate)).removesuffix(".0") if rate > 0 else ""
 
 

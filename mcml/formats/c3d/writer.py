@@ -39,7 +39,7 @@ def write_c3d(clip: ClipStream) -> Iterator[bytes]:
     """The file of a clip. Raises ConversionError without a rate, without frames, or with too many labels."""
     head = clip.head
     seconds = need_seconds(head, "C3D")
-    rate = float(head.fields.get("dataframe_rate") or 1 / seconds)
+    rate = float(head.rate_text() or 1 / seconds)
     if not 1e-38 < rate < 3e38:
         raise ConversionError(f"C3D cannot hold {rate:g} frames a second", remedy="State another frame time first.")
     sections = dict(head.sources[0].sections) if head.sources and head.sources[0].part == "c3d" else {}
@@ -126,7 +126,9 @@ def _quantities(clip: ClipStream) -> list[Quantity]:
 def _events(clip: ClipStream, labelled: Mapping[int, tuple[str, ...]], rate: float) -> list[Event]:
     """Events for labels of one frame. labelled: names by the number of the frame."""
     part = next((source for source in clip.head.sources if source.part == "c3d"), None)
+    stated = float(clip.head.fields.get("dataframe_rate") or rate)
     kept = kept_events(part.sections) if part is not None else []
+    kept = [replace(event, seconds=event.seconds * stated / rate) for event in kept] if stated != rate else kept
     instants: dict[int, list[str]] = {}
     spans: set[str] = set()
     for number, names in labelled.items():

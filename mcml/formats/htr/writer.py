@@ -46,6 +46,7 @@ _DEFAULTS = {
     "bone_length_axis": "Y",
     "scale_factor": "1.0",
 }
+_ALWAYS_WRITTEN = ("num_segments", "num_frames", "dataframe_rate", "euler_rotation_order")
 _UNKNOWN_FIELDS = {"calibration_unit", "global_axis_of_gravity", "dataframe_rate"}
 
 
@@ -63,7 +64,7 @@ def write_htr(clip: ClipStream) -> Iterator[bytes]:
     lines += [f"{keyword} {fields[FIELD_OF_KEYWORD[keyword.lower()]]}" for keyword in keywords]
     stated = {FIELD_OF_KEYWORD[keyword.lower()] for keyword in keywords}
     lines += [f"{word} {fields[name]}" for word in _KEYWORDS if (name := FIELD_OF_KEYWORD[word.lower()]) not in stated
-              and name in ("num_segments", "num_frames", "euler_rotation_order")]  # fmt: skip
+              and name in fields and name in _ALWAYS_WRITTEN]  # fmt: skip
     lines += [f"{title.removeprefix('[Header] ')} {value}" for title, value in part.sections]
     lines += ["[SegmentNames&Hierarchy]", *_hierarchy(head.skeleton, names), "[BasePosition]"]
     lines += list(_base(head.skeleton, names))
@@ -97,13 +98,12 @@ def _fields(clip: ClipStream, order: str, frames: int) -> dict[str, str]:
     fields["num_frames"] = str(frames)
     if fields.get("euler_rotation_order", "").upper() != order:
         fields["euler_rotation_order"] = order
-    if not own and "dataframe_rate" not in fields:
-        seconds = head.seconds_per_frame()
-        if seconds is not None:
-            rate = 1.0 / seconds
-            # 1 / 0.0083333 is 120.0005: the intended rate, if the text is too short for it.
-            near = round(rate)
-            fields["dataframe_rate"] = lexeme(near if abs(rate - near) < 1e-4 * rate else rate)
+    stated = head.rate_text()
+    if stated is not None and stated != fields.get("dataframe_rate"):
+        rate = float(stated)
+        # 1 / 0.0083333 is 120.0005: the intended rate, if the text is too short for it.
+        near = round(rate)
+        fields["dataframe_rate"] = lexeme(near if abs(rate - near) < 1e-4 * rate else rate)
     lacking = sorted(_UNKNOWN_FIELDS - set(fields))
     if lacking and not own:
         clip.notices.append(

@@ -24,6 +24,7 @@ KEYWORDS = (
     "OrigNumFrames",
 )
 _LONGEST_DECIMALS = 9
+_OF_RATES = ("datarate", "camerarate", "origdatarate", "time")
 
 
 def write_trc(clip: ClipStream) -> Iterator[bytes]:
@@ -33,7 +34,7 @@ def write_trc(clip: ClipStream) -> Iterator[bytes]:
     """
     head = clip.head
     source = next((part for part in head.sources if part.part == "trc"), None)
-    said = dict(source.sections) if source else {}
+    said = _still_true(dict(source.sections), head) if source else {}
     seconds = head.seconds_per_frame() if "DataRate" in said else need_seconds(head, "TRC")
     codec = source.encoding if source else "utf-8"
     if not head.fields.get("calibration_unit"):
@@ -66,10 +67,17 @@ def write_trc(clip: ClipStream) -> Iterator[bytes]:
         done += len(block)
 
 
+def _still_true(said: dict[str, str], head: ClipHead) -> dict[str, str]:
+    """The texts of a TRC's head, without rates and times where the frame time says another rate now."""
+    if head.rate_text() == head.fields.get("dataframe_rate"):
+        return said
+    return {word: text for word, text in said.items() if word.lower() not in _OF_RATES}
+
+
 def _head(
     head: ClipHead, said: dict[str, str], keywords: tuple[str, ...], frames: int, seconds: float | None, first: int
 ) -> str:
-    rate = head.fields.get("dataframe_rate") or (repr(1 / seconds) if seconds else "")
+    rate = head.rate_text() or head.fields.get("dataframe_rate", "")
     facts = {
         "datarate": rate,
         "camerarate": rate,

@@ -68,8 +68,7 @@ def read_clip(
     head = to_head(document, stored.frame_time, known)
     if skeletons is not None:
         skeletons[form] = head.skeleton
-    if step > 1 and stored.frame_time is not None:
-        head = replace(head, frame_time=repr(float(stored.frame_time) * step))
+    head = head.every(step)
     columns = head.skeleton.columns()
     names = head.skeleton.names
     joint_of = {bone: names.index(name) for bone, name in tx.heads.bone_names(stored.key).items() if name in names}

@@ -100,7 +100,7 @@ class MovedClips:
         block = moved.block
         shape_of = None if block.shape_of is None else block.shape_of[chosen]
         rows = replace(block, values=block.values[chosen], ids=block.ids[chosen], shape_of=shape_of, motion_names=None)
-        head = replace(moved.head, frame_time=source.clip.head.frame_time)
+        head = moved.head.every(step)
         clip = ClipStream(head, lambda: iter([rows]), len(rows), list(moved.notices))
         return replace(source, clip=clip, names=head.skeleton.names)
 

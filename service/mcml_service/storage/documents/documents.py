@@ -12,6 +12,7 @@ import zstandard
 from sqlalchemy import bindparam, delete, func, select, update
 
 from mcml.errors import NotFoundError
+from mcml.motion.clip import seconds_from
 from mcml_service.storage.core.identifiers import new_uuid, normalise_name
 from mcml_service.storage.core.schema import CURRENT, metadata
 from mcml_service.storage.core.seals import SEALS, closing, damage, verify
@@ -88,11 +89,7 @@ class StoredDocument:
     @property
     def seconds_per_frame(self) -> float | None:
         """From the frame time, else from the header's rate; None if neither has a usable value."""
-        if self.frame_time is not None:
-            return float(self.frame_time) if float(self.frame_time) > 0 else None
-        if self.data_rate is not None and float(self.data_rate) > 0:
-            return 1.0 / float(self.data_rate)
-        return None
+        return seconds_from(self.frame_time, self.data_rate)
 
 
 class Documents:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import BigInteger, and_, bindparam, delete, exists, func, or_, select, update
 
 from mcml.language.elements import Element, mcml_attributes
+from mcml.motion.clip import seconds_from
 from mcml_service.storage.core.schema import CURRENT
 from mcml_service.storage.core.seals import closing, damage, verify
 from mcml_service.storage.core.statements import Prepared
@@ -90,6 +92,13 @@ class Heads:
         for key, tag, text in self._tx.fetch_all(verify(query, header)):
             texts.setdefault(key, {})[tag] = text
         return texts
+
+    def seconds_per_frame(self, documents: Iterable[Listed]) -> dict[int, float | None]:
+        """Seconds a frame of documents, by key: from the frame time, else from the header's rate; None without both."""
+        listed = list(documents)
+        texts = self.read_texts([each.key for each in listed if each.frame_time is None], ("dataframe_rate",))
+        rates = {key: read["dataframe_rate"] for key, read in texts.items()}
+        return {each.key: seconds_from(each.frame_time, rates.get(each.key)) for each in listed}
 
     def joints(self, skeletons: list[int]) -> dict[int, int]:
         """How many joints skeletons have."""

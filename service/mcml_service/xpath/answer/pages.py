@@ -56,7 +56,7 @@ class Page:
                 if len(nodes) < len(some):
                     return self.of_items(tx, items, more=True)
             else:
-                items += _values(some)
+                items += _values(tx, some)
             if len(items) > self.limit:
                 break
         return self.of_items(tx, items[: self.limit], more=len(items) > self.limit)
@@ -99,14 +99,18 @@ class Page:
         return str(Cursor(commit, tx.pruning.whole_since(), following, question(self.request)))
 
 
-def _values(part: Part) -> list[ValueItem]:
+def _values(tx: Transaction, part: Part) -> list[ValueItem]:
     """The values of a part, each with the frame that it is of."""
     values = map(plain, part.values())
     if part.of is None:
         return [ValueItem(value=value) for value in values]
+    places, frames = documents_of(part.of), frames_of(part.of)
+    of_frames = [part.forest.documents[place] for place in np.unique(places[frames > 0])]
+    seconds = tx.heads.seconds_per_frame(of_frames)
     found = []
-    for value, place, frame in zip(values, documents_of(part.of).tolist(), frames_of(part.of).tolist(), strict=True):
+    for value, place, frame in zip(values, places.tolist(), frames.tolist(), strict=True):
         listed = part.forest.documents[place]
-        seconds = None if not frame or listed.frame_time is None else (frame - 1) * float(listed.frame_time)
-        found.append(ValueItem(value=value, document=listed.uuid, frame=frame or None, time=seconds))
+        each = seconds.get(listed.key)
+        time = None if not frame or each is None else (frame - 1) * each
+        found.append(ValueItem(value=value, document=listed.uuid, frame=frame or None, time=time))
     return found

@@ -20,6 +20,9 @@ from mcml_service.xpath.library.likeness import Asked, nearest_first
 from mcml_service.xpath.library.listing import Scope
 from mcml_service.xpath.nodes.numbering import Floats, Ints
 
+_UNKNOWN_SECONDS = 1 / 30
+"""Of a frame, where a document does not say: only for the distance between its hits."""
+
 
 @dataclass(frozen=True)
 class Hit:
@@ -61,22 +64,26 @@ def search(
     """
     documents: list[Listed] = []
     bounds: list[Floats] = []
+    times: list[Floats] = []
     for group in scope.groups():
         bodies = Bodies(Forest(tx, group, caches, head_part=HeadPart.MOTION), check)
         index = bodies.pose_index()
         least = asked.least(index, bodies.seconds, bodies.frames)
         bounds.append(_of_documents(least, index.starts, index.ends))
         documents += group
+        times.append(bodies.seconds)
     every = np.concatenate([np.empty(0), *bounds])
+    seconds = np.nan_to_num(np.concatenate([np.empty(0), *times]), nan=_UNKNOWN_SECONDS)
     best: list[Hit] = []
 
     def limit() -> float:
         return best[-1].distance if len(best) == wanted else np.inf
 
     for near in nearest_first([every], limit):
-        some = [documents[place] for _, place in near]
-        for listed, distances in zip(some, asked.unlike(tx, caches, some, check), strict=True):
-            ends = islice(_apart(listed, distances, apart, limit()), wanted)
+        places = [place for _, place in near]
+        some = [documents[place] for place in places]
+        for listed, place, distances in zip(some, places, asked.unlike(tx, caches, some, check), strict=True):
+            ends = islice(_apart(apart / seconds[place], distances, limit()), wanted)
             best += [Hit(listed, end + 1, end + 1, float(distances[end])) for end in ends]
         best[:] = nsmallest(wanted, best, key=lambda hit: hit.distance)
     hits = [_from_its_start(tx, caches, asked, hit) for hit in best]
@@ -92,10 +99,12 @@ def _of_documents(least: Singles, starts: Ints, ends: Ints) -> Floats:
     return found
 
 
-def _apart(listed: Listed, distances: Floats, apart: float, limit: float) -> Iterator[int]:
-    """Frames (from 0) in order of their distance as far as a limit, none of them near one before."""
-    seconds = float(listed.frame_time or 0) or 1 / 30
-    around = max(1, round(min(apart / seconds, len(distances))))
+def _apart(frames: float, distances: Floats, limit: float) -> Iterator[int]:
+    """Frames (from 0) in order of their distance as far as a limit, none of them near one before.
+
+    frames: how many lie between two at least.
+    """
+    around = max(1, round(min(frames, len(distances))))
     left = np.where(np.isnan(distances), np.inf, distances)
     while len(left):
         at = int(left.argmin())
