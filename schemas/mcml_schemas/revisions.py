@@ -108,6 +108,16 @@ class LargestChange(BaseModel):
     after: float
 
 
+class SkeletonReplaced(BaseModel):
+    """How the skeleton and the frame rate of a new file differ from the document's."""
+
+    added: list[str] = Field(description="Joints that only the file has")
+    removed: list[str] = Field(description="Joints that only the document has")
+    changed: list[str] = Field(description="Joints with another parent, rest pose or list of channels")
+    rate_before: float | None = Field(description="Frames a second of the document")
+    rate: float | None = Field(description="Frames a second of the file")
+
+
 class FileReplaced(BaseModel):
     """How a new file differs from the document whose frames it replaces."""
 
@@ -132,3 +142,4 @@ class FileReplaced(BaseModel):
     last: int | None = Field(None, description="Last frame that differs")
     joints: list[str] = Field([], description="Joints whose numbers differ in frames that both have")
     largest: LargestChange | None = None
+    skeleton: SkeletonReplaced | None = Field(None, description="With `replace_skeleton`, where the skeletons differ")

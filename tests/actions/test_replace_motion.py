@@ -21,7 +21,7 @@ from tests.formats.readers.fbx_text import fbx_text
 
 def replace_by(database: Database, uuid: str, content: bytes, name: str = "b.bvh", **options: object) -> FileReplaced:
     dry_run = bool(options.pop("dry_run", False))
-    new = read_motion([source(name, content)], ImportOptions(**options), Settings().file_limits)  # type: ignore[arg-type]
+    new = read_motion(database, uuid, [source(name, content)], ImportOptions(**options), Settings().file_limits)  # type: ignore[arg-type]
     with database.write("ann") as tx:
         return replace_motion(tx, tx.documents.get(uuid), new, dry_run=dry_run)
 

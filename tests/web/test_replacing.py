@@ -57,11 +57,29 @@ def test_a_dropped_file_of_another_skeleton_is_refused(visit: Visit, studio: Ser
     drop_onto(page, {"other.bvh": walk(12).replace(b"Hips", b"Pelvis")})
     dialog = page.get_by_role("dialog", name="Replace by a file")
     expect(dialog.get_by_text("has another name")).to_be_visible()
-    expect(dialog.get_by_text("Import it as a document of its own.")).to_be_visible()
+    expect(dialog.get_by_text("Import it as a document of its own, or replace the skeleton too")).to_be_visible()
     expect(dialog.get_by_role("button", name="Replace frames")).to_be_disabled()
     page.keyboard.press("Escape")
     drop_onto(page, {"same.bvh": walk(12)})
     expect(dialog.get_by_text("No frame differs.")).to_be_visible()
+
+
+def test_the_skeleton_is_replaced_too_where_that_is_asked_for(visit: Visit, studio: Served) -> None:
+    visit.wanted = {409}
+    uuid = studio.upload("steps.bvh", walk(12))
+    page = visit.open(f"/clips/{uuid}")
+    ready(page)
+    drop_onto(page, {"other.bvh": walk(9).replace(b"Hips", b"Pelvis").replace(b"0.0333", b"0.0166")})
+    dialog = page.get_by_role("dialog", name="Replace by a file")
+    dialog.get_by_label("Replace the skeleton, unit and frame rate too").check()
+    expect(dialog.get_by_text("12 → 9")).to_be_visible()
+    expect(dialog.get_by_text("Joints removed")).to_be_visible()
+    dialog.get_by_role("button", name="Replace frames").click()
+    expect(page.get_by_text("Motion replaced: 9 frames")).to_be_visible()
+    assert studio.get(f"/documents/{uuid}")["frames"] == 9
+    page.get_by_role("button", name="Undo").last.click()
+    expect(page.get_by_text("revision 3")).to_be_visible()
+    assert studio.get(f"/documents/{uuid}")["frames"] == 12
 
 
 def test_the_library_has_no_such_field(visit: Visit, studio: Served) -> None:

@@ -12,6 +12,7 @@ from rich.text import Text
 from mcml.client.choosing import id_of
 from mcml.client.client import Client
 from mcml.client.folders import import_paths
+from mcml.errors import RequestError
 from mcml.files.on_disk import opened_files
 from mcml_schemas.documents import ImportedDocument
 from mcml_schemas.revisions import FileReplaced
@@ -55,6 +56,9 @@ def import_(
     replacing: Annotated[
         str | None, typer.Option("--as", help="Document whose frames the file replaces, as a new revision")
     ] = None,
+    replace_skeleton: Annotated[
+        bool, typer.Option("--replace-skeleton", help="With --as: replace skeleton, unit and frame rate too")
+    ] = False,
     skeleton: Annotated[
         str | None, typer.Option(help="Stored document whose ASF to use for an AMC without one")
     ] = None,
@@ -77,7 +81,19 @@ def import_(
     write_to_the_end()
     client = open_client(database, server)
     if replacing is not None:
-        stated = {"encoding": encoding, "take": take, "rate": rate}
+        for_new = {
+            "--name": name, "--description": description, "--label": label, "--property": property, "--unit": unit,
+            "--up": up, "--frame-time": frame_time, "--skeleton": skeleton, "--movements": movements,
+        }  # fmt: skip
+        _refuse_with_as([option for option, value in for_new.items() if value])
+        stated = {
+            "encoding": encoding,
+            "translation": translation or "auto",
+            "take": take,
+            "rate": rate,
+            "repair": repair or None,
+            "replace_skeleton": replace_skeleton,
+        }
         _replace(client, id_of(client, replacing), paths, stated, as_json=as_json)
         return
     options: dict[str, Any] = {
@@ -125,6 +141,15 @@ def import_(
         raise typer.Exit(3 if stored else 1)
 
 
+def _refuse_with_as(options: list[str]) -> None:
+    """Raises RequestError for options that only a new document has."""
+    if options:
+        raise RequestError(
+            f"{options[0]} is an option of new documents; --as replaces the frames of one.",
+            remedy="Leave it out, and change the document with: mcml set ID.",
+        )
+
+
 def _replace(client: Client, document: str, paths: list[Path], stated: dict[str, Any], *, as_json: bool) -> None:
     """Replace the frames of a document by those of a file, and print the difference."""
     with opened_files(paths) as files:
@@ -135,6 +160,11 @@ def _replace(client: Client, document: str, paths: list[Path], stated: dict[str,
         console.print("unchanged: the file has the frames of the document")
     else:
         console.print(f"revision {made.revision}: frames {made.first} to {made.last} replaced, {made.frames} in all")
+        if made.skeleton is not None:
+            for word in ("added", "removed", "changed"):
+                joints = getattr(made.skeleton, word)
+                if joints:
+                    console.print(f"         {len(joints)} joints {word}: {', '.join(joints)}", soft_wrap=True)
         if made.largest is not None:
             change = made.largest
             text = f"{change.bone} {change.channel} in frame {change.frame}: {change.before:g} → {change.after:g}"

@@ -36,6 +36,10 @@ Repairs: TypeAlias = Annotated[
         examples=[["split-numbers"]],
     ),
 ]
+Translation: TypeAlias = Annotated[
+    Literal["auto", "absolute", "relative"],
+    Field(description="Whether translations of joints replace their offsets, or are added to them"),
+]
 Encoding: TypeAlias = Annotated[str | None, Field(description="Text encoding, if it is not UTF-8", examples=["cp949"])]
 
 
@@ -77,10 +81,7 @@ def upload_documents(
         Field(description="NAME=VALUE or NAME=VALUE UNIT; may be repeated", examples=[["age=23 year"]]),
     ] = None,
     encoding: Encoding = None,
-    translation: Annotated[
-        Literal["auto", "absolute", "relative"],
-        Field(description="Whether translations of joints replace their offsets, or are added to them"),
-    ] = "auto",
+    translation: Translation = "auto",
     unit: Annotated[
         str | None, Field(description="Length unit of the files: mm, cm, m, inch …", examples=["cm"])
     ] = None,
@@ -169,22 +170,32 @@ def replace_file(
     id: DocumentId,
     file: Files,
     encoding: Encoding = None,
+    translation: Translation = "auto",
     take: Take = None,
     rate: Rate = None,
+    repair: Repairs = None,
+    replace_skeleton: Annotated[
+        bool,
+        Field(description="Replace skeleton, unit and frame rate where they differ; without it such a file fails"),
+    ] = False,
     dry_run: Annotated[bool, Field(description="Only compare, change nothing")] = False,
     if_match: IfMatch = None,
 ) -> FileReplaced:
-    """The file has the joints and the frame rate of the document. Frames that differ are replaced, as one revision;
-    labels keep their frame numbers. The first uploaded file stays as `format=original`.
+    """The file has the joints, the unit and the frame rate of the document, unless `replace_skeleton` is true. Frames
+    that differ are replaced, as one revision; labels keep their frame numbers. An AMC without an ASF uses the
+    document's. The first uploaded file stays as `format=original`.
     """
     from mcml_service.actions.importing.replace_motion import read_motion, replace_motion
 
-    new = read_motion(file, ImportOptions(encoding=encoding, take=take, rate=rate), call.settings.file_limits)
+    options = ImportOptions(
+        encoding=encoding, translation=translation, take=take, rate=rate, repair=checked_repairs(repair or ())
+    )
+    new = read_motion(call.database, id, file, options, call.settings.file_limits)
     if dry_run:
         with call.database.read() as tx:
-            return replace_motion(tx, tx.documents.get(id), new, dry_run=True)
+            return replace_motion(tx, tx.documents.get(id), new, replace_skeleton=replace_skeleton, dry_run=True)
     with call.database.write(call.author) as tx:
-        return replace_motion(tx, find_for_write(tx, id, if_match), new)
+        return replace_motion(tx, find_for_write(tx, id, if_match), new, replace_skeleton=replace_skeleton)
 
 
 def load_demo(

@@ -14,9 +14,10 @@ from mcml.errors import DocumentError, Place
 from mcml.files.check_names import check_frame_time, check_head
 from mcml.language.addresses import MOTION, read_frame_address, split_attribute
 from mcml.language.dtd import validate_by_shapes
-from mcml.language.elements import Element, addresses, check_counts, joint_names, refresh_counts, to_head
+from mcml.language.elements import Element, addresses, check_counts, from_head, joint_names, refresh_counts, to_head
 from mcml.language.lexical import escape, is_decimal, unescape
 from mcml.language.vocabulary import FRAME_BONE, FRAMES, MOTION_NAME
+from mcml.motion.clip import ClipHead, FrameBlock
 from mcml.motion.skeleton import CHANNEL_INDEX
 from mcml_service.actions.editing.frame_elements import rename_frame, rewrite_frame_bone
 from mcml_service.actions.editing.frame_labels import rewrite_motion_name
@@ -206,7 +207,24 @@ def _check_names(document: Element, before: tuple[str, ...], used: set[str], add
             )
 
 
-def _store_head(tx: Transaction, stored: StoredDocument, document: Element, before: tuple[str, ...]) -> None:
+def write_head(tx: Transaction, stored: StoredDocument, head: ClipHead, block: FrameBlock) -> StoredDocument:
+    """Make this head the document's, before all its frames become those of the block; the caller makes the revision.
+
+    block: with joints as the head numbers them. Raises DocumentError, LimitError where the two are no valid document.
+    """
+    document = refresh_counts(from_head(head), len(block))
+    validate_by_shapes(document, [(shape, 1) for shape in block.shapes], list(head.skeleton.names))
+    check_head(document, head, MAX_JOINTS)
+    _store_head(tx, stored, document, joint_names(tx.heads.document(stored)), renamed=False)
+    if head.frame_time != stored.frame_time:
+        tx.documents.write_content(stored.key, tx.commit, frame_time=head.frame_time)
+    return tx.documents.get(stored.uuid)
+
+
+def _store_head(
+    tx: Transaction, stored: StoredDocument, document: Element, before: tuple[str, ...], *, renamed: bool = True
+) -> None:
+    """renamed: whether as many joints as before are those of before, by their order."""
     header, forest = document.children[0], document.children[1:]
     old = tx.heads.document(stored)
     if header != old.children[0]:
@@ -217,7 +235,7 @@ def _store_head(tx: Transaction, stored: StoredDocument, document: Element, befo
         skeleton = tx.heads.add_skeleton(stored.project_key, skeleton_rows(forest), len(names))
         # Bones keep their numbers when others go, so a number is found by the name, not by the place.
         number = {escape(name): bone for bone, name in tx.heads.bone_names(stored.key).items()}
-        if len(names) == len(before):
+        if renamed and len(names) == len(before):
             for was, is_now in zip(before, names, strict=True):
                 if was != is_now:
                     tx.heads.rename_bone(stored.key, number[was], unescape(is_now))

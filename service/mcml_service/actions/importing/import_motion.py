@@ -45,7 +45,7 @@ def import_files(
     )
     with database.read() as tx:
         options = replace(options, aliases=tx.aliases.of(options.project).pairs)
-    lookup = _skeleton_lookup(database, options.skeleton) if options.skeleton else None
+    lookup = skeleton_lookup(database, options.skeleton) if options.skeleton else None
     result = ImportResult()
     with gathered(files, settings.file_limits, lookup, options) as gathering, ThreadPoolExecutor(WORKERS) as executor:
         result.problems += gathering.problems
@@ -85,7 +85,9 @@ def _short_clips(database: Database, clips: list[Clip], options: ImportOptions) 
         return {number: clip for number, clip in short.items() if not is_stored(clip)}
 
 
-def _skeleton_lookup(database: Database, uuid: str) -> SkeletonLookup:
+def skeleton_lookup(database: Database, uuid: str) -> SkeletonLookup:
+    """Return what finds the ASF of a stored document."""
+
     def lookup() -> SourceFile | None:
         from mcml_service.actions.exporting.export_motion import skeleton_file
 

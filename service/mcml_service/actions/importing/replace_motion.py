@@ -16,15 +16,16 @@ from mcml.formats.format import SourceFile
 from mcml.language.elements import to_head
 from mcml.motion.clip import ClipHead, FrameBlock
 from mcml.motion.frames import in_columns, joined, rows_of
-from mcml.motion.skeleton import CHANNELS, Array, Joint, Skeleton
-from mcml_schemas.revisions import FileReplaced, LargestChange
+from mcml.motion.skeleton import CHANNELS, Array
+from mcml_schemas.revisions import FileReplaced, LargestChange, SkeletonReplaced
 from mcml_service.actions.editing.frame_splicing import splice_frames
 from mcml_service.actions.editing.motion_processing import Whole, number_bones, read_whole
+from mcml_service.actions.editing.single_element import write_head
+from mcml_service.actions.importing.import_motion import skeleton_lookup
+from mcml_service.actions.importing.skeleton_difference import compare_heads
+from mcml_service.storage.database import Database
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
-
-SAME_RATE = 1e-6
-"""Relative difference of two frame times that count as equal."""
 
 
 @dataclass(frozen=True)
@@ -36,9 +37,17 @@ class NewMotion:
     block: FrameBlock
 
 
-def read_motion(files: list[SourceFile], options: ImportOptions, limits: FileLimits) -> NewMotion:
-    """The one motion in the files, in memory. Raises what an import raises, FormatError for no or several motions."""
-    with gathered(files, limits, options=options) as found:
+def read_motion(
+    database: Database, uuid: str, files: list[SourceFile], options: ImportOptions, limits: FileLimits
+) -> NewMotion:
+    """The one motion in the files, in memory, named as an import into the document's project names it.
+
+    uuid: of the document, whose ASF is used for an AMC without one. Raises what an import raises, FormatError for no or
+    several motions.
+    """
+    with database.read() as tx:
+        options = replace(options, aliases=tx.aliases.of(tx.documents.get(uuid).project).pairs)
+    with gathered(files, limits, skeleton_lookup(database, uuid), options) as found:
         for _, error in found.problems:
             raise error
         return _read_one(found, options, limits)
@@ -57,14 +66,31 @@ def _read_one(found: Gathered, options: ImportOptions, limits: FileLimits) -> Ne
         return NewMotion(clip.file_name, head, joined(blocks))
 
 
-def replace_motion(tx: Transaction, stored: StoredDocument, new: NewMotion, *, dry_run: bool = False) -> FileReplaced:
+def replace_motion(
+    tx: Transaction, stored: StoredDocument, new: NewMotion, *, replace_skeleton: bool = False, dry_run: bool = False
+) -> FileReplaced:
     """Replace the frames that differ, as one revision; none where nothing differs. dry_run: only compare.
 
-    Labels stay on their frame numbers. Raises ConflictError where skeleton or frame rate differ.
+    Labels stay on their frame numbers. replace_skeleton: where skeleton, unit or frame rate differ, all frames are
+    replaced, and these with them; else such a file raises ConflictError.
     """
     old = read_whole(tx, stored)
-    _check_skeleton(old.head.skeleton, new.head.skeleton)
-    _check_rate(old.head, new.head)
+    difference = compare_heads(old.head, new.head)
+    if difference is None:
+        return _replace_frames(tx, stored, old, new, dry_run=dry_run)
+    if not replace_skeleton:
+        raise ConflictError(
+            difference.reason,
+            code="other-skeleton",
+            remedy="Import it as a document of its own, or replace the skeleton too, with `replace_skeleton`.",
+        )
+    return _replace_all(tx, stored, old, new, difference.skeleton, dry_run=dry_run)
+
+
+def _replace_frames(
+    tx: Transaction, stored: StoredDocument, old: Whole, new: NewMotion, *, dry_run: bool
+) -> FileReplaced:
+    """Replace the frames that differ, of one skeleton."""
     columns = old.head.skeleton.columns()
     before, after = in_columns(old.block, columns), in_columns(new.block, columns)
     first, behind_old, behind_new = _range_of_changes(before, after)
@@ -74,49 +100,62 @@ def replace_motion(tx: Transaction, stored: StoredDocument, new: NewMotion, *, d
     about = about.model_copy(update={"first": first + 1, "last": behind_new if behind_new > first else first + 1})
     if dry_run:
         return about
-    kept = old.block.motion_names or [()] * len(before)
-    names = [tuple(kept[row]) if row < len(before) else () for row in range(first, behind_new)]
-    block = replace(rows_of(new.block, first, behind_new), motion_names=names)
+    block = rows_of(_with_labels(old, new.block), first, behind_new)
     splice_frames(tx, stored, first + 1, behind_old - first, [number_bones(tx, stored, old, block)])
+    return _add_revision(tx, stored, new, about)
+
+
+def _replace_all(
+    tx: Transaction, stored: StoredDocument, old: Whole, new: NewMotion, skeleton: SkeletonReplaced, *, dry_run: bool
+) -> FileReplaced:
+    """Replace skeleton, unit, axes, frame rate and all frames by those of the file."""
+    count = len(new.block)
+    about = FileReplaced(
+        revision=stored.revision,
+        frames=count,
+        frames_before=len(old.block),
+        first=1,
+        last=max(count, 1),
+        skeleton=skeleton,
+    )
+    if dry_run:
+        return about
+    head = _merge_heads(old.head, new.head)
+    stored = write_head(tx, stored, head, new.block)
+    whole = Whole(head, new.block, head.skeleton.names, old.up)
+    block = number_bones(tx, stored, whole, _with_labels(old, new.block))
+    splice_frames(tx, stored, 1, len(old.block), [block], renumber=False)
+    return _add_revision(tx, stored, new, about)
+
+
+def _merge_heads(old: ClipHead, new: ClipHead) -> ClipHead:
+    """The head of the file, with the description, the properties, and the frame rate of the document if it has none.
+
+    It has no sources: the uploaded file that is kept is not the one that these frames come from.
+    """
+    own = {item[0].casefold() for item in new.properties}
+    merged = replace(
+        new,
+        sources=(),
+        description=old.description or new.description,
+        properties=(*(item for item in old.properties if item[0].casefold() not in own), *new.properties),
+    )
+    if new.seconds_per_frame() is not None:
+        return merged
+    rate = {name: text for name, text in old.fields.items() if name == "dataframe_rate"}
+    return replace(merged, frame_time=old.frame_time, fields=merged.fields | rate)
+
+
+def _with_labels(old: Whole, block: FrameBlock) -> FrameBlock:
+    """The frames of a file with the labels that the document has at their places."""
+    kept = old.block.motion_names or [()] * len(old.block)
+    return replace(block, motion_names=[tuple(kept[row]) if row < len(kept) else () for row in range(len(block))])
+
+
+def _add_revision(tx: Transaction, stored: StoredDocument, new: NewMotion, about: FileReplaced) -> FileReplaced:
     tx.documents.add_revision(stored, "frames", f"replaced by {new.file_name}"[:200])
     current = tx.documents.get(stored.uuid)
     return about.model_copy(update={"revision": current.revision, "frames": current.frames})
-
-
-def _check_skeleton(old: Skeleton, new: Skeleton) -> None:
-    """Raises ConflictError where the joints differ in more than the names that people may change."""
-    if len(old) != len(new):
-        raise ConflictError(
-            f"The file has {len(new)} joints, the document {len(old)}.", remedy="Import it as a document of its own."
-        )
-    for ours, theirs in zip(old.joints, new.joints, strict=True):
-        fault = _differs(ours, theirs)
-        if fault:
-            raise ConflictError(
-                f"Joint {ours.name!r} has another {fault} in the file.", remedy="Import it as a document of its own."
-            )
-
-
-def _differs(ours: Joint, theirs: Joint) -> str:
-    """Which fact of two joints differs, "" for none."""
-    if ours.source_name != theirs.source_name:
-        return f"name ({theirs.source_name!r})"
-    if ours.parent != theirs.parent:
-        return "parent"
-    if ours.channels != theirs.channels or ours.rotation_order != theirs.rotation_order:
-        return "list of channels"
-    facts = ("offset", "direction", "length", "axis", "axis_order", "convention", "translation")
-    return next((fact for fact in facts if getattr(ours, fact) != getattr(theirs, fact)), "")
-
-
-def _check_rate(old: ClipHead, new: ClipHead) -> None:
-    ours, theirs = old.seconds_per_frame(), new.seconds_per_frame()
-    if ours is None or theirs is None or abs(ours - theirs) <= SAME_RATE * ours:
-        return
-    raise ConflictError(
-        f"The file has {1 / theirs:g} frames a second, the document {1 / ours:g}.",
-        remedy="Import it as a document of its own, or change the rate of one of the two.",
-    )
 
 
 def _range_of_changes(before: Array, after: Array) -> tuple[int, int, int]:

@@ -2423,8 +2423,16 @@ export interface components {
         Body_replace_file: {
             file: string[];
             encoding?: string | null;
+            /**
+             * @default auto
+             * @enum {string}
+             */
+            translation: "auto" | "absolute" | "relative";
             take?: string | null;
             rate?: number | null;
+            repair?: string[] | null;
+            /** @default false */
+            replace_skeleton: boolean;
             /** @default false */
             dry_run: boolean;
         };
@@ -3395,6 +3403,7 @@ export interface components {
             /** @default [] */
             joints: string[];
             largest?: components["schemas"]["LargestChange"] | null;
+            skeleton?: components["schemas"]["SkeletonReplaced"] | null;
         };
         FillFrames: {
             first: number;
@@ -5331,6 +5340,13 @@ export interface components {
         SkeletonPage: {
             items: components["schemas"]["SkeletonInfo"][];
             next_cursor?: string | null;
+        };
+        SkeletonReplaced: {
+            added: string[];
+            removed: string[];
+            changed: string[];
+            rate_before: number | null;
+            rate: number | null;
         };
         SkeletonView: {
             id: string;

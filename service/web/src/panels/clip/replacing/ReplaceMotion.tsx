@@ -1,6 +1,7 @@
 /** A new file for a clip: what would change is shown first; frames that differ are replaced as one revision. */
+import { Fragment } from "preact";
 import { useEffect, useState } from "preact/hooks";
-import { address, fetched, type Schemas } from "../../../api/client";
+import { ApiError, address, fetched, type Schemas } from "../../../api/client";
 import type { Clip } from "../../../state/clip/clip";
 import { mustPropose } from "../../../state/clip/review";
 import { dropOnto } from "../../../state/importing/drop";
@@ -15,9 +16,20 @@ import { replacing } from "./asked";
 
 type Replaced = Schemas["FileReplaced"];
 
-async function send(clip: Clip, files: readonly File[], dryRun: boolean, signal?: AbortSignal): Promise<Replaced> {
+/** Names of joints that are listed; the others are in the tooltip. */
+const SHOWN = 6;
+
+interface Asked {
+  files: readonly File[];
+  /** Whether skeleton, unit and frame rate may be replaced too. */
+  skeleton: boolean;
+  dryRun: boolean;
+}
+
+async function send(clip: Clip, { files, skeleton, dryRun }: Asked, signal?: AbortSignal): Promise<Replaced> {
   const form = new FormData();
   for (const file of files) form.append("file", file, file.name);
+  form.append("replace_skeleton", String(skeleton));
   form.append("dry_run", String(dryRun));
   const answer = await fetched(address("/documents/{id}/file", { id: clip.id }), {
     method: "PUT",
@@ -56,12 +68,14 @@ function ReplaceDialog({
   onClose: () => void;
 }) {
   const [busy, setBusy] = useState(false);
-  const found = useAsync((signal) => send(clip, files, true, signal), [files]);
+  const [skeleton, setSkeleton] = useState(false);
+  const found = useAsync((signal) => send(clip, { files, skeleton, dryRun: true }, signal), [files, skeleton]);
+  const other = found.error instanceof ApiError && found.error.problem.code === "other-skeleton";
   const differs = Boolean(found.value?.first);
   const replace = async () => {
     setBusy(true);
     try {
-      const made = await send(clip, files, false);
+      const made = await send(clip, { files, skeleton, dryRun: false });
       onClose();
       note(r("label.motionReplaced", { n: made.frames }), {
         action: { text: w("button.undo"), run: () => void undoSaved(clip, made.revision, reload) },
@@ -78,6 +92,12 @@ function ReplaceDialog({
       <div class="skeletons">
         <p class="dim">{files.map((file) => file.name).join(", ")}</p>
         <Trouble error={found.error} />
+        {(other || skeleton) && (
+          <label class="row check">
+            <input type="checkbox" checked={skeleton} onChange={(event) => setSkeleton(event.currentTarget.checked)} />
+            {r("label.replaceSkeleton")}
+          </label>
+        )}
         {!found.value && !found.error && <div class="busy" />}
         {found.value && (differs ? <Difference of={found.value} /> : <p>{r("help.nothingDiffers")}</p>)}
         <div class="row export-done">
@@ -100,8 +120,14 @@ function Difference({ of }: { of: Replaced }) {
       </dd>
       <dt>{r("label.framesDiffer")}</dt>
       <dd>{`${number(of.first ?? 0)}–${number(of.last ?? 0)}`}</dd>
-      <dt>{r("label.jointsDiffer")}</dt>
-      <dd>{number(of.joints.length)}</dd>
+      {of.skeleton ? (
+        <SkeletonDifference of={of.skeleton} />
+      ) : (
+        <>
+          <dt>{r("label.jointsDiffer")}</dt>
+          <dd>{number(of.joints.length)}</dd>
+        </>
+      )}
       {of.largest && (
         <>
           <dt>{r("label.largestChange")}</dt>
@@ -114,3 +140,36 @@ function Difference({ of }: { of: Replaced }) {
     </dl>
   );
 }
+
+/** Joints by what happens to them, and the frame rate where it changes. */
+function SkeletonDifference({ of }: { of: Schemas["SkeletonReplaced"] }) {
+  const joints = [
+    ["label.jointsAdded", of.added],
+    ["label.jointsRemoved", of.removed],
+    ["label.jointsChanged", of.changed],
+  ] as const;
+  const [before, after] = [of.rate_before, of.rate];
+  return (
+    <>
+      {joints.map(
+        ([word, names]) =>
+          names.length > 0 && (
+            <Fragment key={word}>
+              <dt>{r(word)}</dt>
+              <dd title={names.join(", ")}>{`${number(names.length)}: ${shorten(names)}`}</dd>
+            </Fragment>
+          ),
+      )}
+      {before !== after && (
+        <>
+          <dt>{w("label.frameRate")}</dt>
+          <dd>{`${rateOf(before)} → ${rateOf(after)}`}</dd>
+        </>
+      )}
+    </>
+  );
+}
+
+const shorten = (names: readonly string[]) => names.slice(0, SHOWN).join(", ") + (names.length > SHOWN ? " …" : "");
+
+const rateOf = (rate: number | null) => (rate === null ? w("label.unknown") : number(rate, 2));
