@@ -71,7 +71,7 @@ def _check_alone(path: Path) -> None:
 
 
 def _skeletons(stage: Any, skel: Any) -> list[Any]:
-    """The query of each skeleton that has joints."""
+    """The query of each skeleton that has joints, or blend shapes that its animation moves."""
     from pxr import Usd
 
     cache = skel.Cache()
@@ -83,7 +83,7 @@ def _skeletons(stage: Any, skel: Any) -> list[Any]:
     for prim in stage.Traverse(every):
         if prim.IsA(skel.Skeleton):
             query = cache.GetSkelQuery(skel.Skeleton(prim))
-            if query and len(query.GetJointOrder()):
+            if query and (len(query.GetJointOrder()) or _shapes_of(query)):
                 found.append(query)
     return found
 
@@ -108,18 +108,18 @@ def _write(
     codes = stage.GetTimeCodesPerSecond()
     rate = options["rate"] or codes
     for number, query in enumerate(skeletons):
-        topology = query.GetTopology()
-        parents = [int(parent) for parent in topology.GetParentIndices()]
+        parents, joints = _tree(query)
         order = sort_by_tree(parents, _DEPTH)
         place = {joint: index for index, joint in enumerate(order)}
-        names = [str(query.GetJointOrder()[joint]) for joint in order]
+        names = [joints[joint] for joint in order]
         above = [place.get(parents[joint], -1) for joint in order]
         shapes = _shapes_of(query)
         begin, end, notices = _span(query)
         count = int((end - begin) * rate / codes + 1e-6) + 1
         check_motion(options, count + sum(take.frames for take in takes), len(order), len(shapes))
         rest = _world(query, None)
-        rigs.append(WrittenRig(names, above, [rest[joint] for joint in order], [None] * len(order), shapes))
+        face = not len(query.GetJointOrder())
+        rigs.append(WrittenRig(names, above, [rest[joint] for joint in order], [None] * len(order), shapes, face=face))
         takes.append(WrittenTake(str(query.GetPrim().GetPath()), number, count, rate, notices))
         spans.append((begin, codes / rate))
         orders.append(order)
@@ -127,6 +127,14 @@ def _write(
     counts = [len(rig.shapes) for rig in rigs]
     poses = _poses(skeletons, takes, spans, orders, counts) if options["poses"] else ()
     write_scene(target, rigs, takes, poses, unit=unit, up=up, notices=notices)
+
+
+def _tree(query: Any) -> tuple[list[int], list[str]]:
+    """The parent of each joint, and the joints; of a face without joints the skeleton itself stands for its head."""
+    joints = [str(joint) for joint in query.GetJointOrder()]
+    if not joints:
+        return [-1], [str(query.GetPrim().GetName())]
+    return [int(parent) for parent in query.GetTopology().GetParentIndices()], joints
 
 
 def _span(query: Any) -> tuple[float, float, list[str]]:
@@ -160,13 +168,15 @@ def _world(query: Any, time: float | None) -> list[list[float]]:
     """Of each joint 12 numbers, its transform to the world row by row; time: None for the rest pose."""
     from pxr import Usd, UsdGeom
 
-    if time is not None:
-        cache = UsdGeom.XformCache(Usd.TimeCode(time))
-        found = query.ComputeJointWorldTransforms(cache)
+    moment = Usd.TimeCode.EarliestTime() if time is None else Usd.TimeCode(time)
+    cache = UsdGeom.XformCache(moment)
+    local = cache.GetLocalToWorldTransform(query.GetPrim())
+    if not len(query.GetJointOrder()):
+        found = [local]
+    elif time is None:
+        found = [matrix * local for matrix in query.ComputeJointSkelTransforms(moment, True)]
     else:
-        cache = UsdGeom.XformCache(Usd.TimeCode.EarliestTime())
-        local = cache.GetLocalToWorldTransform(query.GetPrim())
-        found = [matrix * local for matrix in query.ComputeJointSkelTransforms(Usd.TimeCode.EarliestTime(), True)]
+        found = query.ComputeJointWorldTransforms(cache)
     if not found:
         raise UnreadableError("the transforms of the skeleton cannot be computed", "Save the file again.")
     # Row vectors, so the transforms stand transposed.

@@ -19,10 +19,16 @@ AXES = ("X", "-X", "Y", "-Y", "Z", "-Z", "")
 
 
 class FbxScene:
-    """A scene of ufbx. nodes, clusters, stacks, channels: its elements. joints: numbers of nodes. parents: of nodes."""
+    """A scene of ufbx. nodes, clusters, stacks: its elements. joints: numbers of nodes. parents: of nodes.
+
+    Without bones, joints are the nodes of meshes with blend shapes.
+    """
 
     def __init__(self, source: BinaryIO, *, geometry: bool) -> None:
-        """Raises UnreadableError for damaged files and for those without bones."""
+        """Raises UnreadableError for damaged files, and for those without bones and without blend shapes.
+
+        geometry: of characters, which need bones.
+        """
         try:
             scene: Any = ufbx.load_memory(source.read(), ignore_geometry=not geometry, ignore_embedded=not geometry)
         except ufbx.UfbxError as error:
@@ -40,10 +46,18 @@ class FbxScene:
         self.parents = [-1 if node.parent is None else node.parent.typed_id for node in self.nodes]
         bones = {number for number, node in enumerate(self.nodes) if node.bone is not None} | set(self._bound)
         self.joints = choose_joints(self.parents, bones)
+        self._has_bones = bool(self.joints)
+        if not self.joints and self.stacks and not geometry and len(scene.blend_channels):
+            self.joints = choose_joints(self.parents, self._find_faces())
         if not self.joints:
             raise UnreadableError(f"the file has no skeleton: {len(self.nodes)} nodes, none is a bone", SEND)
         # The last one, so that it is released after its elements.
         self.scene = scene
+
+    def _find_faces(self) -> set[int]:
+        """The nodes of meshes with blend shapes."""
+        meshes = [(number, hold(node.mesh)) for number, node in enumerate(self.nodes) if node.mesh is not None]
+        return {number for number, mesh in meshes if len(mesh.blend_deformers)}
 
     def rig(self, shapes: list[str]) -> WrittenRig:
         """The joints at rest, with these blend shapes."""
@@ -53,6 +67,7 @@ class FbxScene:
             [rows_of(self.nodes[node].node_to_world) for node in self.joints],
             [self._bound.get(node) for node in self.joints],
             shapes,
+            face=not self._has_bones,
         )
 
 

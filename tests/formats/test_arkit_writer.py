@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from mcml.errors import ConversionError
 from mcml.files.targets import convert_clip
 from mcml.formats import WRITERS
-from mcml.formats.arkit.names import SHAPES
+from mcml.formats.arkit.names import SHAPES, shape_of
 from mcml.formats.arkit.timecodes import RATES
 from mcml.language.reader import read_document
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, full_shape
@@ -147,3 +147,23 @@ def test_a_real_recording_comes_back(shared: Path) -> None:
     again = read_clip("arkit", data)
     assert again.head.skeleton == clip.head.skeleton
     np.testing.assert_array_equal(joined(again.blocks()).values, joined(clip.blocks()).values)
+
+
+@pytest.mark.parametrize(
+    ("name", "wanted"),
+    [
+        ("jawOpen", "JawOpen"),
+        ("Face_blendShapes.jawOpen", "JawOpen"),
+        ("ns:Head.EYEBLINKLEFT", "EyeBlinkLeft"),
+        ("eyeBlink_L", "EyeBlinkLeft"),
+        ("mouth_smile_right", "MouthSmileRight"),
+        ("brow_inner_up", "BrowInnerUp"),
+        ("mouthLeft", "MouthLeft"),
+        ("mouth_l", "MouthLeft"),
+        ("smile", None),
+        ("eyeBlink", None),
+        ("", None),
+    ],
+)
+def test_names_of_other_programs_are_those_of_arkit(name: str, wanted: str | None) -> None:
+    assert shape_of(name) == wanted

@@ -5,6 +5,7 @@ Source: Apple, ARFaceAnchor.BlendShapeLocation; Live Link Face writes the names 
 
 from __future__ import annotations
 
+import re
 from typing import Final
 
 SHAPES: Final = (
@@ -24,3 +25,20 @@ TURNING: Final = {"head": "Head", "left_eye": "LeftEye", "right_eye": "RightEye"
 """Names of joints, and how the names of their columns begin."""
 ANGLES: Final = {"Yaw": "Ry", "Pitch": "Rx", "Roll": "Rz"}
 """How these names end, and channels, in the order in which the angles turn."""
+
+_SPELLING: Final = {name.lower(): name for name in SHAPES}
+_SIDES: Final = {"l": "left", "r": "right"}
+
+
+def shape_of(name: str) -> str | None:
+    """ARKit's name of a blend shape as the app writes it, None for others.
+
+    Case does not count, nor what stands before a point or colon, as in Maya's `Face.jawOpen`; `eyeBlink_L` is
+    `EyeBlinkLeft`.
+    """
+    plain = re.split(r"[.:]", name)[-1].strip().lower()
+    side = re.fullmatch(r"(.+?)[_-]?(?<=[_-])([lr]|left|right)", plain)
+    spellings = [plain, plain.replace("_", "")]
+    if side is not None:
+        spellings.append(side[1].replace("_", "") + _SIDES.get(side[2], side[2]))
+    return next((_SPELLING[each] for each in spellings if each in _SPELLING), None)

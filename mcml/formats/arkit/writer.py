@@ -13,7 +13,7 @@ import numpy as np
 
 from mcml.errors import ConversionError, FormatError
 from mcml.formats.arkit.columns import FIRST
-from mcml.formats.arkit.names import ANGLES, SHAPES, TURNING
+from mcml.formats.arkit.names import ANGLES, SHAPES, TURNING, shape_of
 from mcml.formats.arkit.timecodes import RATES, SHOWS_BASE, read_timecode, write_timecodes
 from mcml.formats.format import FileKind, need_seconds, note
 from mcml.formats.target_names import legal_names
@@ -106,9 +106,8 @@ def _role(joint: Joint) -> str:
 
 def _name_shapes(skeleton: Skeleton, clip: ClipStream) -> list[str]:
     """Names of the columns of blend shapes: those of ARKit in the app's spelling, others as they are."""
-    spelling = {name.lower(): name for name in SHAPES}
     shapes = tuple(
-        replace(joint, source_name=spelling.get(joint.source_name.lower(), joint.source_name), parent=-1)
+        replace(joint, source_name=shape_of(joint.source_name) or joint.source_name, parent=-1)
         for joint in (skeleton.joints[index] for index in skeleton.blend_shapes)
     )
     reserved = {*FIRST, *(name.lower() for name in _ANGLE_COLUMNS)}

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import re
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import compress
 from typing import BinaryIO, Final
 
 import numpy as np
@@ -28,6 +29,9 @@ REST_METRES: Final = 0.01
 """Offsets of a calibration pose may differ from those of the motion by so much."""
 _POSES: Final = ("identity", "tpose", "npose")
 _DAMAGED: Final = "Export the file again from MVN."
+_FEET: Final = ("LeftFoot_Heel", "LeftFoot_Toe", "RightFoot_Heel", "RightFoot_Toe")
+"""The parts of feet whose contacts are listed, where a file does not define them."""
+_MOST_CONTACTS: Final = 64
 _UNREAD: Final = ("fingerTrackingSegmentsLeft", "fingerTrackingSegmentsRight")
 
 
@@ -49,7 +53,12 @@ class Mvnx(SceneReader):
 
 @dataclass
 class _Contents:
-    """The contents of a file. segments: labels. links: (parent's place, own place, offset of the joint in each)."""
+    """The contents of a file.
+
+    segments: labels. links: (parent's place, own place, offset of the joint in each). touching: labels of the parts of
+    feet. contacts: of each frame which of them are on the ground, () where it does not say.
+    odd_contacts: whether some are no list of 0 and 1.
+    """
 
     rate: float | None = None
     segments: list[str] = field(default_factory=list)
@@ -57,7 +66,9 @@ class _Contents:
     links: list[tuple[str, str]] = field(default_factory=list)
     poses: dict[str, Array] = field(default_factory=dict)
     frames: int = 0
-    contacts: bool = False
+    touching: list[str] = field(default_factory=list)
+    contacts: list[tuple[bool, ...]] = field(default_factory=list)
+    odd_contacts: bool = False
     fingers: bool = False
     placed: bool = True
     properties: list[tuple[str, str, str]] = field(default_factory=list)
@@ -99,7 +110,8 @@ class _Reading:
         posed = _matrices(rest)[order]
         rig = Rig(tuple(found.segments[at] for at in order), rig_parents, posed)
         poses = partial(_read_frames, motion, order)
-        take = Take("", rig, found.frames, rate, poses, (), tuple(found.properties))
+        labels = self._label_contacts()
+        take = Take("", rig, found.frames, rate, poses, (), tuple(found.properties), labels=labels)
         return Scene((take,), "m", "Z", tuple(Notice("note", what) for what in notices), 8 * motion.size)
 
     def _parse(self) -> None:
@@ -129,6 +141,8 @@ class _Reading:
             rate = float(text) if re.fullmatch(r"\d{1,6}(\.\d{1,9})?", text) else 0.0
             self.found.rate = rate or None
         self.found.fingers |= name in _UNREAD
+        if name == "contactDefinition" and len(self.found.touching) < _MOST_CONTACTS:
+            self.found.touching.append(element.get("label", ""))
 
     def _segments(self, segments: etree._Element) -> None:
         for segment in segments.iterchildren("{*}segment"):
@@ -170,7 +184,9 @@ class _Reading:
         if kind != "normal":
             return
         found.placed &= text is not None
-        found.contacts |= frame.find("{*}footContacts") is not None
+        text = frame.findtext("{*}footContacts", "")
+        found.contacts.append(_read_contacts(text))
+        found.odd_contacts |= bool(text.strip()) and not found.contacts[-1]
         if not found.frames:
             for name, attribute in (("timecode", "tc"), ("recorded", "ms")):
                 if frame.get(attribute):
@@ -178,6 +194,23 @@ class _Reading:
         found.frames += 1
         self.limits.check_size(found.frames, 6 * count)
         self.spool.write(numbers.tobytes())
+
+    def _name_contacts(self) -> list[str]:
+        """The labels of contacts, in the order of their numbers; none where frames have none, or others."""
+        counts = {len(row) for row in self.found.contacts if row}
+        parts = self.found.touching or (list(_FEET) if counts == {len(_FEET)} else [])
+        names = [_name_contact(part) for part in parts] if counts == {len(parts)} else []
+        return names if len(set(names)) == len(names) else []
+
+    def _label_contacts(self) -> Callable[[int, int], list[tuple[str, ...]]] | None:
+        names, contacts = self._name_contacts(), self.found.contacts
+        if not names:
+            return None
+
+        def label(first: int, end: int) -> list[tuple[str, ...]]:
+            return [tuple(compress(names, row)) for row in contacts[first:end]]
+
+        return label
 
     def _tree(self) -> tuple[list[int], list[int]]:
         """The parent of each segment, and the segments with each before its children."""
@@ -195,8 +228,11 @@ class _Reading:
     def _rest(self, first: Array, parents: list[int]) -> tuple[Array, list[str]]:
         """(J, 7) places and rotations at rest, and notices."""
         notices = []
-        if self.found.contacts:
-            notices.append("the contacts of the feet are in the kept file; they are not read as labels")
+        named = self._name_contacts()
+        if named:
+            notices.append(f"the contacts of the feet are labels: {', '.join(named)}")
+        if self.found.odd_contacts or (any(self.found.contacts) and not named):
+            notices.append("contacts of the feet do not fit their definition: they are only in the kept file")
         if self.found.fingers:
             notices.append("the motion of fingers is in the kept file; it is not read")
         if not self.found.placed:
@@ -230,6 +266,19 @@ class _Reading:
             joint = placed[:, parents[at], :3] + rotate(placed[:, parents[at], 3:], self.found.points[first])
             placed[:, at, :3] = joint - rotate(placed[:, at, 3:], self.found.points[second])
         return placed
+
+
+def _read_contacts(text: str) -> tuple[bool, ...]:
+    """Which parts of feet are on the ground; () for a text that is no list of 0 and 1."""
+    words = text.split()
+    fits = len(words) <= _MOST_CONTACTS and all(word in ("0", "1") for word in words)
+    return tuple(word == "1" for word in words) if fits else ()
+
+
+def _name_contact(part: str) -> str:
+    """The label of a contact: `contact-left-heel` for `LeftFoot_Heel`."""
+    words = re.sub(r"(?<=[a-z])(?=[A-Z])|[^A-Za-z0-9]+", " ", part).lower().split()
+    return "-".join(["contact", *(word for word in words if word != "foot" or len(words) == 1)])
 
 
 def _numbers(text: str | None, count: int) -> Array | None:

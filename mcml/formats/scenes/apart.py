@@ -13,7 +13,7 @@ import numpy as np
 
 from mcml.errors import FormatError, LimitError, Notice
 from mcml.formats.format import Limits, ReadOptions, SourceFile
-from mcml.formats.scenes.scene import MOST_TAKES, Rig, Scene, Take
+from mcml.formats.scenes.scene import MOST_TAKES, REMEDY, Rig, Scene, Take
 from mcml.motion.frames import Rows
 from mcml.motion.nodes import sort_by_tree
 from mcml.motion.skeleton import Array
@@ -34,6 +34,9 @@ def read_apart(module: str, file: SourceFile, options: ReadOptions) -> Scene:
             raise FormatError("the file is damaged: its reader ended early", remedy="Save it again.")
         numbers = np.memmap(answer, np.float64, "r", start, (values,)) if values else np.empty(0)
     return _make_scene(head, numbers, options.limits)
+
+
+_FACE = "the file has no skeleton: the nodes of its blend shapes are taken as joints"
 
 
 def _count(rig: dict[str, Any]) -> int:
@@ -73,6 +76,9 @@ def _make_scene(head: dict[str, Any], numbers: Array, limits: Limits) -> Scene:
         at += parts[-1].size
     moving = [_find_moving(number, head, parts) for number in range(len(orders))]
     rigs = [make_rig(*each, limits) for each in zip(head["rigs"], orders, moving, strict=True)]
+    faces = [rig["face"] for rig in head["rigs"]]
+    if any(face and not len(shapes) for face, shapes in zip(faces, moving, strict=True)):
+        raise FormatError("the file has no skeleton: no node is a bone, and no blend shape moves", remedy=REMEDY)
     takes = []
     for take, frames in zip(head["takes"], parts, strict=True):
         limits.check_name(take["name"])
@@ -80,7 +86,7 @@ def _make_scene(head: dict[str, Any], numbers: Array, limits: Limits) -> Scene:
         split = _POSE * len(rig)
         poses = partial(_read_frames, frames[:, :split], order)
         weights = partial(_read_weights, frames[:, split:], shapes) if len(shapes) else None
-        notices = _notices(take["notices"])
+        notices = _notices([*take["notices"], *([_FACE] if faces[take["rig"]] else [])])
         takes.append(Take(take["name"], rig, take["frames"], take["rate"], poses, notices, weights=weights))
     return Scene(tuple(takes), head["unit"], head["up"], _notices(head["notices"]), 8 * at)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -202,8 +202,10 @@ def _read_blocks(
                 values[:, place] = away[:, joint, channel] if channel < 3 else degrees[:, joint, 5 - channel]
         values += 0.0
         ids = np.arange(done + 1, done + len(values) + 1, dtype=np.int64)
-        done += len(values)
         block = without_gaps(values, columns, ids)
+        if take.labels is not None:
+            block = replace(block, motion_names=take.labels(done, done + len(values)))
+        done += len(values)
         missing += int(np.isnan(block.values).sum())
         yield block
     if missing:

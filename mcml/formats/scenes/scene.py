@@ -57,6 +57,7 @@ class Take:
     notices: tuple[Notice, ...] = ()
     properties: tuple[tuple[str, str, str], ...] = ()
     weights: Callable[[int, int], Array] | None = None
+    labels: Callable[[int, int], list[tuple[str, ...]]] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from mcml.motion.frames import joined
 from mcml.motion.retargeting.bone_mapping import suggest_matches
 from mcml.motion.retargeting.retarget import retarget
 from mcml.motion.skeleton import Array
+from mcml.testing import frames
 from tests.builders import assign
 from tests.formats.readers.fbx_text import fbx_text
 from tests.formats.readers.posing import places_of, read_clip
@@ -179,6 +181,28 @@ def test_usd_weights_are_those_of_the_samples() -> None:
     found = weights_of(clip)
     np.testing.assert_allclose(found["smile"], np.linspace(0, 0.8, 9), atol=1e-6)
     np.testing.assert_allclose(found["jawOpen"], np.linspace(1, 0.5, 9), atol=1e-6)
+
+
+def test_a_usd_face_without_joints_is_a_clip() -> None:
+    pytest.importorskip("pxr")
+    bare = re.sub(r"uniform matrix4d\[\] (bind|rest)Transforms = \[.*?\)\)\]\n", "", USD, flags=re.DOTALL)
+    bare = re.sub(r"(float3|quatf|half3)\[\] .*\n", "", re.sub(r"uniform token\[\] joints = .*\n", "", bare))
+    clip = read_clip("usd", bare.encode())
+    np.testing.assert_allclose(weights_of(clip)["smile"], np.linspace(0, 0.8, 9), atol=1e-6)
+    assert [joint.name for joint in clip.head.skeleton.joints] == ["Skel", "smile", "jawOpen"]
+    assert any("no skeleton" in notice.what for notice in clip.notices)
+    with pytest.raises(FormatError, match="no skeleton"):
+        read_clip("usd", re.sub(r"float\[\] blendShapeWeights.*\n", "", bare).encode())
+
+
+def test_an_fbx_face_without_bones_is_a_clip() -> None:
+    pytest.importorskip("ufbx")
+    percents = {"jawOpen": [10.0 * frame for frame in range(11)]}
+    clip = read_clip("fbx", fbx_text(shapes=percents).replace(b"LimbNode", b"Null"))
+    np.testing.assert_allclose(weights_of(clip)["jawOpen"], np.linspace(0, 1, 11), atol=1e-6)
+    assert any("no skeleton" in notice.what for notice in clip.notices)
+    with pytest.raises(FormatError, match="no blend shape moves"):
+        frames(read_clip("fbx", fbx_text(shapes={"jawOpen": [10.0] * 11}).replace(b"LimbNode", b"Null")))
 
 
 def test_formats_of_joints_leave_them_out_and_say_so() -> None:

@@ -113,3 +113,45 @@ def test_any_byte_may_be_wrong() -> None:
     chance = np.random.default_rng(5)
     for _ in range(100):
         reads_or_refuses("mvnx", spoil(data, chance))
+
+
+def contacts_of(content: bytes) -> tuple[list[tuple[str, ...]], list[str]]:
+    """The labels of the frames, and the notices."""
+    clip = read_clip("mvnx", content)
+    names = [labels for block in clip.blocks() for labels in block.motion_names or [()] * len(block)]
+    return names, [notice.what for notice in clip.notices]
+
+
+DEFINED = ("LeftFoot_Heel", "LeftFoot_Toe", "RightFoot_Heel", "RightFoot_Toe")
+
+
+def with_contacts(rows: list[str], defined: tuple[str, ...] = DEFINED) -> bytes:
+    """A file with these contacts in its frames."""
+    content = mvnx(*poses(len(rows))).decode()
+    still, *moving = content.split('<frame type="normal"')
+    made = [
+        part.replace("</frame>", f"<footContacts>{row}</footContacts></frame>", 1)
+        for part, row in zip(moving, rows, strict=True)
+    ]
+    listed = "".join(f'<contactDefinition label="{label}" index="{place}"/>' for place, label in enumerate(defined))
+    still = still.replace("<frames>", f"<footContactDefinition>{listed}</footContactDefinition><frames>")
+    return '<frame type="normal"'.join([still, *made]).encode()
+
+
+@pytest.mark.parametrize("defined", [DEFINED, ()])
+def test_contacts_are_labels(defined: tuple[str, ...]) -> None:
+    names, notices = contacts_of(with_contacts(["1 1 0 0", "0 0 0 0", "", "0 1 0 1"], defined))
+    assert names == [("contact-left-heel", "contact-left-toe"), (), (), ("contact-left-toe", "contact-right-toe")]
+    assert any("the contacts of the feet are labels: contact-left-heel" in what for what in notices)
+
+
+def test_contacts_of_other_parts_have_the_names_of_their_definition() -> None:
+    names, _ = contacts_of(with_contacts(["1 0", "0 1"], ("RightHand", "left foot")))
+    assert names == [("contact-right-hand",), ("contact-left",)]
+
+
+@pytest.mark.parametrize("rows", [["1 1 1", "0 0 0"], ["1 1 0 0", "0 0"], ["1 0.5 1 1", "1 0.5 1 1"]])
+def test_contacts_that_do_not_fit_their_definition_are_left_out(rows: list[str]) -> None:
+    names, notices = contacts_of(with_contacts(rows))
+    assert names == [()] * 2
+    assert any("contacts of the feet do not fit" in what for what in notices)
