@@ -74,7 +74,10 @@ def rest_of(skeleton: Skeleton, reading: Reading = DEGREES) -> Rest:
             along = np.zeros(3)
             along[reading.bone_axis] = float(joint.length or 0)
             bones[index] = rotate(orientations[index], along)
-        if joint.convention is not Convention.LISTED and index not in has_child and bones[index].any():
+        if joint.convention is Convention.LISTED:
+            continue
+        tips += [(index, rotate(orientations[index], numbers(site.offset))) for site in joint.end_sites]
+        if not joint.end_sites and index not in has_child and bones[index].any():
             tips.append((index, bones[index].copy()))
     for made in (offsets, orientations, bones, *(vector for _, vector in tips)):
         made.setflags(write=False)

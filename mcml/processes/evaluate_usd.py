@@ -23,6 +23,7 @@ from mcml.processes.scene_answer import (
 _UNITS = ((0.01, "cm"), (1.0, "m"), (0.0254, "in"), (0.3048, "ft"), (0.001, "mm"), (0.1, "dm"))
 _ENDINGS = ((b"PXR-USDC", ".usdc"), (b"PK\x03\x04", ".usdz"), (b"#usda", ".usda"))
 _DEPTH = 512
+_MOST_TEXT = 1 << 20
 
 
 def main() -> None:
@@ -119,7 +120,8 @@ def _write(
         check_motion(options, count + sum(take.frames for take in takes), len(order), len(shapes))
         rest = _world(query, None)
         face = not len(query.GetJointOrder())
-        rigs.append(WrittenRig(names, above, [rest[joint] for joint in order], [None] * len(order), shapes, face=face))
+        tips = str(query.GetPrim().GetCustomDataByKey("mcml_tips") or "")[:_MOST_TEXT]
+        rigs.append(WrittenRig(names, above, [rest[joint] for joint in order], [None] * len(order), shapes, face, tips))
         takes.append(WrittenTake(str(query.GetPrim().GetPath()), number, count, rate, notices))
         spans.append((begin, codes / rate))
         orders.append(order)

@@ -1,9 +1,9 @@
 """The answer of a program that evaluates a scene: a line of JSON, then numbers.
 
-The line has `rigs` (names, parents, rest of each joint as 12 numbers, bound likewise or null, shapes, face), `takes`
-(name, rig, frames, rate, notices), unit, up and notices, or `error`, `remedy` and `kind` instead. The numbers are
-float64 in the order of the machine: of each frame of each take the transform (3, 4) of each joint to the world, row by
-row, then the weight of each blend shape. Needs no NumPy, whose import takes longer than to read a short file.
+The line has `rigs` (names, parents, rest of each joint as 12 numbers, bound likewise or null, shapes, face, tips),
+`takes` (name, rig, frames, rate, notices), unit, up and notices, or `error`, `remedy` and `kind` instead. The numbers
+are float64 in the order of the machine: of each frame of each take the transform (3, 4) of each joint to the world, row
+by row, then the weight of each blend shape. Needs no NumPy, whose import takes longer than to read a short file.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ SEND = "Send a file with a skeleton and its animation."
 @dataclass(frozen=True)
 class WrittenRig:
     """rest: of each joint 12 numbers. bound: likewise where a skin was bound to it, else None. shapes: names of blend
-    shapes. face: whether it has no bones, and the joints are the nodes that have these blend shapes."""
+    shapes. face: whether it has no bones, and the joints are the nodes that have these blend shapes. tips: JSON
+    of the tips of bones that this program wrote, (joint, tip) each, in the order of the file."""
 
     names: Sequence[str]
     parents: Sequence[int]
@@ -31,6 +32,7 @@ class WrittenRig:
     bound: Sequence[Sequence[float] | None]
     shapes: Sequence[str] = ()
     face: bool = False
+    tips: str = ""
 
 
 @dataclass(frozen=True)

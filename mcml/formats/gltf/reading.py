@@ -18,11 +18,13 @@ from mcml.formats.gltf.document import DAMAGED, Document, as_number, as_numbers
 from mcml.formats.gltf.morphs import read_morphs
 from mcml.formats.gltf.tracks import DEFAULT_RATE, Track, find_rate, frame_times, read_tracks
 from mcml.formats.scenes.scene import (
+    TIPS,
     Rig,
     Scene,
     Take,
     check_joints,
     check_takes,
+    read_tips,
 )
 from mcml.motion.nodes import choose_joints, parents_among, sort_by_tree
 from mcml.motion.rotations import to_matrix
@@ -56,7 +58,10 @@ class SceneReading:
         shapes = tuple(name for node in self.morphed for name in self.morphs[node].names)
         for name in shapes:
             options.limits.check_name(name)
-        self.rig = Rig(tuple(names), parents, self._world({}, np.zeros(1))[0], shapes)
+        extras = [self.nodes[node].get("extras") for node in self.joints]
+        tips = [each.get(TIPS) if isinstance(each, dict) else None for each in extras]
+        ends = tuple((joint, tip) for joint, found in enumerate(tips) for tip in read_tips(found))
+        self.rig = Rig(tuple(names), parents, self._world({}, np.zeros(1))[0], shapes, ends)
 
     @cached_property
     def animations(self) -> list[tuple[list[Track], list[str]]]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from mcml.errors import FormatError, LimitError, Notice
 from mcml.formats.format import Limits, ReadOptions, SourceFile
-from mcml.formats.scenes.scene import MOST_TAKES, REMEDY, Rig, Scene, Take
+from mcml.formats.scenes.scene import MOST_TAKES, REMEDY, Rig, Scene, Take, read_tips
 from mcml.motion.frames import Rows
 from mcml.motion.nodes import sort_by_tree
 from mcml.motion.skeleton import Array
@@ -128,7 +128,18 @@ def make_rig(rig: dict[str, Any], order: list[int], moving: Rows, limits: Limits
         np.array(parents, np.intp),
         _find_rest(default, bound, parents),
         tuple(rig["shapes"][shape] for shape in moving),
+        tuple((place[joint], tip) for joint, tip in _read_tips(rig["tips"]) if joint in place),
     )
+
+
+def _read_tips(text: str) -> list[tuple[int, Array]]:
+    """Tips of bones with their joints, as numbered in the file; nothing for a text that is no such list."""
+    try:
+        pairs = json.loads(text) if text else []
+    except (ValueError, RecursionError):
+        return []
+    fit = [pair for pair in pairs if isinstance(pair, list) and len(pair) == 2] if isinstance(pairs, list) else []
+    return [(joint, tip) for joint, value in fit if isinstance(joint, int) for tip in read_tips([value])]
 
 
 def _find_rest(default: Array, bound: list[list[float] | None], parents: list[int]) -> Array:

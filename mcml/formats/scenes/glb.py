@@ -19,6 +19,7 @@ from mcml.errors import ConversionError, UnsupportedError
 from mcml.formats.colours import to_linear
 from mcml.formats.format import FileKind, note
 from mcml.formats.scenes.body import Body, body_of
+from mcml.formats.scenes.scene import TIPS
 from mcml.formats.scenes.stage import Stage, look_through, turn_to_y
 from mcml.motion.clip import ClipStream
 from mcml.motion.conventions.blend_shapes import joints_of
@@ -160,11 +161,15 @@ def _model(stage: Stage, content: _Content, extensions: dict[str, Any] | None) -
 
     skeleton = stage.skeleton
     root = len(skeleton)
+    tips: dict[int, list[list[float]]] = {}
+    for joint, tip in stage.tips:
+        tips.setdefault(joint, []).append(tip.tolist())
     nodes = [
         gltf.Node(
             name=_text(joint.source_name),
             translation=stage.rest[index].tolist(),
             children=list(skeleton.children(index)) or None,
+            extras={TIPS: tips[index]} if index in tips and extensions is None else {},
         )
         for index, joint in enumerate(skeleton.joints)
     ]

@@ -16,7 +16,7 @@ from mcml.formats.scenes.scene import Rig, Scene, Take
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, Shape, SourcePart, full_shape
 from mcml.motion.lexemes import lexeme, triple
 from mcml.motion.rotations import from_euler, from_matrix, to_euler, to_matrix
-from mcml.motion.skeleton import ROTATIONS, TRANSLATIONS, Array, Convention, Joint, Skeleton, unique_names
+from mcml.motion.skeleton import ROTATIONS, TRANSLATIONS, Array, Convention, EndSite, Joint, Skeleton, unique_names
 
 ORDER = "ZYX"
 """The order of all rotations: FBX' own default, and one that every format of the catalogue takes."""
@@ -155,6 +155,9 @@ def _read_world(take: Take, turn: Array | None) -> Iterator[tuple[Array, Array, 
 
 def _make_skeleton(rig: Rig, rest: Rest) -> Skeleton:
     names = unique_names([*(name.rpartition("/")[2] or name for name in rig.names), *rig.shapes])
+    tips: dict[int, list[EndSite]] = {}
+    for index, tip in rig.tips:
+        tips.setdefault(index, []).append(EndSite(triple(_turn_tip(rig, index, tip, rest.decimals))))
     joints = [
         Joint(
             name=names[index],
@@ -166,6 +169,7 @@ def _make_skeleton(rig: Rig, rest: Rest) -> Skeleton:
             offset=triple(rest.offsets[index]),
             axis=triple(rest.axes[index]),
             axis_order=ORDER,
+            end_sites=tuple(tips.get(index, ())),
         )
         for index in range(len(rig))
     ]
@@ -176,6 +180,14 @@ def _make_skeleton(rig: Rig, rest: Rest) -> Skeleton:
         for name, source in zip(names[len(rig) :], rig.shapes, strict=True)
     ]
     return Skeleton(tuple(joints))
+
+
+def _turn_tip(rig: Rig, joint: int, tip: Array, decimals: int) -> Array:
+    """(3,) a tip in the joint's own axes, which have no scale."""
+    linear = rig.rest[None, joint : joint + 1, :, :3]
+    rotations, _ = find_rotations(linear, np.eye(3)[None])
+    own: Array = np.round(rotations[0, 0].T @ linear[0, 0] @ tip, decimals) + 0.0
+    return own
 
 
 def _read_blocks(

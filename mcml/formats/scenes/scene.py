@@ -19,6 +19,10 @@ from mcml.motion.skeleton import Array
 
 MOST_TAKES = 256
 """Takes of one file that are read."""
+MOST_TIPS = 64
+"""Of one joint that are read."""
+TIPS = "mcml_tips"
+"""The name under which tips of bones stand in the extras of a node, or the custom data of a skeleton."""
 REMEDY = "Send a file with a skeleton and its animation."
 
 
@@ -27,13 +31,15 @@ class Rig:
     """The joints of a scene. Parents stand before their children, subtrees are contiguous.
 
     names: as the file writes them; in USD the whole path in the skeleton. parents: (J,), -1 at a root. rest: (J, 3, 4)
-    from each joint to the world at rest. shapes: names of blend shapes.
+    from each joint to the world at rest. shapes: names of blend shapes. tips: ends of bones without a joint there, as
+    (joint, (3,) in the axes and units of its node).
     """
 
     names: tuple[str, ...]
     parents: NDArray[np.intp]
     rest: Array
     shapes: tuple[str, ...] = ()
+    tips: tuple[tuple[int, Array], ...] = ()
 
     def __len__(self) -> int:
         return len(self.names)
@@ -74,6 +80,15 @@ class Scene:
     notices: tuple[Notice, ...] = ()
     size: int = 0
     kept: object = field(default=None, repr=False)
+
+
+def read_tips(values: object) -> list[Array]:
+    """The tips of a joint that this program wrote beside it, a list of three numbers each; others are left out."""
+    tips = []
+    for value in values if isinstance(values, list) else []:
+        if isinstance(value, list) and len(value) == 3 and all(isinstance(number, int | float) for number in value):
+            tips.append(np.array(value, np.float64))
+    return [tip for tip in tips[:MOST_TIPS] if np.isfinite(tip).all()]
 
 
 def check_joints(names: Sequence[str], nodes: int, limits: Limits, label: str) -> None:

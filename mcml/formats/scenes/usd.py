@@ -6,6 +6,7 @@ code a frame.
 
 from __future__ import annotations
 
+import json
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,6 +18,7 @@ from mcml.errors import ConversionError, UnsupportedError
 from mcml.formats.colours import to_linear
 from mcml.formats.format import FileKind
 from mcml.formats.scenes.body import Body, body_of
+from mcml.formats.scenes.scene import TIPS
 from mcml.formats.scenes.stage import Stage, look_through, turn_to_y
 from mcml.formats.target_names import legal_names
 from mcml.motion.clip import ClipStream
@@ -104,6 +106,9 @@ def _scene(clip: Stage) -> Any:
     bones = UsdSkel.Skeleton.Define(stage, "/Clip/Skeleton")
     bones.CreateJointsAttr(_paths(clip))
     bones.CreateJointNamesAttr([joint.name for joint in skeleton.joints])
+    if clip.tips:
+        # As text: custom data of USD has no lists of lists.
+        bones.GetPrim().SetCustomDataByKey(TIPS, json.dumps([(joint, tip.tolist()) for joint, tip in clip.tips]))
     rest = np.tile(np.eye(4), (len(skeleton), 1, 1))
     rest[:, 3, :3] = clip.rest
     body = body_of(clip)

@@ -131,7 +131,8 @@ def plan_listed(skeleton: Skeleton, found: Survey) -> Plan:
         order = "ZYX" if is_within(order, "ZYX") or len(order) < 3 else order
         planned.append(PlannedJoint(index, joint.parent, offset, IDENTITY, order, moves))
         channels = (("Tx", "Ty", "Tz") if moves else ()) + tuple(f"R{letter.lower()}" for letter in order)
-        sites = joint.end_sites or tuple(EndSite(triple(vector)) for vector in tips.get(index, []))
+        sites = joint.end_sites if joint.convention is Convention.LISTED else ()
+        sites = sites or tuple(EndSite(triple(vector)) for vector in tips.get(index, []))
         if not sites and not children[index]:
             sites = (EndSite(("0", "0", "0")),)
         joints.append(

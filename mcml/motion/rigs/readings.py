@@ -6,8 +6,9 @@ mean; the chain of the joint decides which of them it gets (`limbs`).
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mcml.motion.rigs.words import SIDES, Words
 
@@ -84,7 +85,34 @@ class Reading:
 
 def read_names(names: Sequence[str], words: Sequence[Words]) -> list[Reading]:
     """The reading of each name. words: of each name, by `read_words`."""
-    return [_read(name, own) for name, own in zip(names, words, strict=True)]
+    connecting = _find_connectors(names)
+    return [
+        replace(_read(name, own), helper=True) if name in connecting else _read(name, own)
+        for name, own in zip(names, words, strict=True)
+    ]
+
+
+def _find_connectors(names: Sequence[str]) -> set[str]:
+    """The names of bones that only lead to another one, such as `Hips_to_LeftUpLeg`.
+
+    Half of such names or more have the name of another joint at an end; a rig that names all bones by both ends has no
+    joints of these names.
+    """
+    ends = {name: [_plain(end) for end in _TO.split(_own(name))] for name in names if _TO.search(_own(name))}
+    others = {_plain(_own(name)) for name in names if name not in ends}
+    meet = sum(not others.isdisjoint(pair) for pair in ends.values())
+    return set(ends) if 2 * meet >= len(ends) else set()
+
+
+_TO = re.compile(r"(?<=[^\W_])[_ .-]to[_ .-](?=[^\W_])", re.IGNORECASE)
+
+
+def _own(name: str) -> str:
+    return name.rpartition(":")[2]
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[\W_]+", "", name).casefold()
 
 
 def _read(name: str, words: Words) -> Reading:

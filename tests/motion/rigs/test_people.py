@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from mcml.motion.retargeting.bone_mapping import suggest_matches
+from mcml.motion.rigs.readings import read_names
 from mcml.motion.rigs.recognise import NOBODY, PERSON, UNKNOWN, recognise
 from mcml.motion.rigs.tree import Tree
+from mcml.motion.rigs.words import read_words
 from tests.motion.rigs.rig_builder import CORE, PLACES, USUAL, mirrored, names_of, person, skeleton_of, tree
 
 SMPL = mirrored(
@@ -63,6 +65,36 @@ def test_d_bones_of_mmd_are_no_second_legs() -> None:
     found = recognise(Tree([*rig.names, *doubled], parents, np.array(places)))
     assert {each.name for each in found.joints} >= set(CORE)
     assert all(each.joint < len(rig) for each in found.joints)
+
+
+@pytest.mark.parametrize(
+    "form", ["{source}_to_{other}", "{name}_to_{own}", "ns:{source} to {other}", "{name}.TO.{own}"]
+)
+def test_bones_that_lead_to_another_one_have_no_name(form: str) -> None:
+    rig = person(USUAL)
+    ours = {source: name for name, source in USUAL.items()}
+    names, parents, places = list(rig.names), list(rig.parents), list(rig.places)
+    for joint, parent in enumerate(rig.parents):
+        if parent >= 0 and rig.parents.count(parent) > 1:
+            source, other = rig.names[parent], rig.names[joint]
+            names.append(form.format(source=source, other=other, name=ours[source], own=ours[other]))
+            places.append(rig.places[parent])
+            parents.append(parent)
+            parents[joint] = len(names) - 1
+    order = sorted(range(len(names)), key=lambda joint: depth_of(joint, parents))
+    place = {joint: index for index, joint in enumerate(order)}
+    above = [place.get(parents[joint], -1) for joint in order]
+    led = Tree([names[joint] for joint in order], above, np.array([places[joint] for joint in order]))
+    assert names_of(led) == USUAL
+
+
+def depth_of(joint: int, parents: list[int]) -> int:
+    return 0 if joint < 0 else 1 + depth_of(parents[joint], parents)
+
+
+def test_names_of_bones_by_both_ends_are_read_where_no_joint_is_named_by_an_end() -> None:
+    names = ["body", "neck_to_head", "left_hip_to_knee", "left_knee_to_ankle"]
+    assert not any(reading.helper for reading in read_names(names, read_words(names)[0]))
 
 
 def test_the_root_of_a_biped_is_its_pelvis_though_thighs_hang_from_the_spine() -> None:
