@@ -13,6 +13,8 @@ _FINE = 16
 """Steps a frame, and `_FEWEST` in all, in which the time of a curve of factors is added up."""
 _FEWEST = 1024
 _MOST_FRAMES = 10_000_000
+_NEARLY = 1e-5
+"""Relative change of the speed under which a series is exact."""
 
 
 def speed_places(frames: int, factors: Sequence[float], *, follows: bool) -> Array:
@@ -33,9 +35,9 @@ def speed_places(frames: int, factors: Sequence[float], *, follows: bool) -> Arr
     if speeds.size == 1:
         seconds = length / float(speeds[0])
     else:
-        grid = np.linspace(0.0, length, max(_FEWEST, round(length) * _FINE) + 1)
-        pace = 1.0 / np.interp(grid, np.linspace(0.0, length, speeds.size), speeds)
-        passed = np.concatenate([[0.0], np.cumsum((pace[1:] + pace[:-1]) / 2 * np.diff(grid))])
+        given = np.linspace(0.0, length, speeds.size)
+        grid = np.union1d(np.linspace(0.0, length, max(_FEWEST, round(length) * _FINE) + 1), given)
+        passed = np.concatenate([[0.0], np.cumsum(np.diff(grid) * _mean_paces(np.interp(grid, given, speeds)))])
         seconds = float(passed[-1])
     if seconds > _MOST_FRAMES:
         raise ConversionError(
@@ -49,3 +51,14 @@ def speed_places(frames: int, factors: Sequence[float], *, follows: bool) -> Arr
         return wanted * length / steps
     places: Array = np.interp(wanted * seconds / steps, passed, grid)
     return places
+
+
+def _mean_paces(speeds: Array) -> Array:
+    """(k - 1,) the means of 1 / speed between speeds (k,), each linear from one to the next: of 1 / x, its integral."""
+    first, last = speeds[:-1], speeds[1:]
+    ratio = (last - first) / first
+    near = np.abs(ratio) < _NEARLY
+    # log1p(x) / x is 1 - x / 2 + x² / 3 for a small x.
+    safe = np.where(near, 1.0, ratio)
+    paces: Array = np.where(near, 1 - ratio / 2 + ratio**2 / 3, np.log1p(safe) / safe) / first
+    return paces

@@ -7,7 +7,7 @@ hang from another joint in the source, the matched joint above is turned about i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Set
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,11 +32,17 @@ class SideLine:
 
 
 def side_lines(
-    source: Skeleton, target: Skeleton, pairs: Mapping[int, int], is_free: Callable[[int], bool]
+    source: Skeleton,
+    target: Skeleton,
+    pairs: Mapping[int, int],
+    letters: Callable[[int], str],
+    turning: Set[int],
 ) -> tuple[SideLine, ...]:
     """Lines that may turn against the joint above them.
 
-    pairs: joint of the target -> joint of the source. is_free: whether a joint of the target takes every rotation.
+    pairs: joint of the target -> joint of the source. letters: the axes about which a joint of the target can turn.
+    turning: joints of the source that turn in their parents; others, such as those that only ASF needs, are no
+    connectors.
     """
     other = partners(target)
     lines = []
@@ -44,12 +50,13 @@ def side_lines(
         right = int(other[left])
         if right == left or right not in pairs or not is_left(target, left, right):
             continue
-        ways = [_unmatched_above(target, joint, pairs) for joint in (left, right)]
+        ways = [_unmatched_above(target, joint, pairs, letters) for joint in (left, right)]
         if ways[0][0] != ways[1][0] or ways[0][0] < 0:
             continue
-        sources = [_unmatched_above(source, pairs[joint], set(pairs.values())) for joint in (left, right)]
+        matched = set(pairs.values())
+        sources = [_unmatched_above(source, pairs[joint], matched, turning.__contains__) for joint in (left, right)]
         connectors = tuple(dict.fromkeys(way[1][-1] for way in ways if way[1]))
-        if not all(is_free(joint) for joint in connectors):
+        if not all(len(letters(joint)) == 3 for joint in connectors):
             connectors = ()
         elsewhere = any(above != pairs[ways[0][0]] for above, _ in sources)
         if connectors or ways[0][1] or sources[0][1] or sources[1][1] or elsewhere:
@@ -57,12 +64,16 @@ def side_lines(
     return tuple(lines)
 
 
-def _unmatched_above(skeleton: Skeleton, joint: int, matched: Mapping[int, int] | set[int]) -> tuple[int, list[int]]:
-    """The nearest matched joint above (-1: none), and the joints without a match on the way, the highest last."""
+def _unmatched_above(
+    skeleton: Skeleton, joint: int, matched: Mapping[int, int] | Set[int], turns: Callable[[int], object]
+) -> tuple[int, list[int]]:
+    """The nearest matched joint above (-1: none), and the joints without a match on the way that turn, the highest
+    last.
+    """
     passed = []
     above = skeleton.joints[joint].parent
     while above >= 0 and above not in matched:
-        passed.append(above)
+        passed += [above] if turns(above) else []
         above = skeleton.joints[above].parent
     return above, passed
 
@@ -107,3 +118,16 @@ def _alike(first: Array, second: Array, short: float, other_short: float) -> boo
 
 
 _PARALLEL = float(np.cos(np.radians(15.0)))
+
+
+def without_rigid(
+    target: Skeleton, pairs: Mapping[int, int], letters: Callable[[int], str], turning: Set[int]
+) -> dict[int, int]:
+    """Pairs without joints below others that neither turn in the source nor can in the target, such as those that
+    only ASF needs. letters, turning: as for `side_lines`.
+    """
+    return {
+        joint: source
+        for joint, source in pairs.items()
+        if letters(joint) or source in turning or target.joints[joint].parent < 0
+    }

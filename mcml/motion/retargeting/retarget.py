@@ -23,17 +23,19 @@ from mcml.motion.hub_writer import Flags, HubWriter, Shortfall
 from mcml.motion.kinematics import unseen
 from mcml.motion.retargeting.bone_mapping import Match, check_matches
 from mcml.motion.retargeting.checks import check_across, check_rest
-from mcml.motion.retargeting.connectors import without_hip_connectors
+from mcml.motion.retargeting.connectors import without_hip_connectors, without_rigid
 from mcml.motion.retargeting.hand_contacts import HandContact, HandKeeper
 from mcml.motion.retargeting.limits import Limits
 from mcml.motion.retargeting.parts import part_errors
 from mcml.motion.retargeting.report import RetargetReport
 from mcml.motion.retargeting.rest_poses import Known, comparable_bodies
-from mcml.motion.retargeting.transfer import Transfer
+from mcml.motion.retargeting.transfer import SourceMotion, Transfer
 from mcml.motion.retargeting.travel import Travel
 from mcml.motion.skeleton import Array, Skeleton
 from mcml.motion.units import DEGREES, Reading
 
+_STILL = 1e-9
+"""Sine of half the angle by which a joint may turn that does not."""
 _LOOKED_AT = 60
 """Frames of the target, from which the lengths of its bones are known."""
 
@@ -94,12 +96,14 @@ def retarget(
         Known(source, HubReader(source, reading).rest, source_pose, hub),
         Known(target, writer.rest, target_pose, shown),
     )
-    pairs = without_hip_connectors(one, two, {match.target: match.source for match in matches})
+    turning = set(np.flatnonzero(np.abs(hub.rotations[:, :, :3]).max(axis=(0, 2), initial=0.0) > _STILL).tolist())
+    matched = without_hip_connectors(one, two, {match.target: match.source for match in matches})
+    pairs = without_rigid(target, matched, writer.letters, turning)
     positions, turned = walked(source, hub.translations, hub.rotations)
     if source != target:
         check_rest(one, two, pairs, positions)
-    transfer = Transfer(one, two, pairs, writer, match_rest, limits)
-    rotations, clamped = transfer.rotations(positions, turned)
+    transfer = Transfer(one, two, pairs, writer, turning, match_rest, limits)
+    rotations, clamped = transfer.rotations(SourceMotion(positions, turned, hub.translations))
     scale = transfer.scale() if scale is None else scale
     travel = scale if travel_scale is None else travel_scale
     upward = np.eye(3)["XYZ".index(up.upper())]
@@ -125,8 +129,8 @@ def retarget(
     report = RetargetReport(
         tuple(matches),
         scale,
-        tuple(sorted(set(range(len(source))) - set(pairs.values()))),
-        tuple(sorted(set(range(len(target))) - set(pairs))),
+        tuple(sorted(set(range(len(source))) - set(matched.values()))),
+        tuple(sorted(set(range(len(target))) - set(matched))),
         bones,
         reports,
         parts,

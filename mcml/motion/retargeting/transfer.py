@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mcml.motion.hub_writer import HubWriter
 from mcml.motion.retargeting.checks import angles_between
@@ -25,6 +28,19 @@ _STEPS = 12
 """Of the search for the angles of a joint that cannot turn freely."""
 
 
+@dataclass(frozen=True)
+class SourceMotion:
+    """The source's frames in the world: positions (n, Js, 3), turned (n, Js, 4); moved: (n, Js, 3) in parents."""
+
+    positions: Array
+    turned: Array
+    moved: Array
+
+    def at(self, rows: NDArray[np.intp]) -> SourceMotion:
+        """Some of the frames."""
+        return SourceMotion(self.positions[rows], self.turned[rows], self.moved[rows])
+
+
 class Transfer:
     """The transfer of poses from one body to another. pairs: joint of the target -> joint of the source."""
 
@@ -34,18 +50,20 @@ class Transfer:
         two: PosedBody,
         pairs: dict[int, int],
         writer: HubWriter,
+        turning: Set[int],
         from_rest: bool = False,
         limits: Limits | None = None,
     ) -> None:
-        """from_rest: joints turn from rest as their sources do, wherever their bones point then. limits: of joints of
-        the target, which are kept; without them the file's limits only decide between twists of limbs.
+        """turning: joints of the source that turn in their parents. from_rest: joints turn from rest as their sources
+        do, wherever their bones point then. limits: of joints of the target, which are kept; without them the file's
+        limits only decide between twists of limbs.
         """
         self._limits = {} if limits is None else limits
         self.one, self.two, self.pairs, self._writer, self._from_rest = one, two, pairs, writer, from_rest
         self._partners = partners(two.skeleton)
         self._above = self._matched_above()
         self._travel = Travel(one, two, pairs)
-        self._lines = side_lines(one.skeleton, two.skeleton, pairs, writer.is_free)
+        self._lines = side_lines(one.skeleton, two.skeleton, pairs, writer.letters, turning)
         self._ends = {joint: self._end_of(joint) for joint in pairs}
         self._turns: dict[int, Array] = {}
         for joint in sorted(pairs):
@@ -126,14 +144,14 @@ class Transfer:
             above = self._above[above]
         return above == other
 
-    def rotations(self, positions: Array, turned: Array) -> tuple[Array, tuple[ClampedJoint, ...]]:
+    def rotations(self, motion: SourceMotion) -> tuple[Array, tuple[ClampedJoint, ...]]:
         """Local rotations (n, J, 4) of the target, and joints that are kept inside their limits.
 
-        positions (n, Js, 3), turned (n, Js, 4): of the source, in the world. Joints that cannot rotate freely are
-        rotated so that their bone's direction is as close as possible.
+        Joints that cannot rotate freely are rotated so that their bone's direction is as close as possible.
         """
+        positions, turned = motion.positions, motion.turned
         if not self._from_rest:
-            self._turn_limbs(positions, turned)
+            self._turn_limbs(motion)
         skeleton = self.two.skeleton
         local = np.empty((len(positions), len(skeleton), 4))
         world = np.empty_like(local)
@@ -148,11 +166,13 @@ class Transfer:
             elif self._from_rest:
                 local[:, index] = multiply(inverse(above), self._wanted(index, turned))
             else:
-                local[:, index] = self._pointed(index, above, self._wanted(index, turned), positions)
+                local[:, index] = self._pointed(index, above, self._wanted(index, turned), motion)
                 local[:, index] = self._face_sides(index, above, local[:, index], positions)
             if index in self._limits:
                 local[:, index], outside = clamp_joint(self._limits[index], index, self._writer, local[:, index])
                 clamped.append(describe_clamped(index, outside))
+            # Else lengths beside 1 would grow from joint to joint, since `inverse` takes rotations as unit quaternions.
+            local[:, index] /= np.linalg.norm(local[:, index], axis=-1, keepdims=True)
             world[:, index] = multiply(above, local[:, index])
         return local, tuple(each for each in clamped if each is not None)
 
@@ -202,10 +222,10 @@ class Transfer:
         turn = multiply(inverse(self.one.turned[source]), self._turns[index])
         return multiply(turned[:, source], multiply(turn, self.two.turned[index]))
 
-    def _turn_limbs(self, positions: Array, turned: Array) -> None:
+    def _turn_limbs(self, motion: SourceMotion) -> None:
         """Turns limbs about themselves where the hinge below could not point its bone else."""
-        rows = np.unique(np.linspace(0, max(len(positions) - 1, 0), _LOOKED_AT).astype(np.intp))[: len(positions)]
-        positions, turned = positions[rows], turned[rows]
+        count = len(motion.positions)
+        motion = motion.at(np.unique(np.linspace(0, max(count - 1, 0), _LOOKED_AT).astype(np.intp))[:count])
         for joint in sorted(self.pairs):
             hinge = self._ends[joint]
             end = None if hinge is None else self._ends[hinge]
@@ -213,19 +233,20 @@ class Transfer:
                 continue
             bone = self.two.positions[hinge] - self.two.positions[joint]
             limb = (joint, hinge, end, bone / np.linalg.norm(bone), self._turns[joint])
-            error = partial(self._missed, limb, positions, turned)
+            error = partial(self._missed, limb, motion)
             error(best_twist(error))
 
-    def _missed(self, limb: tuple[int, int, int, Array, Array], positions: Array, turned: Array, angle: float) -> float:
+    def _missed(self, limb: tuple[int, int, int, Array, Array], motion: SourceMotion, angle: float) -> float:
         """Return the error of the direction of the bone at a hinge in degrees, with the limb twisted by an angle.
 
         limb: (joint, hinge, end of the hinge's bone, unit vector (3,) along the limb, its D before). The twist stays.
         """
         joint, hinge, end, bone, before = limb
         self._turns[joint] = multiply(before, from_vector(angle * bone))
+        positions, turned = motion.positions, motion.turned
         nothing = np.tile([0.0, 0.0, 0.0, 1.0], (len(positions), 1))
-        above = self._pointed(joint, nothing, self._wanted(joint, turned), positions)
-        local = self._pointed(hinge, above, self._wanted(hinge, turned), positions)
+        above = self._pointed(joint, nothing, self._wanted(joint, turned), motion)
+        local = self._pointed(hinge, above, self._wanted(hinge, turned), motion)
         along = rotate(inverse(self.two.turned[hinge]), self.two.positions[end] - self.two.positions[hinge])
         goal = positions[:, self.pairs[end]] - positions[:, self.pairs[hinge]]
         missed = angles_between(rotate(multiply(above, local), along), goal)
@@ -233,22 +254,30 @@ class Transfer:
         outside = 0.0 if limits is None else clamp_joint(limits, hinge, self._writer, local)[1]
         return float((missed + outside).mean()) if len(missed) else 0.0
 
-    def _pointed(self, index: int, above: Array, wanted: Array, positions: Array) -> Array:
+    def _pointed(self, index: int, above: Array, wanted: Array, motion: SourceMotion) -> Array:
         """Local rotations (n, 4) that are near the wanted ones in the world and point the bone where it should be."""
         end = self._ends[index]
-        if end is not None and self._travel.moves_along(end):
-            end = None
         free = self._writer.is_free(index)
         back = inverse(above)
         if end is None:
             return self._writer.nearest(index, multiply(back, wanted))
-        goal = positions[:, self.pairs[end]] - positions[:, self.pairs[index]]
+        goal = self._line(index, end, motion)
         bone = rotate(inverse(self.two.turned[index]), self.two.positions[end] - self.two.positions[index])
         found = wanted
         for _ in range(1 if free else _STEPS):
             found = multiply(shortest_arcs(rotate(found, bone), goal), found)
             found = multiply(above, self._writer.nearest(index, multiply(back, found)))
         return multiply(back, found)
+
+    def _line(self, index: int, end: int, motion: SourceMotion) -> Array:
+        """(n, 3) from a matched joint to the end of its bone in the source, without the way that the end moves along
+        with its source from its place at rest.
+        """
+        joint, other = self.pairs[index], self.pairs[end]
+        line = motion.positions[:, other] - motion.positions[:, joint]
+        if not self._travel.moves_along(end):
+            return line
+        return line - rotate(motion.turned[:, joint], motion.moved[:, other] - self.one.rest.offsets[other])
 
     def scale(self) -> float:
         """From the legs; without legs from all common bones; 1 without bones."""

@@ -40,7 +40,7 @@ def test_the_time_is_the_integral_of_the_pace(frames: int, factors: list[float],
     at = np.linspace(0, length, len(factors))
     seconds = quad(lambda place: 1 / np.interp(place, at, factors), 0, length, points=list(at[1:-1]) or None)[0]
     steps = len(speed_places(frames, factors, follows=follows)) - (0 if follows else 1)
-    assert abs(steps - seconds) <= 0.5 + 1e-3 * seconds or steps == 1
+    assert abs(steps - seconds) <= 0.5 + 1e-6 * seconds or steps == 1
 
 
 @given(st.integers(1, 300), st.booleans())
