@@ -9,7 +9,7 @@ import numpy as np
 
 from mcml.errors import ConversionError
 from mcml.motion.frames import Rows
-from mcml.motion.skeleton import Array, Skeleton, once_a_skeleton
+from mcml.motion.skeleton import ROTATIONS, Array, Skeleton, once_a_skeleton
 
 _SWAPS = (
     (re.compile("left", re.I), "right"),
@@ -38,8 +38,9 @@ class Sagittal:
 def partners(skeleton: Skeleton) -> Rows:
     """(J,) the joint of the other side, by MCML's names or else the source's; its own index for one in the middle.
 
-    Only joints whose parents are partners are, so that the two sides are trees of one form. Joints whose names tell no
-    side, such as connectors TLS and TRS between a trunk and its shoulders, are partners where joints below them are.
+    Only joints whose parents are partners are, so that the two sides are trees of one form; joints that cannot turn do
+    not count, since ASF may need one on one side alone. Joints whose names tell no side, such as connectors TLS and TRS
+    between a trunk and its shoulders, are partners where joints below them are.
     """
     found = _by_name([joint.name for joint in skeleton.joints])
     by_source = _by_name([joint.source_name for joint in skeleton.joints])
@@ -49,14 +50,27 @@ def partners(skeleton: Skeleton) -> Rows:
     for index, partner in enumerate(found.tolist()):
         if partner > index:
             _pair_above(skeleton, found, index, partner)
-    for index, joint in enumerate(skeleton.joints):
+    for index in range(len(skeleton)):
         partner = int(found[index])
-        other = skeleton.joints[partner].parent
-        fits = other == joint.parent if min(joint.parent, other) < 0 else other == found[joint.parent]
+        own, other = (_turning_above(skeleton, each) for each in (index, partner))
+        fits = other == own if min(own, other) < 0 else other == found[own]
         if partner != index and not fits:
             found[index], found[partner] = index, partner
     found.setflags(write=False)
     return found
+
+
+def turns(skeleton: Skeleton, index: int) -> bool:
+    """Whether a joint can turn in its parent."""
+    return not set(ROTATIONS).isdisjoint(skeleton.joints[index].channels)
+
+
+def _turning_above(skeleton: Skeleton, index: int) -> int:
+    """The nearest joint above one that can turn, or the root; -1 above the root."""
+    above = skeleton.joints[index].parent
+    while above >= 0 and skeleton.joints[above].parent >= 0 and not turns(skeleton, above):
+        above = skeleton.joints[above].parent
+    return above
 
 
 def is_left(skeleton: Skeleton, index: int, partner: int) -> bool:

@@ -12,6 +12,8 @@ from typing import Any
 import httpx
 import numpy as np
 
+from tests.blender import find_blender
+
 ROOT = Path(__file__).resolve().parents[2]
 ADDON = ROOT / "integrations" / "blender" / "mcml_repository.py"
 SCRIPT = Path(__file__).with_name("blender_uses.py")
@@ -120,7 +122,7 @@ class Blender:
         # Answers have a pipe of their own: Blender prints what it likes.
         ours, theirs = os.pipe()
         self.answers = os.fdopen(ours)
-        command = ["blender", "-b", "--factory-startup", "--python-exit-code", "3", "-P", str(SCRIPT)]
+        command = [str(find_blender()), "-b", "--factory-startup", "--python-exit-code", "3", "-P", str(SCRIPT)]
         folders = {f"BLENDER_USER_{name}": str(self.folder / name.lower()) for name in ("SCRIPTS", "CONFIG")}
         with open(self.folder / "log", "w") as log:
             started = subprocess.Popen(
@@ -143,7 +145,12 @@ class Blender:
 
 def in_blender(positions: np.ndarray, up: str, metres: float) -> np.ndarray:
     """Positions of a document as Blender's world has them."""
-    turned = {"Y": [[1, 0, 0], [0, 0, -1], [0, 1, 0]], "Z": np.eye(3), "X": [[0, 0, -1], [0, 1, 0], [1, 0, 0]]}[up]
+    turned = {
+        "Y": [[1, 0, 0], [0, 0, -1], [0, 1, 0]],
+        "-Y": [[1, 0, 0], [0, 0, 1], [0, -1, 0]],
+        "Z": np.eye(3),
+        "X": [[0, 0, -1], [0, 1, 0], [1, 0, 0]],
+    }[up]
     return positions @ np.array(turned).T * metres
 
 

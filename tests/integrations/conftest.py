@@ -10,14 +10,15 @@ from mcml_service.app import create_app
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from tests.api.test_authentication import listening
+from tests.blender import why_not
 from tests.integrations.addon import Blender, Served
 
 
 @pytest.fixture
 def repository(sqlite_template: Path, tmp_path: Path) -> Iterator[Served]:
     """A server with an empty store, which asks everybody for a token."""
-    if shutil.which("blender") is None:
-        pytest.skip("Blender is not here (apt-get install blender)")
+    if why_not():
+        pytest.skip(why_not())
     shutil.copy(sqlite_template, tmp_path / "store.db")
     settings = Settings(database=f"sqlite:///{tmp_path}/store.db", login="always")
     database = Database(settings.database_url)

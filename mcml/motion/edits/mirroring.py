@@ -19,7 +19,7 @@ from mcml.motion.frames import Edited, Rows, in_columns, present, remade
 from mcml.motion.hub import HubReader, Rest, rest_of, walked
 from mcml.motion.hub_writer import HubWriter
 from mcml.motion.rotations import from_matrix, to_matrix
-from mcml.motion.sides import Sagittal, is_left, partners, sagittal
+from mcml.motion.sides import Sagittal, is_left, partners, sagittal, turns
 from mcml.motion.skeleton import Array, Convention, Skeleton
 from mcml.motion.units import DEGREES, Reading
 
@@ -81,6 +81,9 @@ def own_plane(
         return found
     rest = rest_of(skeleton, reading)
     joint = chain(skeleton, skeleton.roots[0])[-1]
+    # In ASF the root stands where the hips do, and another joint at that place may have their rotations.
+    while len(skeleton.children(joint)) == 1 and not rest.offsets[skeleton.children(joint)[0]].any():
+        joint = skeleton.children(joint)[0]
     frame = side_frames(skeleton, rest, partners(skeleton), _reflection(found.normal))[joint]
     normal = to_matrix(turned[0, joint]) @ np.linalg.eigh(frame)[1][:, 0]
     normal = normal - (normal @ up) * up
@@ -130,7 +133,10 @@ def side_frames(skeleton: Skeleton, rest: Rest, other: Rows, mirror: Array) -> A
         if index in carrying:
             frames[index], guesses[index] = mirror, general
             continue
-        if partner < index:
+        if joint.parent >= 0 and not turns(skeleton, index):
+            # It cannot turn, so it is in the mirror as the joint that it hangs from.
+            frames[index] = guess
+        elif partner < index:
             frames[index] = frames[partner].T
         else:
             bones, images = _bones(skeleton, rest, other, index)
@@ -159,7 +165,9 @@ def _rest_normal(skeleton: Skeleton, rest: Rest, other: Rows) -> Array:
 def _bones(skeleton: Skeleton, rest: Rest, other: Rows, index: int) -> tuple[Array, Array]:
     """Unit vectors (k, 3) from a joint to its children and tips at rest, and those from its partner to theirs."""
     partner = int(other[index])
-    pairs = [(rest.offsets[child], rest.offsets[other[child]]) for child in skeleton.children(index)]
+    mine_below, theirs_below = _carried_vectors(skeleton, rest, index), _carried_vectors(skeleton, rest, partner)
+    pairs = [(vector, theirs_below[int(other[child])]) for child, vector in mine_below.items()
+             if int(other[child]) in theirs_below]  # fmt: skip
     mine = [vector for joint, vector in rest.tips if joint == index]
     theirs = [vector for joint, vector in rest.tips if joint == partner]
     if len(mine) == len(theirs):
@@ -170,6 +178,16 @@ def _bones(skeleton: Skeleton, rest: Rest, other: Rows, index: int) -> tuple[Arr
     if not kept:
         return np.zeros((0, 3)), np.zeros((0, 3))
     return np.array([one for one, _ in kept]), np.array([two for _, two in kept])
+
+
+def _carried_vectors(skeleton: Skeleton, rest: Rest, index: int) -> dict[int, Array]:
+    """Vectors (3,) from a joint to its children at rest; those that cannot turn count as far as their own children."""
+    found: dict[int, Array] = {}
+    for child in skeleton.children(index):
+        below = {} if turns(skeleton, child) else _carried_vectors(skeleton, rest, child)
+        below = below or {child: np.zeros(3)}
+        found |= {joint: rest.offsets[child] + vector for joint, vector in below.items()}
+    return found
 
 
 def _side_frame(bones: Array, images: Array, guess: Array, middle: bool) -> Array:

@@ -108,7 +108,8 @@ _TO = re.compile(r"(?<=[^\W_])[_ .-]to[_ .-](?=[^\W_])", re.IGNORECASE)
 
 
 def _own(name: str) -> str:
-    return name.rpartition(":")[2]
+    """A name without namespaces, also of its second end."""
+    return re.sub(r"(^|(?<=_to_))(?:(?:(?!_to_)[^:])*:)+", "", name)
 
 
 def _plain(name: str) -> str:
