@@ -54,7 +54,7 @@ export const r = wordsOf(
     "help.dropReplace": "차이를 먼저 보여 준 뒤 {name}에서 다른 프레임을 바꿉니다.",
     "help.nothingDiffers": "다른 프레임이 없습니다.", "button.replaceFrames": "프레임 바꾸기", "label.framesDiffer": "다른 프레임",
     "label.jointsDiffer": "다른 관절", "label.largestChange": "가장 큰 변화", "label.atFrame": "프레임 {n}",
-    "label.replaceSkeleton": "골격, 단위, 프레임 레이트도 바꾸기", "label.jointsAdded": "추가되는 관절",
+    "label.replaceSkeleton": "골격, 단위, 프레임 속도도 바꾸기", "label.jointsAdded": "추가되는 관절",
     "label.jointsRemoved": "없어지는 관절", "label.jointsChanged": "달라지는 관절",
     "label.motionReplaced": "동작을 바꿨습니다: 프레임 {n}개",
     "label.jointName": "관절 이름", "label.nameOfFile": "인식되지 않음({name})", "label.nameGuessed": "추측, 신뢰도 {n}",
