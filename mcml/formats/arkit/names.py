@@ -33,8 +33,8 @@ _SIDES: Final = {"l": "left", "r": "right"}
 def shape_of(name: str) -> str | None:
     """ARKit's name of a blend shape as the app writes it, None for others.
 
-    Case does not count, nor what stands before a point or colon, as in Maya's `Face.jawOpen`; `eyeBlink_L` is
-    `EyeBlinkLeft`.
+    Case does not count, nor does a prefix that ends with a point or a colon, as in Maya's `Face.jawOpen`; `eyeBlink_L`
+    is `EyeBlinkLeft`.
     """
     plain = re.split(r"[.:]", name)[-1].strip().lower()
     side = re.fullmatch(r"(.+?)[_-]?(?<=[_-])([lr]|left|right)", plain)

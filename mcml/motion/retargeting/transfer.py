@@ -166,7 +166,7 @@ class Transfer:
             elif self._from_rest:
                 local[:, index] = multiply(inverse(above), self._wanted(index, turned))
             else:
-                local[:, index] = self._pointed(index, above, self._wanted(index, turned), motion)
+                local[:, index] = self._point_bone(index, above, self._wanted(index, turned), motion)
                 local[:, index] = self._face_sides(index, above, local[:, index], positions)
             if index in self._limits:
                 local[:, index], outside = clamp_joint(self._limits[index], index, self._writer, local[:, index])
@@ -233,10 +233,10 @@ class Transfer:
                 continue
             bone = self.two.positions[hinge] - self.two.positions[joint]
             limb = (joint, hinge, end, bone / np.linalg.norm(bone), self._turns[joint])
-            error = partial(self._missed, limb, motion)
+            error = partial(self._measure_miss, limb, motion)
             error(best_twist(error))
 
-    def _missed(self, limb: tuple[int, int, int, Array, Array], motion: SourceMotion, angle: float) -> float:
+    def _measure_miss(self, limb: tuple[int, int, int, Array, Array], motion: SourceMotion, angle: float) -> float:
         """Return the error of the direction of the bone at a hinge in degrees, with the limb twisted by an angle.
 
         limb: (joint, hinge, end of the hinge's bone, unit vector (3,) along the limb, its D before). The twist stays.
@@ -245,8 +245,8 @@ class Transfer:
         self._turns[joint] = multiply(before, from_vector(angle * bone))
         positions, turned = motion.positions, motion.turned
         nothing = np.tile([0.0, 0.0, 0.0, 1.0], (len(positions), 1))
-        above = self._pointed(joint, nothing, self._wanted(joint, turned), motion)
-        local = self._pointed(hinge, above, self._wanted(hinge, turned), motion)
+        above = self._point_bone(joint, nothing, self._wanted(joint, turned), motion)
+        local = self._point_bone(hinge, above, self._wanted(hinge, turned), motion)
         along = rotate(inverse(self.two.turned[hinge]), self.two.positions[end] - self.two.positions[hinge])
         goal = positions[:, self.pairs[end]] - positions[:, self.pairs[hinge]]
         missed = angles_between(rotate(multiply(above, local), along), goal)
@@ -254,7 +254,7 @@ class Transfer:
         outside = 0.0 if limits is None else clamp_joint(limits, hinge, self._writer, local)[1]
         return float((missed + outside).mean()) if len(missed) else 0.0
 
-    def _pointed(self, index: int, above: Array, wanted: Array, motion: SourceMotion) -> Array:
+    def _point_bone(self, index: int, above: Array, wanted: Array, motion: SourceMotion) -> Array:
         """Local rotations (n, 4) that are near the wanted ones in the world and point the bone where it should be."""
         end = self._ends[index]
         free = self._writer.is_free(index)

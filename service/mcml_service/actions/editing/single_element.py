@@ -224,7 +224,7 @@ def write_head(tx: Transaction, stored: StoredDocument, head: ClipHead, block: F
 def _store_head(
     tx: Transaction, stored: StoredDocument, document: Element, before: tuple[str, ...], *, renamed: bool = True
 ) -> None:
-    """renamed: whether as many joints as before are those of before, by their order."""
+    """renamed: joints keep their order, so that another name at the same place renames a joint. before: their names."""
     header, forest = document.children[0], document.children[1:]
     old = tx.heads.document(stored)
     if header != old.children[0]:
