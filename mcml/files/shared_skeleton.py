@@ -15,6 +15,7 @@ from mcml.language.elements import Element, mcml_element
 from mcml.language.joint_names import NamingReport
 from mcml.motion.carriers import first_moving
 from mcml.motion.clip import ClipStream, Shape, full_shape
+from mcml.motion.frames import rows_of
 from mcml.motion.kinematics import Walker, unseen
 from mcml.motion.landmarks.centres import bodies_of
 from mcml.motion.landmarks.places import check_places, fullest_frame
@@ -22,6 +23,9 @@ from mcml.motion.rigs.recognise import Recognition
 from mcml.motion.rigs.skeletons import MOST_JOINTS, recognise_clip
 from mcml.motion.skeleton import Skeleton
 from mcml.motion.units import reading_of
+
+_AWAY = 0.3
+"""Of the distance from the hips to the farthest joint below: a possible root that is farther away is on the floor."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,10 +70,29 @@ def _told_of_places(clip: ClipStream) -> list[str]:
 
 
 def moving_root(clip: ClipStream, rig: Recognition) -> int | None:
-    """Return which of several possible root joints moves the figure, None if the skeleton alone decides."""
+    """Return which of several possible root joints is Root, None if the skeleton alone decides.
+
+    It is the first that moves, if it is where the hips are. A joint on the floor that moves a figure, as for the root
+    motion of game engines, is not: its height is not that of the pelvis.
+    """
     source = clip.head.skeleton
     candidates = (_kept_candidates if len(source) <= MOST_JOINTS else joint_names.root_candidates)(source, rig)
-    return first_moving(clip, candidates) if len(candidates) > 1 else None
+    if len(candidates) < 2:
+        return None
+    hips, moving = candidates[-1], first_moving(clip, candidates)
+    return hips if moving is None or _is_away(clip, moving, hips) else moving
+
+
+def _is_away(clip: ClipStream, joint: int, hips: int) -> bool:
+    """Tell whether a joint is far from the hips in the first frame, compared with the size of the body below them."""
+    block = next(iter(clip.blocks()), None)
+    if block is None or not len(block):
+        return False
+    skeleton = clip.head.skeleton
+    places = Walker(skeleton, reading_of(clip.head)).poses(rows_of(block, 0, 1))[0][0]
+    far = np.linalg.norm(places - places[hips], axis=1)
+    body = [index for index in range(hips + 1, len(skeleton)) if far[index] > 0]
+    return bool(far[joint] > _AWAY * max(far[body], default=0.0))
 
 
 def _made(source: Skeleton, aliases: tuple[tuple[str, str], ...], root: int | None, rig: Recognition) -> SharedSkeleton:

@@ -7,20 +7,37 @@ from collections.abc import Sequence
 import numpy as np
 
 from mcml.motion.clip import ClipStream
-from mcml.motion.skeleton import TRANSLATIONS, Array, Skeleton
+from mcml.motion.skeleton import TRANSLATIONS, Array, Skeleton, once_a_skeleton
 
+_HIPS = "Root"
+"""MCML's name."""
 _STILL = 1e-6
 """Of the largest distance from the origin: translations that differ by less do not move."""
 
 
-def chain(skeleton: Skeleton, root: int) -> list[int]:
-    """The root, and below it only children that have all three positions, down to the first joint that branches."""
+@once_a_skeleton
+def chain(skeleton: Skeleton, root: int) -> tuple[int, ...]:
+    """The root, and below it joints that have all three positions, down to the first joint of the body that branches.
+
+    Helpers may hang on joints above the hips, as targets of inverse kinematics do on the root in Unreal Engine.
+    """
     found = [root]
+    hips = skeleton.names.index(_HIPS) if _HIPS in skeleton.names else -1
+    to_hips = []
+    while hips >= 0 and hips != root:
+        to_hips.append(hips)
+        hips = skeleton.joints[hips].parent
+    if hips == root and all(_is_placed(skeleton, joint) for joint in to_hips):
+        found += reversed(to_hips)
     while True:
         children = skeleton.children(found[-1])
-        if len(children) != 1 or not set(TRANSLATIONS) <= set(skeleton.joints[children[0]].channels):
-            return found
+        if len(children) != 1 or not _is_placed(skeleton, children[0]):
+            return tuple(found)
         found.append(children[0])
+
+
+def _is_placed(skeleton: Skeleton, joint: int) -> bool:
+    return set(TRANSLATIONS) <= set(skeleton.joints[joint].channels)
 
 
 def carriers(skeleton: Skeleton, *translations: Array) -> tuple[int, ...]:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mcml.motion.anatomy.axes import BODY
 from mcml.motion.carriers import chain
 from mcml.motion.clip import ClipHead
 from mcml.motion.floor_plates import kept_plates, normal_axis
@@ -219,8 +220,14 @@ def longest_up(skeleton: Skeleton, positions: Array) -> str:
 
 @once_a_skeleton
 def _heights(skeleton: Skeleton) -> tuple[float | None, ...]:
-    """Return the relative height of each joint in a body, if its name decides it."""
-    return tuple(_height_of(joint.name) for joint in skeleton.joints)
+    """Return the relative height of each joint in a body, if its name decides it.
+
+    Of a body with MCML's names others do not count, such as targets of inverse kinematics that stay on the floor.
+    """
+    heights = [_height_of(name) for name in skeleton.names]
+    body = [height if name in BODY else None for name, height in zip(skeleton.names, heights, strict=True)]
+    known = [height for height in body if height is not None]
+    return tuple(body if known and max(known) >= _HIGH and min(known) <= _LOW else heights)
 
 
 def _height_of(name: str) -> float | None:

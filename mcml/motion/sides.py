@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,14 +35,28 @@ class Sagittal:
     point: Array
 
 
-@once_a_skeleton
+@dataclass(frozen=True)
+class Sides:
+    """partners: (J,) of `partners`. links: joints between the two sides of a pair that one side alone has."""
+
+    partners: Rows
+    links: frozenset[int]
+
+
 def partners(skeleton: Skeleton) -> Rows:
     """(J,) the joint of the other side, by MCML's names or else the source's; its own index for one in the middle.
 
-    Only joints whose parents are partners are, so that the two sides are trees of one form; joints that cannot turn do
-    not count, since ASF may need one on one side alone. Joints whose names tell no side, such as connectors TLS and TRS
-    between a trunk and its shoulders, are partners where joints below them are.
+    Only joints that hang from partners, or from one joint, are partners, so that the two sides are trees of one form.
+    Links that one side alone has do not count (`sides_of`). Joints whose names tell no side, such as connectors TLS and
+    TRS between a trunk and its shoulders, are partners where joints below them are.
     """
+    return sides_of(skeleton).partners
+
+
+@once_a_skeleton
+def sides_of(skeleton: Skeleton) -> Sides:
+    """The two sides of a skeleton. Formats and programs insert a link on one side alone, as ASF a bone that only
+    leads on."""
     found = _by_name([joint.name for joint in skeleton.joints])
     by_source = _by_name([joint.source_name for joint in skeleton.joints])
     for index, partner in enumerate(by_source):
@@ -50,14 +65,18 @@ def partners(skeleton: Skeleton) -> Rows:
     for index, partner in enumerate(found.tolist()):
         if partner > index:
             _pair_above(skeleton, found, index, partner)
-    for index in range(len(skeleton)):
-        partner = int(found[index])
-        own, other = (_turning_above(skeleton, each) for each in (index, partner))
-        fits = other == own if min(own, other) < 0 else other == found[own]
-        if partner != index and not fits:
+    pairs = [(index, partner) for index, partner in enumerate(found.tolist()) if partner > index]
+    stops = {joint for one, two in pairs for joint in {*_above(skeleton, one)} & {*_above(skeleton, two)}}
+    stops |= {joint for pair in pairs for joint in pair}
+    links: set[int] = set()
+    for index, partner in pairs:
+        (own, passed), (other, others) = (_bearer(skeleton, stops, joint) for joint in (index, partner))
+        if other == own if min(own, other) < 0 else other == found[own]:
+            links.update(passed, others)
+        else:
             found[index], found[partner] = index, partner
     found.setflags(write=False)
-    return found
+    return Sides(found, frozenset(links))
 
 
 def turns(skeleton: Skeleton, index: int) -> bool:
@@ -65,12 +84,20 @@ def turns(skeleton: Skeleton, index: int) -> bool:
     return not set(ROTATIONS).isdisjoint(skeleton.joints[index].channels)
 
 
-def _turning_above(skeleton: Skeleton, index: int) -> int:
-    """The nearest joint above one that can turn, or the root; -1 above the root."""
-    above = skeleton.joints[index].parent
-    while above >= 0 and skeleton.joints[above].parent >= 0 and not turns(skeleton, above):
-        above = skeleton.joints[above].parent
-    return above
+def _bearer(skeleton: Skeleton, stops: set[int], index: int) -> tuple[int, list[int]]:
+    """The nearest joint above one where both sides stop, -1 above a root, and the links that were passed."""
+    passed: list[int] = []
+    for above in _above(skeleton, index):
+        if above in stops:
+            return above, passed
+        passed.append(above)
+    return -1, passed
+
+
+def _above(skeleton: Skeleton, index: int) -> Iterator[int]:
+    """The joints above one, from its parent on."""
+    while (index := skeleton.joints[index].parent) >= 0:
+        yield index
 
 
 def is_left(skeleton: Skeleton, index: int, partner: int) -> bool:

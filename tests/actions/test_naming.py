@@ -40,25 +40,33 @@ MOTION
 """
 
 
-def rig(root: float, hips: float, frames: int = 3) -> bytes:
-    """Joints that go so far along X from frame to frame."""
-    rows = [f"{root * frame} 0 0 0 0 0 {hips * frame} 90 0 0 0 0 0 0 0 0 0 0" for frame in range(frames)]
-    return (HEAD + f"Frames: {frames}\nFrame Time: 0.01\n" + "\n".join(rows) + "\n").encode()
+def rig(root: float, hips: float, frames: int = 3, height: float = 90) -> bytes:
+    """Joints that go so far along X from frame to frame. height: of the hips above the root."""
+    rows = [f"{root * frame} 0 0 0 0 0 {hips * frame} {height} 0 0 0 0 0 0 0 0 0 0" for frame in range(frames)]
+    head = HEAD.replace("OFFSET 0 90 0", f"OFFSET 0 {height} 0")
+    return (head + f"Frames: {frames}\nFrame Time: 0.01\n" + "\n".join(rows) + "\n").encode()
+
+
+OUTER = ["Root", "Hips", "left_up_leg", "left_low_leg"]
+INNER = ["Root#2", "Root", "left_up_leg", "left_low_leg"]
 
 
 @pytest.mark.parametrize(
-    ("root", "hips", "names"),
+    ("root", "hips", "height", "names"),
     [
-        (0.0, 1.5, ["Root#2", "Root", "left_up_leg", "left_low_leg"]),
-        (1.5, 0.0, ["Root", "Hips", "left_up_leg", "left_low_leg"]),
-        (1.5, 0.25, ["Root", "Hips", "left_up_leg", "left_low_leg"]),
-        (0.0, 0.0, ["Root", "Hips", "left_up_leg", "left_low_leg"]),
+        (0.0, 1.5, 0, INNER),
+        (1.5, 0.0, 0, OUTER),
+        (1.5, 0.25, 5, OUTER),
+        (0.0, 0.0, 0, INNER),
+        # A root on the floor moves the figure, but its height is not that of the pelvis.
+        (1.5, 0.25, 90, INNER),
+        (1.5, 0.0, 90, INNER),
     ],
 )
-def test_the_root_is_the_joint_that_moves_the_figure(
-    database: Database, root: float, hips: float, names: list[str]
+def test_the_root_is_the_joint_at_the_hips_that_moves_the_figure(
+    database: Database, root: float, hips: float, height: float, names: list[str]
 ) -> None:
-    uuid = store(database, {"walk.bvh": rig(root, hips)})[0]
+    uuid = store(database, {"walk.bvh": rig(root, hips, height=height)})[0]
     with database.read() as tx:
         document = tx.heads.document(tx.documents.get(uuid))
     assert list(joint_names(document)) == names

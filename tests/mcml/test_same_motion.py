@@ -1,4 +1,4 @@
-"""One motion in several formats, units and axes: every question about the body has the same answer."""
+"""One motion in several formats, units, axes and trees: every question about the body has the same answer."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from mcml.files.motion import Motion, convert, read
 from mcml.motion.bodies.limb_angles import angle_names
 from mcml.motion.skeleton import Array
 from tests.motion.bodies.made import person
+from tests.motion.bodies.rewritten_trees import REWRITES, Tree, add_fingers, read_tree, rewrite, write_tree
 
 JOINTS = ("Head", "left_hand", "right_foot", "Root")
 ACTIVITIES = ("walk", "run", "turn left", "jump", "wave", "sit")
@@ -58,7 +59,10 @@ def compare(path: Path, folder: Path, form: str, **stated: str) -> None:
     written = convert(path, folder / "made", **stated, **WRITTEN[form])
     before = read(path, **stated)
     # ASF and AMC state no rate.
-    after = read(written, frame_time=before.frame_time if form == "asf" else None)
+    compare_answers(before, read(written, frame_time=before.frame_time if form == "asf" else None))
+
+
+def compare_answers(before: Motion, after: Motion) -> None:
     for (kind, question, ours), (_, _, theirs) in zip(answers(before), answers(after), strict=True):
         if isinstance(ours, str) or isinstance(theirs, str):
             assert ours == theirs, question
@@ -77,8 +81,34 @@ def test_answers_are_those_of_the_original(tmp_path: Path, seed: int, form: str)
     compare(tmp_path / "a.bvh", tmp_path, form, unit="cm", up="Y")
 
 
+@pytest.mark.parametrize("way", REWRITES)
+def test_answers_do_not_depend_on_the_tree(tmp_path: Path, way: str) -> None:
+    tree = read_tree(person(1, 60).decode())
+    add_fingers(tree)
+    compare_trees(tree, way, tmp_path)
+
+
+def compare_trees(tree: Tree, way: str, folder: Path) -> None:
+    (folder / "one.bvh").write_text(write_tree(tree))
+    before = read(folder / "one.bvh")
+    for seed in range(3):
+        (folder / "two.bvh").write_text(rewrite(tree, way, seed))
+        compare_answers(before, read(folder / "two.bvh"))
+
+
+REAL = ["rokoko_jesse_dance", "mixamo_freebvh", "blender_walk01", "mocapbank_crlf"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", REWRITES)
+@pytest.mark.parametrize("name", [*REAL, "cmu_jumping_jacks", "olympe_root"])
+def test_answers_about_real_files_do_not_depend_on_the_tree(shared: Path, tmp_path: Path, name: str, way: str) -> None:
+    tree = read_tree((shared / f"bvh/exporters/{name}.bvh").read_text(), most=100)
+    compare_trees(tree, way, tmp_path)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("form", WRITTEN)
-@pytest.mark.parametrize("name", ["rokoko_jesse_dance", "mixamo_freebvh", "blender_walk01", "mocapbank_crlf"])
+@pytest.mark.parametrize("name", REAL)
 def test_answers_about_real_files_are_those_of_the_original(shared: Path, tmp_path: Path, name: str, form: str) -> None:
     compare(shared / f"bvh/exporters/{name}.bvh", tmp_path, form)

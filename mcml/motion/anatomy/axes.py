@@ -10,6 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mcml.errors import ConversionError
 from mcml.motion.hub import Rest, walked
@@ -70,6 +71,10 @@ PARTS = (
     AnatomicalPart("toe-five", "toes", ("*_toe_five",)),
 )
 """Every part whose movements angles can show, the trunk first."""
+
+
+BODY = frozenset(name.replace("*", side) for part in PARTS for side in ("left", "right") for name in part.joints)
+"""MCML's names of joints of parts."""
 
 
 def joints_of_part(name: str, side: str) -> str:
@@ -174,27 +179,54 @@ def segments_of(skeleton: Skeleton, rest: Rest, stance: Stance) -> list[Segment]
                 continue
             above = skeleton.joints[joints[0]].parent if part.kind != "pelvis" else -1
             bone = bone_of(skeleton, rest, stance, joints[-1])
-            before = bone if above < 0 else bone_of(skeleton, rest, stance, above)
+            parted = above
+            while parted >= 0 and skeleton.joints[parted].name not in BODY:
+                parted = skeleton.joints[parted].parent
+            before = bone if above < 0 else bone_of(skeleton, rest, stance, parted if parted >= 0 else above)
             found.append(Segment(part, side, joints[-1], above, bone, before))
     return found
 
 
 def bone_of(skeleton: Skeleton, rest: Rest, stance: Stance, joint: int) -> Array:
-    """(3,) the direction of a joint's bone in the reference pose: to its first child that is elsewhere, or its tip;
-    that of the bone above if there is neither.
+    """(3,) the direction of a joint's bone in the reference pose. The order of its children does not matter.
+
+    A bone leads to the next joint of the body by MCML's names: of a hand to the middle finger, else midway between the
+    fingers without the thumb. Of other joints it leads to the first child that is elsewhere, or the tip; it is that of
+    the bone above if there is neither.
     """
-    size = float(np.ptp(stance.positions, axis=0).max()) or 1.0
+    near = 1e-3 * (float(np.ptp(stance.positions, axis=0).max()) or 1.0)
     while joint >= 0:
-        for child in skeleton.children(joint):
-            vector = stance.positions[child] - stance.positions[joint]
-            if np.linalg.norm(vector) > 1e-3 * size:
-                unit: Array = vector / np.linalg.norm(vector)
-                return unit
+        vectors = stance.positions - stance.positions[joint]
+        away = np.linalg.norm(vectors, axis=1) > near
+        ends = _next_parts(skeleton, joint, away) or [child for child in skeleton.children(joint) if away[child]][:1]
+        vector = vectors[ends].mean(axis=0) if ends else np.zeros(3)
+        if (norm := np.linalg.norm(vector)) > near:
+            unit: Array = vector / norm
+            return unit
         for owner, tip in rest.tips:
-            if owner == joint and np.linalg.norm(tip) > 1e-3 * size:
+            if owner == joint and np.linalg.norm(tip) > near:
                 return rotate(stance.turned[joint], tip / np.linalg.norm(tip))
         joint = skeleton.joints[joint].parent
     return stance.up
+
+
+def _next_parts(skeleton: Skeleton, joint: int, away: NDArray[np.bool_]) -> list[int]:
+    """The joints of the body to which the bone of one of them leads, none of another joint. away: (J,) where joints are
+    in another place."""
+    if skeleton.joints[joint].name not in BODY:
+        return []
+    names: dict[int, str] = {}
+    below = list(skeleton.children(joint))
+    while below:
+        end = below.pop()
+        if (name := skeleton.joints[end].name) in BODY and away[end]:
+            names[end] = name
+        else:
+            below += skeleton.children(end)
+    for middle in ("_fingers", "_finger_three", "_toes"):
+        if found := [end for end, name in names.items() if name.endswith(middle)]:
+            return found
+    return [end for end, name in names.items() if not name.endswith("_finger_one")] or list(names)
 
 
 def relative_turns(skeleton: Skeleton, rotations: Array, stance: Stance, segment: Segment) -> Array:

@@ -10,13 +10,13 @@ import scipy
 from mcml.errors import ConversionError
 from mcml.motion.carriers import carriers
 from mcml.motion.clip import FrameBlock
+from mcml.motion.edits.pose_likeness import joint_features
 from mcml.motion.edits.seam_feet import SeamFeet
 from mcml.motion.edits.splicing import Placement, Poses, going_on, inertialize, joined_poses, placed, steps
 from mcml.motion.feet.legs import Side
-from mcml.motion.frames import Rows, in_columns, remade, rows_of
+from mcml.motion.frames import in_columns, remade, rows_of
 from mcml.motion.hub import HubReader, walked
 from mcml.motion.hub_writer import HubWriter, Known
-from mcml.motion.rotation_vectors import from_vector, twist
 from mcml.motion.rotations import inverse, rotate
 from mcml.motion.skeleton import Array, Convention, Skeleton
 from mcml.motion.units import DEGREES, Reading
@@ -25,8 +25,6 @@ _CANDIDATES = 300
 """Frames at either end that are compared with one another."""
 _SHORTEST = 4
 """Frames of a loop."""
-_AHEAD = 0.1
-"""Seconds of movement that count as much as places, in the choice of a cut."""
 
 
 @dataclass(frozen=True)
@@ -117,28 +115,15 @@ def _cut(
         return 0, count - 1
     stride = -(-window // _CANDIDATES)
     starts, ends = np.arange(0, window, stride), np.arange(count - 1, count - 1 - window, -stride)
-    one, two = (_features(skeleton, whole, rows, carrier, frame_time, up) for rows in (starts, ends))
-    costs: Array = scipy.spatial.distance.cdist(one, two)
+    # One frame more on the inner side, for velocities.
+    first, last = (
+        joint_features(skeleton, whole.rows(*rows), carrier, up, frame_time)
+        for rows in ((0, window + 1), (count - 1 - window, count))
+    )
+    costs: Array = scipy.spatial.distance.cdist(first[starts], last[ends - (count - 1 - window)])
     costs[ends[None, :] - starts[:, None] < _SHORTEST] = np.inf
     start, end = np.unravel_index(int(np.argmin(costs)), costs.shape)
     return int(starts[start]), int(ends[end]) - 1
-
-
-def _features(skeleton: Skeleton, whole: Poses, rows: Rows, carrier: int, frame_time: float, up: Array) -> Array:
-    """(n, 6 J) places of joints and their movements, in a frame on the ground that faces with the body."""
-    count = len(whole)
-    places = []
-    for shift in (-1, 1):
-        near = np.clip(rows + shift, 0, count - 1)
-        positions, turned = walked(skeleton, whole.translations[near], whole.rotations[near])
-        if shift < 0:
-            base, facing = positions[:, carrier], twist(turned[:, carrier], up)
-            ground = base - np.outer(base @ up, up)
-            back = inverse(from_vector(facing[:, None] * up))
-        places.append(np.nan_to_num(rotate(back[:, None], positions - ground[:, None])))
-    middle, speed = (places[0] + places[1]) / 2, (places[1] - places[0]) * (_AHEAD / (2 * frame_time))
-    features: Array = np.concatenate([middle, speed], axis=1).reshape(len(rows), -1)
-    return features
 
 
 def _without_travel(skeleton: Skeleton, loop: Poses, carry: tuple[int, ...], placement: Placement) -> Poses:

@@ -4,7 +4,8 @@ With S the reflection at the plane between the sides and m(j) the joint of the o
 with rotations Q'_j = S Q_m(j) X_j. X_j is a reflection too: it maps the bones of j at rest to those of m(j). In a rest
 pose that is symmetric all X are one reflection, X = I - 2 n n^T, and L'_j = X L_m(j) X. Rigs whose left and right axes
 differ (a right arm that points along -x, say) have an X for each joint. X_m(j) is the inverse of X_j, so that mirroring
-twice is no change.
+twice is no change. A link that one side alone has (`sides_of`) stays at rest; its rotation is part of that of the joint
+below.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ from mcml.motion.clip import FrameBlock
 from mcml.motion.frames import Edited, Rows, in_columns, present, remade
 from mcml.motion.hub import HubReader, Rest, rest_of, walked
 from mcml.motion.hub_writer import HubWriter
-from mcml.motion.rotations import from_matrix, to_matrix
-from mcml.motion.sides import Sagittal, is_left, partners, sagittal, turns
+from mcml.motion.rotations import IDENTITY, from_matrix, multiply, rotate, to_matrix
+from mcml.motion.sides import Sagittal, is_left, partners, sagittal, sides_of, turns
 from mcml.motion.skeleton import Array, Convention, Skeleton
 from mcml.motion.units import DEGREES, Reading
 
@@ -102,19 +103,30 @@ def mirrored_poses(
     sides = side_frames(skeleton, rest, other, mirror)
     shift = plane.point - mirror @ plane.point
     carried = {joint for root in skeleton.roots for joint in chain(skeleton, root)[1:]}
+    links = sides_of(skeleton).links
     moved, turned = np.empty_like(translations), np.empty_like(rotations)
     for index, joint in enumerate(skeleton.joints):
         partner = int(other[index])
+        if index in links:
+            moved[:, index], turned[:, index] = rest.offsets[index], IDENTITY
+            continue
+        offset, translation, rotation = rest.offsets[partner], translations[:, partner], rotations[:, partner]
+        link = skeleton.joints[partner].parent
+        while link in links:
+            offset = rest.offsets[link] + offset
+            translation = translations[:, link] + rotate(rotations[:, link], translation)
+            rotation = multiply(rotations[:, link], rotation)
+            link = skeleton.joints[link].parent
         if joint.parent < 0:
-            moved[:, index] = translations[:, partner] @ mirror.T + shift
+            moved[:, index] = translation @ mirror.T + shift
             above = mirror
         else:
             above = sides[joint.parent].T
             if index in carried:
-                moved[:, index] = translations[:, partner] @ above.T
+                moved[:, index] = translation @ above.T
             else:
-                moved[:, index] = rest.offsets[index] + (translations[:, partner] - rest.offsets[partner]) @ above.T
-        turned[:, index] = from_matrix(above @ to_matrix(rotations[:, partner]) @ sides[index])
+                moved[:, index] = rest.offsets[index] + (translation - offset) @ above.T
+        turned[:, index] = from_matrix(above @ to_matrix(rotation) @ sides[index])
     return moved, turned
 
 
@@ -124,6 +136,7 @@ def side_frames(skeleton: Skeleton, rest: Rest, other: Rows, mirror: Array) -> A
     if all(joint.convention is Convention.MARKER for joint in skeleton.joints):
         frames[:] = mirror
         return frames
+    links = sides_of(skeleton).links
     general = _reflection(_rest_normal(skeleton, rest, other))
     guesses: dict[int, Array] = {}
     carrying = {joint for root in skeleton.roots for joint in chain(skeleton, root)[:-1]}
@@ -133,8 +146,8 @@ def side_frames(skeleton: Skeleton, rest: Rest, other: Rows, mirror: Array) -> A
         if index in carrying:
             frames[index], guesses[index] = mirror, general
             continue
-        if joint.parent >= 0 and not turns(skeleton, index):
-            # It cannot turn, so it is in the mirror as the joint that it hangs from.
+        if index in links or (joint.parent >= 0 and not turns(skeleton, index)):
+            # It does not turn, so it is in the mirror as the joint that it hangs from.
             frames[index] = guess
         elif partner < index:
             frames[index] = frames[partner].T
@@ -166,8 +179,10 @@ def _bones(skeleton: Skeleton, rest: Rest, other: Rows, index: int) -> tuple[Arr
     """Unit vectors (k, 3) from a joint to its children and tips at rest, and those from its partner to theirs."""
     partner = int(other[index])
     mine_below, theirs_below = _carried_vectors(skeleton, rest, index), _carried_vectors(skeleton, rest, partner)
-    pairs = [(vector, theirs_below[int(other[child])]) for child, vector in mine_below.items()
-             if int(other[child]) in theirs_below]  # fmt: skip
+    shared = [child for child in mine_below if int(other[child]) in theirs_below]
+    # What hangs on the middle and is of no side, such as a helper of one thigh, need not be its own image.
+    sided = [child for child in shared if other[child] != child] if partner == index else []
+    pairs = [(mine_below[child], theirs_below[int(other[child])]) for child in sided or shared]
     mine = [vector for joint, vector in rest.tips if joint == index]
     theirs = [vector for joint, vector in rest.tips if joint == partner]
     if len(mine) == len(theirs):
@@ -181,10 +196,14 @@ def _bones(skeleton: Skeleton, rest: Rest, other: Rows, index: int) -> tuple[Arr
 
 
 def _carried_vectors(skeleton: Skeleton, rest: Rest, index: int) -> dict[int, Array]:
-    """Vectors (3,) from a joint to its children at rest; those that cannot turn count as far as their own children."""
+    """Vectors (3,) from a joint to its children at rest; those that do not turn count as far as their own children."""
     found: dict[int, Array] = {}
     for child in skeleton.children(index):
-        below = {} if turns(skeleton, child) else _carried_vectors(skeleton, rest, child)
+        below = (
+            {}
+            if turns(skeleton, child) and child not in sides_of(skeleton).links
+            else _carried_vectors(skeleton, rest, child)
+        )
         below = below or {child: np.zeros(3)}
         found |= {joint: rest.offsets[child] + vector for joint, vector in below.items()}
     return found

@@ -1,7 +1,6 @@
 """Where two walks meet in the same phase of a step: frames at a seam that are left out, so that feet need not shuffle.
 
-Poses are compared as in "Motion graphs" (Kovar, Gleicher and Pighin, 2002, section 3): the joints' places and
-velocities in the body's own frame, over all pairs of frames near the seam.
+Poses are compared over all pairs of frames near the seam (`joint_features`).
 """
 
 from __future__ import annotations
@@ -9,18 +8,14 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
+from mcml.motion.edits.pose_likeness import joint_features
 from mcml.motion.edits.splicing import Poses
 from mcml.motion.feet.seams import Stance
-from mcml.motion.hub import walked
 from mcml.motion.hub_writer import Flags
-from mcml.motion.rotation_vectors import from_vector, twist
-from mcml.motion.rotations import inverse, rotate
 from mcml.motion.skeleton import Array, Skeleton
 
 WINDOW = 1.2
 """Seconds on each side of a seam that may be left out: a slow cycle of two steps."""
-_VELOCITY = 0.1
-"""Seconds: the place that a velocity counts for."""
 _AS_GOOD = 0.05
 """Of the range of distances: pairs of frames up to so much worse than the best are as good, fewer frames decide."""
 
@@ -42,7 +37,7 @@ def find_meeting(
     the ground and whose facing do not count. up: (3,) unit vector. frame_time: seconds. Of pairs that are as good, the
     one that leaves out the fewest frames between the end of the one and the beginning of the other.
     """
-    one, two = (_features(skeleton, poses, carrier, up, frame_time) for poses in (before, after))
+    one, two = (joint_features(skeleton, poses, carrier, up, frame_time) for poses in (before, after))
     distances = scipy.spatial.distance.cdist(one, two)
     least = distances.min()
     good = distances <= least + _AS_GOOD * (distances.max() - least)
@@ -50,15 +45,3 @@ def find_meeting(
     costs = np.where(good, left_out + distances / (distances.max() or 1.0), np.inf)
     row, column = np.unravel_index(np.argmin(costs), costs.shape)
     return int(row), int(column)
-
-
-def _features(skeleton: Skeleton, poses: Poses, carrier: int, up: Array, frame_time: float) -> Array:
-    """(n, 6 J) places and velocities of joints in the body's own frame; missing ones count as 0."""
-    places, world = walked(skeleton, poses.translations, poses.rotations)
-    root = places[:, carrier]
-    ground = root - np.outer(root @ up, up)
-    back = inverse(from_vector(twist(world[:, carrier], up)[:, None] * up))
-    velocities = np.gradient(places, axis=0) / frame_time if len(places) > 1 else np.zeros_like(places)
-    own = [rotate(back[:, None], values) for values in (places - ground[:, None], velocities * _VELOCITY)]
-    features: Array = np.nan_to_num(np.concatenate(own, axis=2)).reshape(len(places), -1)
-    return features
