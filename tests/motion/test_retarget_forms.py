@@ -1,4 +1,4 @@
-"""A motion retargeted is the same whichever convention source and target are written in."""
+"""A motion retargeted is the same in every convention, and for every tree, that source and target are written in."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from mcml.motion.retargeting.retarget import retarget
 from mcml.motion.skeleton import Array, Convention
 from mcml.motion.units import reading_of
 from tests.motion.bodies.made import clip_of, named, person
+from tests.motion.bodies.rewritten_trees import REWRITES, add_fingers, read_tree, rewrite, write_tree
 from tests.poses import global_positions
 
 FORMS = (Convention.LISTED, Convention.FIXED, Convention.BASE)
@@ -58,3 +59,20 @@ def test_the_joints_stand_in_the_same_places(form: Convention, other: Convention
     size = max(np.ptp(each) for each in wanted.values())
     for name in shared:
         np.testing.assert_allclose(found[name], wanted[name], atol=1e-5 * size, err_msg=name)
+
+
+@pytest.mark.parametrize("side", ["source", "target"])
+@pytest.mark.parametrize("way", REWRITES)
+def test_the_joints_stand_in_the_same_places_for_every_tree(way: str, side: str) -> None:
+    trees = [read_tree(person(seed, 24, scale=scale).decode()) for seed, scale in ((3, 1.0), (9, 1.3))]
+    for tree in trees:
+        add_fingers(tree)
+    one, two = (named(clip_of(write_tree(tree).encode())) for tree in trees)
+    wanted = places(one, two)
+    size = max(np.ptp(each) for each in wanted.values())
+    for seed in range(2):
+        made = named(clip_of(rewrite(trees[side == "target"], way, seed).encode()))
+        found = places(made, two) if side == "source" else places(one, made)
+        assert found.keys() >= wanted.keys()
+        for name in wanted:
+            np.testing.assert_allclose(found[name], wanted[name], atol=1e-5 * size, err_msg=name)

@@ -6,7 +6,10 @@ import re
 from collections.abc import Iterator
 from typing import Final
 
-from mcml.motion.skeleton import Skeleton
+import numpy as np
+
+from mcml.motion.hub import rest_of
+from mcml.motion.skeleton import Skeleton, once_a_skeleton
 
 _METACARPAL: Final = re.compile(r"metacarp|in_?hand", re.IGNORECASE)
 """Names of bones of the palm, which the name of a finger may have been given to."""
@@ -41,12 +44,38 @@ def _chain(skeleton: Skeleton, first: int, has_palm: bool) -> tuple[int, list[in
     """The bone of the palm, -1 without one, and the joints of the finger that has this joint."""
     palm = -1
     if has_palm:
-        parent, below = skeleton.joints[first].parent, skeleton.children(first)
-        if _METACARPAL.search(skeleton.joints[first].own_name) and below:
-            palm, first = first, below[0]
+        parent, below = skeleton.joints[first].parent, _next_joint(skeleton, first)
+        if _METACARPAL.search(skeleton.joints[first].own_name) and below is not None:
+            palm, first = first, below
         elif parent >= 0 and _METACARPAL.search(skeleton.joints[parent].own_name):
             palm = parent
     joints = [first]
-    while len(joints) < _JOINTS and (below := skeleton.children(joints[-1])):
-        joints.append(below[0])
+    while len(joints) < _JOINTS and (below := _next_joint(skeleton, joints[-1])) is not None:
+        joints.append(below)
     return palm, joints
+
+
+def _next_joint(skeleton: Skeleton, joint: int) -> int | None:
+    """The next joint of a chain, None at its end: the child with the longest chain below it, then the farthest, so that
+    helpers do not count; in its place the last of several joints that stand there.
+    """
+    children = skeleton.children(joint)
+    if not children:
+        return None
+    reach = _reach(skeleton)
+    found = max(children, key=lambda child: reach[child])
+    while len(below := skeleton.children(found)) == 1 and not reach[below[0]][1]:
+        found = below[0]
+    return found
+
+
+@once_a_skeleton
+def _reach(skeleton: Skeleton) -> list[tuple[int, float]]:
+    """Of each joint the number of joints in the longest chain that begins with it, and its distance from its parent."""
+    lengths = np.linalg.norm(rest_of(skeleton).offsets, axis=1).tolist()
+    counts = [1] * len(skeleton)
+    for index in reversed(range(len(skeleton))):
+        parent = skeleton.joints[index].parent
+        if parent >= 0:
+            counts[parent] = max(counts[parent], 1 + counts[index])
+    return list(zip(counts, lengths, strict=True))

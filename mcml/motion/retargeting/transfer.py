@@ -26,6 +26,8 @@ _LOOKED_AT = 60
 """Number of frames used to find the twist of limbs."""
 _STEPS = 12
 """Of the search for the angles of a joint that cannot turn freely."""
+_FINGERS = {f"finger_{finger}": place for place, finger in enumerate(("three", "two", "four", "five", "one"), 1)}
+"""Fingers to which the bone of a hand may lead, the middle one first."""
 
 
 @dataclass(frozen=True)
@@ -87,8 +89,11 @@ class Transfer:
         return (first, second) if fits else None
 
     def _end_of(self, joint: int) -> int | None:
-        """The matched joint below to which the bone leads: the one in the middle of the body where it branches."""
+        """The matched joint below to which the bone leads: the one in the middle where it branches, of the body or of a
+        hand."""
+        names = self.two.skeleton.names
         below = [end for end in self.pairs if self._above[end] == joint and self._vectors(joint, end)]
+        below.sort(key=lambda end: (_FINGERS.get(names[end].partition("_")[2], 0), names[end]))
         middle = [end for end in below if self._partners[end] == end]
         if len(below) == 1 or not below:
             return below[0] if below else None
@@ -113,7 +118,9 @@ class Transfer:
     def _axes(self, joint: int) -> tuple[Array, Array] | None:
         """Axes (3, 3) to the left, up and on of a joint in the middle of the body, in the source and in the target."""
         # The nearest sides first: the legs of a pelvis, not its arms.
-        below = sorted((other for other in self.pairs if self._is_below(other, joint)), key=self._depth)
+        names = self.two.skeleton.names
+        below = [other for other in self.pairs if self._is_below(other, joint)]
+        below.sort(key=lambda other: (self._depth(other), names[other]))
         middle = [other for other in below if self._partners[other] == other and self._vectors(joint, other)]
         for left in below:
             right = int(self._partners[left])
