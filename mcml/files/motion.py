@@ -49,8 +49,8 @@ class Motion:
     functions of XPath, NaN where unit, frame time, joint or sample are unknown. `calibration` marks guessed values.
 
     name: of the file. format: such as "bvh". bones: MCML's names, in the order of the skeleton; source_names: those of
-    the file. parents: of each bone, -1 at the root. frame_time: seconds a frame, None if the files do not state it.
-    notices: guesses and repairs.
+    the file. roles: of bones without a name of MCML's, such as "jaw" or "left_finger_one_2". parents: of each bone, -1
+    at the root. frame_time: seconds a frame, None if the files do not state it. notices: guesses and repairs.
     """
 
     def __init__(self, name: str, clip: ClipStream, original: bytes | None = None) -> None:
@@ -61,6 +61,7 @@ class Motion:
         self.format = head.format
         self.bones = list(head.skeleton.names)
         self.source_names = [joint.source_name for joint in head.skeleton.joints]
+        self.roles = {joint.name: joint.role for joint in head.skeleton.joints if joint.role is not None}
         self.parents = [joint.parent for joint in head.skeleton.joints]
         self.frame_time = head.seconds_per_frame()
         self.notices = [notice.what for notice in clip.notices]

@@ -165,6 +165,8 @@ def _shared_attributes(joint: Joint, channels_tag: str) -> dict[str, str]:
         attributes["mapped"] = "true" if joint.mapped else "false"
     if joint.confidence is not None:
         attributes["confidence"] = escape(joint.confidence)
+    if joint.role is not None:
+        attributes["role"] = escape(joint.role)
     attributes["convention"] = joint.convention.value
     if joint.translation:
         attributes["translation"] = joint.translation
@@ -236,7 +238,7 @@ def _read_shared(
 ) -> Joint:
     get = element.attributes.get
     rotation_order = get("rotation_order")
-    mapped = get("mapped")
+    mapped, role = get("mapped"), get("role")
     return Joint(
         name=name,
         parent=parent,
@@ -249,6 +251,7 @@ def _read_shared(
         axis_order=axis_order,
         translation=get("translation", ""),
         mapped=None if mapped is None else mapped == "true",
+        role=None if role is None else unescape(role),
     )
 
 

@@ -18,7 +18,8 @@ from functools import cache, lru_cache
 from mcml.errors import Notice, VocabularyError
 from mcml.motion.landmarks.centres import bodies_of, centres_of
 from mcml.motion.rigs.recognise import DOUBTFUL, Recognition
-from mcml.motion.rigs.skeletons import recognise_skeleton
+from mcml.motion.rigs.roles import find_roles
+from mcml.motion.rigs.skeletons import recognise_skeleton, rig_of
 from mcml.motion.rigs.vocabulary import vocabulary
 from mcml.motion.skeleton import TRANSLATIONS, Convention, Joint, Skeleton, unique_names
 from mcml.resources import joint_names_path
@@ -196,7 +197,7 @@ def named(
     root: int | None = None,
     recognition: Recognition | None = None,
 ) -> tuple[Skeleton, NamingReport]:
-    """Set `name`, `mapped` and `confidence` of every joint; return the skeleton and the reasons for unmapped joints.
+    """Set `name`, `mapped`, `confidence` and `role` of every joint; return the skeleton and why joints are not mapped.
 
     Source names do not change. extra: aliases, (name in the source, name to give), which come first. Never
     fails: a joint without a name of MCML's keeps its source name, with `#2` if that is taken.
@@ -267,7 +268,7 @@ def rename_joints(skeleton: Skeleton, chosen: Mapping[int, str | None]) -> Skele
             return joint
         return replace(joint, name=every[index], mapped=index not in freed, confidence=None)
 
-    return _renamed(skeleton, rename)
+    return with_roles(_renamed(skeleton, rename))
 
 
 def _claim(
@@ -310,7 +311,16 @@ def _with_names(
         for index, joint in enumerate(joints)
         if index not in given
     )
-    return _renamed(skeleton, rename), replace(report, named=mapped, unmapped=unmapped)
+    return with_roles(_renamed(skeleton, rename)), replace(report, named=mapped, unmapped=unmapped)
+
+
+def with_roles(skeleton: Skeleton) -> Skeleton:
+    """The skeleton with the role of every joint that has no name of MCML's, where words and the tree tell one."""
+    if _is_markers(skeleton):
+        return skeleton
+    named = {index: joint.name for index, joint in enumerate(skeleton.joints) if joint.mapped}
+    roles = find_roles(rig_of(skeleton), named)
+    return _renamed(skeleton, lambda index, joint: replace(joint, role=roles.get(index)))
 
 
 def _fill_in(given: Mapping[int, str], own: Sequence[str]) -> dict[int, str]:

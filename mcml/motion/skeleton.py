@@ -83,6 +83,7 @@ class Joint:
     limits: one text for each degree of freedom, such as "-160.0 20.0", without brackets.
     mapped: None before naming; then whether `name` is one of MCML's own.
     confidence: of that name, such as "0.6", if it is a guess; else None.
+    role: of a joint without a name of MCML's, such as "jaw" or "left_finger_one_2"; None if unknown.
     """
 
     name: str
@@ -104,6 +105,7 @@ class Joint:
     end_sites: tuple[EndSite, ...] = ()
     mapped: bool | None = None
     confidence: str | None = None
+    role: str | None = None
 
     @property
     def own_name(self) -> str:

@@ -182,6 +182,9 @@ class Bone(BaseModel):
     source_name: str
     parent: str | None = None
     mapped: bool | None = Field(None, description="Whether the name is one of MCML's own")
+    role: str | None = Field(
+        None, description="Purpose of a joint without a name of MCML's: jaw, left_eye, left_finger_one_2, twist, prop"
+    )
     channels: list[str]
     rotation_order: str
     convention: str

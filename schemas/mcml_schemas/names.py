@@ -52,11 +52,14 @@ class AliasTable(BaseModel):
 
 
 class Rename(BaseModel):
-    """source: the joint's name in the file that it came from."""
+    """source: the joint's name in the file that it came from. A joint whose role alone changes keeps its name."""
 
     source: str
     before: str
     after: str
+    role: str | None = Field(
+        None, description="Purpose of a joint without a name of MCML's", exclude_if=lambda role: role is None
+    )
 
 
 class AppliedNames(BaseModel):

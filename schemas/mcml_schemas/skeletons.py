@@ -50,6 +50,9 @@ class SkeletonBone(BaseModel):
     source_name: str = Field(description="As the file writes it")
     mapped: bool | None = Field(None, description="Whether the name is one of MCML's own")
     confidence: float | None = Field(None, description="Of the name if it is a guess, 0 to 1")
+    role: str | None = Field(
+        None, description="Purpose of a joint without a name of MCML's: jaw, left_eye, left_finger_one_2, twist, prop"
+    )
     parent: int = Field(description="Index of the parent bone, -1 at a root; parents come first")
     side: Side = Field(description="By the names of the bone and of its partner")
     partner: int = Field(description="Index of the same bone of the other side; its own in the middle")

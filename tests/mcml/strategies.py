@@ -65,6 +65,7 @@ def skeletons(draw: st.DrawFn, convention: Convention) -> Skeleton:
             "translation": draw(st.sampled_from(["", "absolute", "relative"])),
             "mapped": draw(st.sampled_from([None, True, False])),
             "confidence": draw(st.sampled_from([None, "0.6"])),
+            "role": draw(st.sampled_from([None, "jaw", "a & b"])),
             "offset": draw(optional(st.none(), TRIPLES)),
         }
         if convention is Convention.LISTED:

@@ -228,6 +228,9 @@ def test_measurements_have_the_numbers_of_columns(database: Database, by_trees: 
         ("//motion_name[mo:time() > 0.05]", "//motion_name[. is .][mo:time() > 0.05]"),
         ("//frame_bone/@Tx[mo:time() = 0]", "//frame_bone/@Tx[. is .][mo:time() = 0]"),
         ("//frame_bone[mo:height(.) > 1.6]", "//frame_bone[. is .][mo:height(.) > 1.6]"),
+        ("//frame_bone[mo:height(@name) > 1.6]", "//frame_bone[. is .][mo:height(@name) > 1.6]"),
+        ("//frame/mo:height(//bone[1])", "//frame[. is .]/mo:height(//bone[1])"),
+        ("//frame/mo:speed(//skeleton/bone[1]/name)", "//frame[. is .]/mo:speed(//skeleton/bone[1]/name)"),
         ("//frame[mo:height(@id) > 0]", "//frame[. is .][mo:height(@id) > 0]"),
         ("//frame[mo:time() > 0.2]/@*", "//frame[. is .][mo:time() > 0.2]/@*"),
         (

@@ -106,7 +106,9 @@ def bone_vectors(skeleton: Skeleton, found: Survey, offsets: Array) -> Array:
 
 def made(joint: Joint, convention: Convention, parent: int, channels: tuple[str, ...], order: str) -> Joint:
     """A joint of another convention under the same names."""
-    return Joint(joint.name, parent, joint.source_name, convention, channels, order, mapped=joint.mapped)
+    return Joint(
+        joint.name, parent, joint.source_name, convention, channels, order, mapped=joint.mapped, role=joint.role
+    )
 
 
 def plan_listed(skeleton: Skeleton, found: Survey) -> Plan:

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
 
 from mcml.motion.hub import rest_of
+from mcml.motion.rigs.fingers import is_of_palm
 from mcml.motion.skeleton import Skeleton, once_a_skeleton
 
-_METACARPAL: Final = re.compile(r"metacarp|in_?hand", re.IGNORECASE)
-"""Names of bones of the palm, which the name of a finger may have been given to."""
 _FINGERS: Final = ("one", "two", "three", "four", "five")
 _JOINTS: Final = 3
 """Of a finger that bend; joints after them are tips."""
@@ -45,9 +43,9 @@ def _chain(skeleton: Skeleton, first: int, has_palm: bool) -> tuple[int, list[in
     palm = -1
     if has_palm:
         parent, below = skeleton.joints[first].parent, _next_joint(skeleton, first)
-        if _METACARPAL.search(skeleton.joints[first].own_name) and below is not None:
+        if is_of_palm(skeleton.joints[first].own_name) and below is not None:
             palm, first = first, below
-        elif parent >= 0 and _METACARPAL.search(skeleton.joints[parent].own_name):
+        elif parent >= 0 and is_of_palm(skeleton.joints[parent].own_name):
             palm = parent
     joints = [first]
     while len(joints) < _JOINTS and (below := _next_joint(skeleton, joints[-1])) is not None:

@@ -12,6 +12,7 @@ from mcml.motion.rigs.limbs import Limb, best_path
 from mcml.motion.rigs.postures import Posture, degrees, trunk_angle
 from mcml.motion.rigs.readings import CORE, Reading
 from mcml.motion.rigs.tree import Tree
+from mcml.motion.rigs.vocabulary import HELPERS
 from mcml.motion.rigs.words import Words
 from mcml.motion.skeleton import Array
 
@@ -30,7 +31,7 @@ def creature_by_words(names: Sequence[str], words: Sequence[Words], readings: Se
     front_feet, back_feet = "", ""
     odd: set[str] = set()
     for name, reading in zip(names, readings, strict=True):
-        if "animal" in reading.parts and not reading.parts & {"helper"}:
+        if "animal" in reading.parts and not reading.parts & HELPERS:
             return f"it has {name!r}"
         odd |= reading.words if "creature" in reading.parts else frozenset()
         if (

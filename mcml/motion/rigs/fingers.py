@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from mcml.motion.rigs.limbs import Limb
-from mcml.motion.rigs.readings import Reading
+from mcml.motion.rigs.readings import FINGERS, Reading
 from mcml.motion.rigs.tree import Tree
 
 _NAMES = ("fingers", "finger_one", "finger_two", "finger_three", "finger_four", "finger_five")
+_EVERY = frozenset(FINGERS)
+_PALM = re.compile(r"metacarp|in_?hand", re.IGNORECASE)
+
+
+def is_of_palm(name: str) -> bool:
+    """Tell whether a joint has the name of a bone of the palm, which the name of a finger may have been given to."""
+    return _PALM.search(name) is not None
 
 
 def find_fingers(
@@ -29,7 +37,8 @@ def find_fingers(
     ]
     if top < 0 or not some:
         return {}
-    some.sort(key=lambda joint: (tree.depth[joint], readings[joint].numbers[:2], joint))
+    # A joint of one finger comes before one of two, such as RingPinky.
+    some.sort(key=lambda j: (tree.depth[j], len(readings[j].parts & _EVERY), readings[j].numbers[:2], tree.names[j], j))
     named: dict[int, int] = {}
     for joint in some:
         if readings[joint].finger > 0:

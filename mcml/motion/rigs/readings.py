@@ -10,6 +10,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from mcml.motion.rigs.vocabulary import APPENDAGES, HELPERS
 from mcml.motion.rigs.words import SIDES, Words
 
 ARM = ("shoulder", "up_arm", "low_arm", "wrist", "hand")
@@ -87,8 +88,8 @@ def read_names(names: Sequence[str], words: Sequence[Words]) -> list[Reading]:
     """The reading of each name. words: of each name, by `read_words`."""
     connecting = _find_connectors(names)
     return [
-        replace(_read(name, own), helper=True) if name in connecting else _read(name, own)
-        for name, own in zip(names, words, strict=True)
+        replace(reading, helper=True, parts=reading.parts | {"connector"}) if name in connecting else reading
+        for name, reading in zip(names, map(_read, names, words), strict=True)
     ]
 
 
@@ -136,7 +137,7 @@ def _read(name: str, words: Words) -> Reading:
     if half:
         weight *= _HALF
     key = tuple(word.text for word in words if not SIDES & set(word.parts))
-    helper = "helper" in parts or "appendage" in parts
+    helper = bool(parts & (HELPERS | APPENDAGES))
     end = "end" in parts
     part, trunk, finger = _part(parts, named, side, every)
     numbers = numbers or tuple(_NUMBERS[word.text] for word in words if word.text in _NUMBERS)

@@ -18,6 +18,7 @@ from mcml.motion.rigs.postures import Posture, first_standing, left_of, side_of,
 from mcml.motion.rigs.readings import CORE, LIMBS, Reading, read_names
 from mcml.motion.rigs.tree import Tree
 from mcml.motion.rigs.trunk import Claim, Trunk, find_trunk
+from mcml.motion.rigs.vocabulary import APPENDAGES
 from mcml.motion.rigs.words import SIDES, read_words
 from mcml.motion.skeleton import Array
 
@@ -265,13 +266,13 @@ def _left_first(
 
 
 def _has(readings: Sequence[Reading], word: str) -> bool:
-    return any(word in reading.words and "appendage" in reading.parts for reading in readings)
+    return any(word in reading.words and reading.parts & APPENDAGES for reading in readings)
 
 
 def _no_arms(rig: _Rig) -> str:
     if min(rig.core("arm")) >= 2 or max(rig.core("leg")) < 1:
         return ""
-    away = any("appendage" in reading.parts for reading in rig.readings)
+    away = any(reading.parts & APPENDAGES for reading in rig.readings)
     return "it has a tail or wings, and no two arms" if away else ""
 
 

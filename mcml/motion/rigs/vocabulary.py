@@ -1,8 +1,8 @@
 """Words in names of joints, in eleven languages, and the part of the body that each one names.
 
 `words.csv` has a row for each language and part. `left`, `right` and `centre` are sides; `upper`, `lower`, `fore`,
-`hind`, `front` change another word; `noise` has no meaning; `helper`, `end` and `half` mark joints that are not part of
-a body.
+`hind`, `front` change another word; `noise` has no meaning; `end`, `half`, HELPERS and APPENDAGES mark joints that are
+not part of a person's body.
 """
 
 from __future__ import annotations
@@ -15,6 +15,11 @@ from functools import cache
 from mcml.resources import rig_words_path
 
 ENGLISH = "en"
+HELPERS = frozenset(
+    {"clothing", "control", "eye", "face", "face_part", "hair", "heel", "jaw", "prop", "soft_tissue", "tip"}
+)
+"""Parts of joints that stand for no bone of limbs and trunk, or only drive others."""
+APPENDAGES = frozenset({"tail", "wing"})
 _SHORT = 3
 """Letters of a Latin word up to which another language's words count only in a rig of that language."""
 

@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from mcml.motion.rigs.vocabulary import ENGLISH, Vocabulary, languages, normalise, vocabulary
+from mcml.motion.rigs.vocabulary import ENGLISH, HELPERS, Vocabulary, languages, normalise, vocabulary
 
 SIDES = frozenset({"left", "right"})
 _FIRST = 0.85
@@ -232,7 +232,7 @@ def _without_noise(words: list[Words]) -> list[Words]:
             (not known and not text.isdigit() and (count > 0.5 * len(words) or count > _OFTEN))
             or (known and known <= {"noise"})
         ) or (
-            known & {"helper", "half", "end", "root"}
+            known & (HELPERS | {"half", "end", "root"})
             and not known & (SIDES | {"centre"})
             and count > 0.6 * len(words) > 3
         ):

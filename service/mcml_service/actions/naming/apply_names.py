@@ -21,7 +21,7 @@ from mcml_service.storage.transaction import Transaction
 
 
 def renames(tx: Transaction, stored: StoredDocument) -> tuple[Skeleton, list[Rename]]:
-    """Return (the skeleton with the names that an import would give it now, the names that differ from the
+    """Return (the skeleton with the names and roles that an import would give it now, those that differ from the
     document's).
     """
     clip = read_clip(tx, stored, labelled=False).clip
@@ -32,9 +32,9 @@ def renames(tx: Transaction, stored: StoredDocument) -> tuple[Skeleton, list[Ren
     rig = recognise_clip(clip)
     after, _ = joint_names.named(before, tx.aliases.of(stored.project).pairs, moving_root(clip, rig), rig)
     changed = [
-        Rename(source=new.source_name, before=old.name, after=new.name)
+        Rename(source=new.source_name, before=old.name, after=new.name, role=new.role)
         for old, new in zip(before.joints, after.joints, strict=True)
-        if (old.name, old.confidence) != (new.name, new.confidence)
+        if (old.name, old.confidence, old.role) != (new.name, new.confidence, new.role)
     ]
     return after, changed
 
@@ -68,7 +68,7 @@ def name_joints(
         chosen[index] = item.name
     after = joint_names.rename_joints(before, chosen)
     changed = [
-        Rename(source=new.source_name, before=old.name, after=new.name)
+        Rename(source=new.source_name, before=old.name, after=new.name, role=new.role)
         for old, new in zip(before.joints, after.joints, strict=True)
         if (old.name, old.confidence, old.mapped) != (new.name, new.confidence, new.mapped)
     ]
@@ -86,7 +86,10 @@ def _keep(
                 _write(element, joint)
 
         edit_head(tx, stored, "/mcml/skeleton", edit)
-        told = ", ".join(f"{item.before} -> {item.after}" for item in changed)
+        told = ", ".join(
+            f"{item.before} -> {item.after}" if item.before != item.after else f"{item.after}: {item.role}"
+            for item in changed
+        )
         tx.documents.add_revision(stored, "names", told[:200])
     return tx.documents.get(stored.uuid), changed
 
@@ -106,3 +109,6 @@ def _write(element: Element, joint: Joint) -> None:
     element.attributes.pop("confidence", None)
     if joint.confidence is not None:
         element.attributes["confidence"] = joint.confidence
+    element.attributes.pop("role", None)
+    if joint.role is not None:
+        element.attributes["role"] = joint.role

@@ -47,6 +47,7 @@ def detail(tx: Transaction, stored: StoredDocument) -> DocumentDetail:
                 source_name=joint.source_name,
                 parent=joints[joint.parent].name if joint.parent >= 0 else None,
                 mapped=joint.mapped,
+                role=joint.role,
                 channels=list(joint.channels),
                 rotation_order=joint.rotation_order,
                 convention=joint.convention.value,

@@ -70,6 +70,7 @@ def describe_skeleton(tx: Transaction, stored: StoredDocument) -> SkeletonView:
                 source_name=joint.source_name,
                 mapped=joint.mapped,
                 confidence=None if joint.confidence is None else float(joint.confidence),
+                role=joint.role,
                 parent=joint.parent,
                 side=sides[index],
                 partner=others[index],

@@ -9,7 +9,7 @@ import typer
 from mcml.client.choosing import choose_documents, id_of
 from mcml.errors import NotFoundError
 from mcml_schemas.documents import DocumentSummary
-from mcml_schemas.names import Alias, AppliedNames, JointChoices, SavedAliases
+from mcml_schemas.names import Alias, AppliedNames, JointChoices, Rename, SavedAliases
 from mcml_schemas.querying.saved import VocabularyToSave, VocabularyWord
 from mcml_schemas.retarget import JointPair, SavedMapping
 from mcml_service.cli.terminal.choosing import IdsArgument, MotionNameOption, ProjectOption, XPathOption, for_each
@@ -59,7 +59,7 @@ def apply(
     def apply_one(item: DocumentSummary) -> None:
         made.append(client.call("apply_names", id=item.id, dry_run=dry_run, if_match="*"))
         for name in made[-1].items if not (as_json or dry_run) else ():
-            console.print(f"{item.id}  {name.source}: {name.before} -> {name.after}")
+            console.print(f"{item.id}  {name.source}: {describe(name)}")
 
     try:
         for_each(documents, apply_one)
@@ -75,15 +75,20 @@ def apply(
 
 def print_by_rig(made: list[AppliedNames]) -> None:
     """Print renamed joints, grouped by documents whose joints would change in the same way; the largest group first."""
-    rigs: dict[tuple[tuple[str, str, str], ...], list[str]] = {}
+    rigs: dict[tuple[tuple[str, str], ...], list[str]] = {}
     for item in made:
         if item.items:
-            key = tuple((name.source, name.before, name.after) for name in item.items)
+            key = tuple((name.source, describe(name)) for name in item.items)
             rigs.setdefault(key, []).append(item.document)
     for names, documents in sorted(rigs.items(), key=lambda rig: -len(rig[1])):
         console.print(f"{len(documents)} documents, such as {documents[0]}: {len(names)} names")
-        for source, before, after in names:
-            console.print(f"  {source}: {before} -> {after}")
+        for source, told in names:
+            console.print(f"  {source}: {told}")
+
+
+def describe(name: Rename) -> str:
+    """The name that a joint had and the new one, or its role if that alone changes."""
+    return f"{name.before} -> {name.after}" if name.before != name.after else f"role {name.role or 'none'}"
 
 
 def set_names(

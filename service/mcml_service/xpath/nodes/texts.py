@@ -55,6 +55,12 @@ def of_texts(texts: Sequence[str]) -> Strings:
     return Strings(np.array(codes, np.int64), list(places))
 
 
+def first_filled(one: Strings, other: Strings) -> Strings:
+    """For each item the first text, or the other where that is empty."""
+    every = joined((one, other))
+    return every[np.arange(len(one)) + np.where(one.test(bool), 0, len(one))]
+
+
 def joined(parts: Sequence[Strings]) -> Strings:
     """Several columns of strings, one after the other."""
     values: list[str] = []

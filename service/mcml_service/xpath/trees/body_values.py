@@ -75,7 +75,7 @@ $mo-place := function($node) {{
   then ($mo-places(generate-id($node/ancestor-or-self::frame)), $mo-heads(generate-id(root($node))))[1]
   else error((), 'a function of bodies is asked with a value as context, which is in no frame; bind it with for') }},
 $mo-name := function($named) {{
-  string(head($named) ! (if (. instance of node()) then @name else .)) }},
+  string(head($named) ! (if (. instance of node()) then (@name, name, .)[1] else .)) }},
 $mo-joint := function($named, $joints) {{
   let $name := $mo-name($named) return if ($joints($name)) then $name else '' }},
 $mo-column := function($numbers) {{ array {{ tokenize($numbers, ' ') ! number(.) }} }},

@@ -2483,6 +2483,7 @@ export interface components {
             source_name: string;
             parent?: string | null;
             mapped?: boolean | null;
+            role?: string | null;
             channels: string[];
             rotation_order: string;
             convention: string;
@@ -4972,6 +4973,7 @@ export interface components {
             source: string;
             before: string;
             after: string;
+            role?: string | null;
         };
         ReplaceEdit: {
             /**
@@ -5313,6 +5315,7 @@ export interface components {
             source_name: string;
             mapped?: boolean | null;
             confidence?: number | null;
+            role?: string | null;
             parent: number;
             /** @enum {string} */
             side: "left" | "right" | "centre";

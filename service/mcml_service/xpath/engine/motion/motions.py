@@ -35,7 +35,7 @@ from mcml_service.xpath.library.likeness import Asked
 from mcml_service.xpath.nodes.nodesets import NodeSets, ordered
 from mcml_service.xpath.nodes.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Floats, Ints, documents_of, frames_of
 from mcml_service.xpath.nodes.pairs import bounded, expand
-from mcml_service.xpath.nodes.texts import Strings
+from mcml_service.xpath.nodes.texts import Strings, first_filled
 
 NEARLY = 1e-6
 """Of a frame: times are rounded in files, and a second is 120 frames of 0.0083333."""
@@ -208,10 +208,16 @@ class Motions:
         return np.where(rows >= 0, column[rows], np.nan) if len(column) else np.full(len(nodes), np.nan)
 
     def _name(self, argument: Expression, context: Context) -> Strings:
-        """Return the name in an argument; for a node, its name."""
-        if isinstance(argument, Path) or type_of(argument) == "nodes":
-            argument = Path((Step("attribute", NAME),), start=argument)
-        return self._columns.strings(argument, context)
+        """Return the name in an argument: for a node its attribute or child `name`, else its text."""
+        if not (isinstance(argument, Path) or type_of(argument) == "nodes"):
+            return self._columns.strings(argument, context)
+        steps = (Path((Step(axis, NAME),), start=argument) for axis in ("attribute", "child"))
+        found = self._columns.strings(next(steps), context)
+        for other in (*steps, argument):
+            if found.test(bool).all():
+                break
+            found = first_filled(found, self._columns.strings(other, context))
+        return found
 
     def _combined(self, arguments: list[Strings], count: int) -> Iterator[tuple[Ints | None, tuple[str, ...]]]:
         """Contexts (None: all) of which the arguments have the same texts, and these."""

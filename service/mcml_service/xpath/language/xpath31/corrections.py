@@ -6,7 +6,7 @@ Each has its clause. Tests compare with Saxon and the W3C's cases (`tests/xpath`
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, MutableMapping
+from collections.abc import Callable, Iterator, MutableMapping
 from copy import copy
 from decimal import Decimal
 from typing import Any
@@ -352,8 +352,31 @@ METHODS: dict[str, dict[str, Any]] = {
 """By symbol: methods of its tokens."""
 
 
+_WITHOUT_FOCUS = frozenset({"(integer)", "(decimal)", "(float)", "(string)", "$", "."})
+"""Tokens that move no focus."""
+
+
 def correct(table: MutableMapping[str, type[Any]]) -> None:
     """Put the corrections into a table of symbols."""
-    for symbol, methods in METHODS.items():
-        kind = XPath31Parser.symbol_table[symbol]
-        table[symbol] = type(kind.__name__, (kind,), methods)
+    for symbol, kind in list(table.items()):
+        methods = METHODS.get(symbol, {})
+        if issubclass(kind, XPathToken) and symbol not in _WITHOUT_FOCUS:
+            select = methods.get("select") or kind.select
+            table[symbol] = type(kind.__name__, (kind,), methods | {"select": _with_own_focus(select)})
+
+
+def _with_own_focus(select: Callable[..., Iterator[Any]]) -> Callable[..., Iterator[Any]]:
+    """Select with a copy of the context, so that the focus of others stays (XPath 3.1 §2.1.2).
+
+    Paths move it, so `.` after another operand of an inline function, of `insert-before` or of a map was the last node
+    of that operand.
+    """
+
+    def selected(self: XPathToken, context: XPathContext | None = None) -> Iterator[Any]:
+        if context is None:
+            return select(self, context)
+        own = copy(context)
+        own.axis = context.axis
+        return select(self, own)
+
+    return selected
