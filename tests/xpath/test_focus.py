@@ -10,7 +10,8 @@ from mcml.errors import QueryError
 from mcml_service.xpath.trees.evaluate import Tree
 
 DOCUMENT = b"""<mcml><skeleton><bone><name>waist</name><bone><name>neck</name></bone></bone>
-<bone><name>leg</name></bone></skeleton><motion><frame id='1'><motion_name>walk</motion_name></frame><frame id='2'/></motion></mcml>"""
+<bone><name>leg</name></bone></skeleton>
+<motion><frame id='1'><motion_name>walk</motion_name></frame><frame id='2'/></motion></mcml>"""
 PATHS = ("//bone", "//bone[last()]", "(//bone/name)", "ancestor::*", "//bone except //bone[1]", "motion_name")
 SHAPES = (
     "string-join({}, '-')", "count({})", "string(({})[1])", "head({} ! name())", "exists({})", "sort({} ! name())[1]",

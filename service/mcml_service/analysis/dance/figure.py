@@ -20,6 +20,8 @@ COINCIDENT = 0.001
 _FINGER = re.compile(r"thumb|index|middle|ring|pinky|little|finger", re.IGNORECASE)
 _BEARER = re.compile(r"hand|wrist|palm|arm|carp", re.IGNORECASE)
 _FOOT = re.compile(r"foot|feet|toe", re.IGNORECASE)
+_HELPERS = frozenset({"control", "origin", "twist"})
+"""Roles of joints that are no part of the body: they would count twice, or stay where they are."""
 _TURNS = {"X": np.array([0.0, 0.0, np.pi / 2]), "Z": np.array([-np.pi / 2, 0.0, 0.0])}
 """Angles about X, Y, Z that take an axis up to Y."""
 
@@ -55,21 +57,35 @@ def figure_of(skeleton: Skeleton, translations: Array) -> Figure:
     sites = tuple(
         (index, numbers(site.offset)) for index, joint in enumerate(skeleton.joints) for site in joint.end_sites
     )
-    size = body_size(skeleton.parents, offsets, sites)
+    helpers = np.array([joint.role in _HELPERS for joint in skeleton.joints], dtype=bool)
+    within = offsets.copy()
+    within[[index for index, joint in enumerate(skeleton.joints) if _is_beside(skeleton, index)]] = 0.0
+    size = body_size(skeleton.parents, within, sites)
     if size == 0 and len(translations):
         # Markers: the greatest distance between two of them, from their middles.
         middles = np.median(translations, axis=0)
         size = float(np.linalg.norm(middles[:, None] - middles[None], axis=-1).max(initial=0.0))
     fingers = finger_joints(skeleton)
     lengths = np.linalg.norm(offsets, axis=1)
-    counts = ~fingers & (moved | (lengths >= COINCIDENT * size))
+    counts = ~fingers & ~helpers & (moved | (lengths >= COINCIDENT * size))
     tips = tuple(
         (joint, vector)
         for joint, vector in sites
-        if not fingers[joint] and np.linalg.norm(vector) >= COINCIDENT * size
+        if not (fingers[joint] or helpers[joint]) and np.linalg.norm(vector) >= COINCIDENT * size
     )  # fmt: skip
-    feet = [index for index, joint in enumerate(skeleton.joints) if any(map(_FOOT.search, _names(joint)))]
+    feet = [
+        index
+        for index, joint in enumerate(skeleton.joints)
+        if not helpers[index] and any(map(_FOOT.search, _names(joint)))
+    ]
     return Figure(skeleton, size, np.flatnonzero(counts), tips, np.array(feet, dtype=np.intp), moved)
+
+
+def _is_beside(skeleton: Skeleton, index: int) -> bool:
+    """Whether the way from the joint above is no bone of the body: that of helpers, and of the hips."""
+    joint = skeleton.joints[index]
+    above = skeleton.joints[joint.parent].role if joint.parent >= 0 else None
+    return joint.role in _HELPERS or above == "origin"
 
 
 def body_size(parents: NDArray[np.intp], offsets: Array, sites: tuple[tuple[int, Array], ...] = ()) -> float:
