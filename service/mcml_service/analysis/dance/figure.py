@@ -8,10 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mcml.motion.carriers import carriers
 from mcml.motion.hub import walked
 from mcml.motion.lexemes import triple
+from mcml.motion.rotation_vectors import from_vector, twist
 from mcml.motion.rotations import from_euler, inverse, multiply, rotate
-from mcml.motion.skeleton import Array, Convention, EndSite, Joint, Skeleton, numbers
+from mcml.motion.skeleton import ROTATIONS, TRANSLATIONS, Array, Convention, EndSite, Joint, Skeleton, numbers
 from mcml_service.analysis.interface import AnalysisError, Motion
 
 COINCIDENT = 0.001
@@ -162,6 +164,35 @@ def check_finite(motion: Motion) -> None:
 def upright(motion: Motion) -> Motion:
     """Rotate a motion to Y up, including its rest pose. Returns the same motion if Y is up already."""
     return _turn(motion, _TURNS.get((motion.up or "Y").upper()), "Y")
+
+
+def carried_by_roots(motion: Motion) -> Motion:
+    """The motion, Y up, with the way over the floor and the heading of each body in its root.
+
+    The hips of some rigs move below a root that stays, as in Unreal Engine; dances are placed by their roots. Joints of
+    the body stand where they stood. A root that cannot move and turn stays as it is.
+    """
+    skeleton = motion.skeleton
+    moving = [
+        (root, joint)
+        for root, joint in zip(skeleton.roots, carriers(skeleton, motion.translations), strict=True)
+        if joint != root and {*TRANSLATIONS, *ROTATIONS} <= set(skeleton.joints[root].channels)
+    ]
+    if not moving:
+        return motion
+    places, turned = walked(skeleton, motion.translations, motion.rotations)
+    translations, rotations = motion.translations.copy(), motion.rotations.copy()
+    up = np.array([0.0, 1.0, 0.0])
+    for root, joint in moving:
+        translations[:, root, ::2] = places[:, joint, ::2]
+        rotations[:, root] = from_vector(twist(turned[:, joint], up)[:, None] * up)
+    own_places, own_turned = walked(skeleton, translations, rotations)
+    for _, joint in moving:
+        above = skeleton.joints[joint].parent
+        back = inverse(own_turned[:, above])
+        translations[:, joint] = rotate(back, places[:, joint] - own_places[:, above])
+        rotations[:, joint] = multiply(back, turned[:, joint])
+    return replace(motion, translations=translations, rotations=rotations)
 
 
 def lay_back(motion: Motion, up: str | None) -> Motion:
