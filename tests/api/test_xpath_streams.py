@@ -157,6 +157,8 @@ def test_completion(library: TestClient) -> None:
     found = library.get(f"{API}/xpath/complete", params={"q": "//frame[motion_name='wa"}).json()
     assert found["first"] == 21
     assert {"text": "walk", "kind": "motion name", "detail": "", "documents": 2} in found["items"]
+    roles = library.get(f"{API}/xpath/complete", params={"q": "//bone[@role='left_e"}).json()["items"]
+    assert [item["text"] for item in roles] == ["left_eye"]
     assert library.get(f"{API}/xpath/complete", params={"q": "//frame", "at": 4}).json()["items"][0]["text"] == "frame"
 
 

@@ -36,8 +36,17 @@ _PASSED_ON: Final = frozenset({"clothing", "control", "face", "hair", "prop", "s
 """Roles that a joint without telling words has from the one above."""
 _DIGIT: Final = re.compile(r"(?:left|right)_(?:finger_\w+?|fingers|toe_\w+?|toes)(?:_(?P<number>\d+))?")
 _PHALANGES: Final = 3
+_FINGERS: Final = tuple(f"finger_{number}" for number in ("one", "two", "three", "four", "five"))
 ORIGIN: Final = "origin"
 """Of a joint above the hips, which places the figure."""
+
+
+def known_roles() -> list[str]:
+    """Roles that a person may ask for: those by words, and the second and third joints of fingers."""
+    sides = ("left_", "right_")
+    found = [role.format(side=side) for role in BY_WORD.values() for side in (sides if "{" in role else ("",))]
+    fingers = [f"{side}{name}_{number}" for side in sides for name in _FINGERS for number in (2, 3)]
+    return list(dict.fromkeys([*found, *_TRUNK.values(), ORIGIN, *fingers]))
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from mcml.motion.bodies.activities.activity import ACTIVITIES
 from mcml.motion.bodies.limb_angles import angle_names, clinical_name
 from mcml.motion.bodies.quantities import AXES as BODY_AXES
 from mcml.motion.bodies.quantities import FEET
+from mcml.motion.rigs.roles import known_roles
 from mcml_service.xpath.language.functions import FUNCTIONS
 from mcml_service.xpath.language.motion_functions import (
     ANGLE,
@@ -177,6 +178,8 @@ def _strings(
         yield from (Completion(text, "motion name", documents=count) for text, count in motion_names().items())
     elif level.compared == NAME:
         yield from (Completion(text, "bone name", documents=count) for text, count in bone_names().items())
+    elif level.compared == "role":
+        yield from (Completion(text, "word", "of joints without an MCML name") for text in known_roles())
     elif level.function in MOTION_FUNCTIONS and level.types is None:
         yield from _of_motion(level, bone_names, more_follow)
 

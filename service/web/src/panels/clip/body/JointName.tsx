@@ -52,12 +52,6 @@ export function JointName({ clip, bone, reload }: { clip: Clip; bone: number; re
           )}
         </span>
       </label>
-      {joint.role && (
-        <div class="info-row">
-          <span>{r("label.jointRole")}</span>
-          <code>{joint.role}</code>
-        </div>
-      )}
       <label class="row">
         <input
           type="checkbox"
@@ -67,6 +61,12 @@ export function JointName({ clip, bone, reload }: { clip: Clip; bone: number; re
         />
         {r("label.rememberName")}
       </label>
+      {joint.role && (
+        <div class="info-row">
+          <span>{r("label.jointRole")}</span>
+          <code>{joint.role}</code>
+        </div>
+      )}
     </>
   );
 }
