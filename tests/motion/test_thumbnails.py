@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -94,6 +96,17 @@ def test_a_root_that_only_stands_in_the_world_is_not_drawn() -> None:
     skeleton = Skeleton((joint("world", -1, (0, 0, 0)), joint("Hips", 0, (0, 9, 0)), joint("Head", 1, (0, 9, 0))))
     found = figure_of(skeleton, rest_of(skeleton), 1)
     assert (found.points, found.bones, found.root) == ((1, 2), ((0, 1),), 0)
+
+
+def test_targets_and_twist_bones_are_not_drawn() -> None:
+    joints = (
+        joint("Root", -1, (0, 0, 0)),
+        joint("Head", 0, (0, 9, 0), tip=True),
+        replace(joint("ik_hand_root", 0, (0, 0, 0)), role="control"),
+        replace(joint("ik_hand_l", 2, (5, 0, 0), tip=True), role="control"),
+    )
+    skeleton = Skeleton(joints)
+    assert figure_of(skeleton, rest_of(skeleton), 0).points == (0, 1, 4)
 
 
 def test_bodies_are_seen_from_their_left_front() -> None:

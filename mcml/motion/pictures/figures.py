@@ -60,13 +60,17 @@ class Figure:
     face: bool = False
 
 
+_NOT_DRAWN = frozenset({"control", "twist"})
+"""Roles of joints."""
+
+
 @once_a_skeleton
 def figure_of(skeleton: Skeleton, rest: Rest, carrier: int) -> Figure:
     """Return the figure of a body: all its points, or the most important ones.
 
-    carrier: the joint that moves the body; joints above it do not move, and are not drawn. Fingers and toes are dropped
-    first, then ends of chains, then the shortest bones; roots stay. Children of a dropped point are connected to the
-    point above.
+    carrier: the joint that moves the body; joints above it do not move, and are not drawn, nor are twist bones and
+    targets of inverse kinematics. Fingers and toes are dropped first, then ends of chains, then the shortest bones;
+    roots stay. Children of a dropped point are connected to the point above.
     """
     joints = len(skeleton)
     parents = [joint.parent for joint in skeleton.joints] + [joint for joint, _ in rest.tips]
@@ -79,7 +83,8 @@ def figure_of(skeleton: Skeleton, rest: Rest, carrier: int) -> Figure:
         kind = 0 if _DIGIT.search(names[point]) else 1 if point >= joints else 2
         return kind, lengths[point], -point
 
-    aside = set()
+    aside = {index for index, joint in enumerate(skeleton.joints) if joint.role in _NOT_DRAWN and index != carrier}
+    aside |= {joints + index for index, (joint, _) in enumerate(rest.tips) if joint in aside}
     above = parents[carrier]
     while above >= 0:
         aside.add(above)

@@ -76,20 +76,20 @@ def find_roles(tree: Tree, named: Mapping[int, str]) -> dict[int, str]:
         while roles.get(parent) == "connector":
             parent = tree.parents[parent]
         place = _Place(joint, parent, named.get(parent, roles.get(parent, "")), readings[joint])
-        role = _by_words(tree, place, named) or _by_tree(tree, place, named)
-        if role or joint in above_hips:
-            roles[joint] = role or ORIGIN
+        role = ORIGIN if joint in above_hips else _by_words(tree, place, named) or _by_tree(tree, place, named)
+        if role:
+            roles[joint] = role
     return roles
 
 
 def _by_words(tree: Tree, place: _Place, named: Mapping[int, str]) -> str:
+    carries = any(tree.is_above(place.joint, other) for other in named)
     for part, role in BY_WORD.items():
         # "Top" and "tip" are ends only where no part of the body follows.
-        if part in place.reading.parts and not (
-            role == "end" and any(tree.is_above(place.joint, other) for other in named)
-        ):
+        if part in place.reading.parts and not (carries and role == "end"):
             side = place.reading.side if place.reading.side in SIDES else place.above.partition("_")[0]
-            return role.format(side=f"{side}_" if side in SIDES else "")
+            found = role.format(side=f"{side}_" if side in SIDES else "")
+            return "connector" if carries and found == "control" else found
     return ""
 
 

@@ -117,6 +117,20 @@ def test_roles_by_the_tree() -> None:
     assert "Thing" not in found
 
 
+def test_a_control_that_the_body_hangs_from_is_a_link_of_it() -> None:
+    base = person(USUAL)
+    neck = list(base.names).index("Neck")
+    names = [*base.names[:neck], "Neck_Ctrl", *base.names[neck:]]
+    parents = [parent + (parent >= neck) for parent in base.parents]
+    parents = [*parents[:neck], parents[neck], *parents[neck:]]
+    parents[neck + 1] = neck
+    rig = Tree(names, parents, np.insert(base.places, neck, base.places[neck], axis=0))
+    found = roles_of(rig)
+    assert found["Neck_Ctrl"] == "connector"
+    assert found["Neck"] == "neck1"
+    assert roles_of(with_joints(USUAL, [("HeadAim", "Head"), ("HeadAim_Ctrl", "HeadAim")]))["HeadAim"] == "control"
+
+
 def test_naming_gives_roles_and_a_chosen_name_takes_one_away() -> None:
     skeleton, _ = named(skeleton_of(with_joints(USUAL, [("Jaw", "Head"), ("LeftEye", "Head")])))
     assert {joint.source_name: joint.role for joint in skeleton.joints if joint.role} == {

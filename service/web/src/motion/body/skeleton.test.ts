@@ -28,3 +28,13 @@ describe("the height of a skeleton", () => {
     expect(skeletonOf(body(0)).height).toBe(1.7);
   });
 });
+
+describe("the lines of a skeleton", () => {
+  it("lead to no targets of inverse kinematics", () => {
+    const plain = body(80);
+    const target = { ...plain.bones[0], name: "ik_hand_root", parent: 0, role: "control" };
+    const hand = { ...plain.bones[0], name: "ik_hand_l", parent: 3, role: "control" };
+    const { edges } = skeletonOf({ ...plain, bones: [...plain.bones, target, hand] } as SkeletonView);
+    expect([...edges]).toEqual([0, 1, 1, 2]);
+  });
+});

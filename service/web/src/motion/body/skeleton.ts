@@ -58,10 +58,12 @@ export function skeletonOf(answer: SkeletonView): Skeleton {
       rest[index * 3 + axis] = numberAt(rest, tip.bone * 3 + axis) + numberAt(tip.offset, axis);
   });
   const shapes = new Set(view.bones.flatMap((bone, index) => (bone.convention === "shape" ? [index] : [])));
+  // Targets of inverse kinematics are no bones of the body: lines to them would cross it.
+  const targets = new Set(view.bones.flatMap((bone, index) => (bone.role === "control" ? [index] : [])));
   const edges = bonesOf(
     [...parents],
     view.bones.map((bone) => bone.name),
-  ).filter(([, end]) => !shapes.has(end));
+  ).filter(([start, end]) => !shapes.has(end) && !targets.has(start) && !targets.has(end));
   for (const [start, end] of view.lines) edges.push([start, end]);
   let extent = 0;
   for (let axis = 0; axis < 3; axis++) {
