@@ -57,3 +57,15 @@ def test_an_operand_after_another_has_the_focus_of_both(tree: Tree, outer: str, 
         assert found == wanted, (operand, own)
         answered += len(found) > 1
     assert answered
+
+
+@pytest.mark.parametrize("function", ["fold-left", "fold-right", "array:fold-left", "array:fold-right"])
+@pytest.mark.parametrize(("members", "zero"), [((), ()), ((), (5, 6)), ((1, 2), ()), ((1, 2), (5, 6)), ((1,), (5,))])
+def test_folds_begin_with_any_sequence(
+    tree: Tree, function: str, members: tuple[int, ...], zero: tuple[int, ...]
+) -> None:
+    given = ", ".join(map(str, members))
+    given = f"[{given}]" if function.startswith("array") else f"({given})"
+    start = ", ".join(map(str, zero))
+    found = ask(tree, f"{function}({given}, ({start}), function($a, $b) {{ ($a, $b) }})", False)
+    assert found == [*zero, *members] if function.endswith("left") else found == [*members, *zero]

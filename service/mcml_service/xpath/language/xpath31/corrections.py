@@ -328,6 +328,14 @@ def _rounded(name: str) -> Any:
     return corrected
 
 
+def _zero(self: Any, context: Any = None, index: int = 0, **options: Any) -> Any:
+    """An argument of a fold: the second one is any sequence (F&O 3.1 §16.2.3), also none, which was an item."""
+    if index != 1:
+        return XPathFunction.get_argument(self, context, index, **options)
+    values = list(self[1].select(copy(context)))
+    return values[0] if len(values) == 1 else values
+
+
 METHODS: dict[str, dict[str, Any]] = {
     **{symbol: arithmetic(symbol) for symbol in OPERATORS},
     **{name: {"evaluate": _rounded(name)} for name in ("floor", "ceiling", "round", "abs")},
@@ -337,6 +345,11 @@ METHODS: dict[str, dict[str, Any]] = {
     "distinct-values": {"select": distinct_values},
     f"{{{XPATH_FUNCTIONS_NAMESPACE}}}sort": {"evaluate": sort},
     f"{{{XPATH_ARRAY_FUNCTIONS_NAMESPACE}}}sort": {"evaluate": sort_array},
+    **{
+        f"{{{namespace}}}fold-{way}": {"get_argument": _zero}
+        for namespace in (XPATH_FUNCTIONS_NAMESPACE, XPATH_ARRAY_FUNCTIONS_NAMESPACE)
+        for way in ("left", "right")
+    },
     # A kind test in a path takes no occurrence indicator (XPath 3.1 §3.3.2.2): `node() + 1` is a sum.
     "node": {"nud": XPathFunction.nud, "select": _node},
     "namespace": {"select": _namespaces},
