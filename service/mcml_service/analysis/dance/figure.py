@@ -166,7 +166,7 @@ def upright(motion: Motion) -> Motion:
     return _turn(motion, _TURNS.get((motion.up or "Y").upper()), "Y")
 
 
-def carried_by_roots(motion: Motion) -> Motion:
+def carry_by_roots(motion: Motion) -> Motion:
     """The motion, Y up, with the way over the floor and the heading of each body in its root.
 
     The hips of some rigs move below a root that stays, as in Unreal Engine; dances are placed by their roots. Joints of

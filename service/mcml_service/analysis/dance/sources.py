@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mcml.motion.skeleton import Array, Convention, numbers
 from mcml_service.analysis.dance.bars import Bars, EntryFrom, Source, Tolerance, bars_of, find_bars
-from mcml_service.analysis.dance.figure import Figure, carried_by_roots, check_finite, figure_of, scale_motion, upright
+from mcml_service.analysis.dance.figure import Figure, carry_by_roots, check_finite, figure_of, scale_motion, upright
 from mcml_service.analysis.dance.motion_beats import (
     Candidates,
     Difference,
@@ -96,7 +96,7 @@ def upright_clip(motion: Motion) -> Motion:
             shortest=shortest,
         )
     check_finite(motion)
-    return carried_by_roots(upright(motion))
+    return carry_by_roots(upright(motion))
 
 
 def channels_of(motion: Motion) -> Array:
