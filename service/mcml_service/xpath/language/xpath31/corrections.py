@@ -28,6 +28,7 @@ from elementpath.xpath_tokens import XPathArray, XPathFunction, XPathToken
 from mcml.errors import LimitError
 from mcml_service.xpath.language.xpath31.arithmetic import OPERATORS, arithmetic
 from mcml_service.xpath.language.xpath31.flwor import Flwor
+from mcml_service.xpath.language.xpath31.numeric import NUMERIC, number_argument
 from mcml_service.xpath.language.xpath31.ordering import distinct_values, sort, sort_array
 
 LONGEST_RANGE = 10_000_000
@@ -338,7 +339,11 @@ def _zero(self: Any, context: Any = None, index: int = 0, **options: Any) -> Any
 
 METHODS: dict[str, dict[str, Any]] = {
     **{symbol: arithmetic(symbol) for symbol in OPERATORS},
-    **{name: {"evaluate": _rounded(name)} for name in ("floor", "ceiling", "round", "abs")},
+    **NUMERIC,
+    **{
+        name: {"evaluate": _rounded(name), "get_argument": number_argument}
+        for name in ("floor", "ceiling", "round", "abs")
+    },
     "substring": {"evaluate": _substring},
     "count": {"evaluate": _count},
     "lang": {"evaluate": _lang},
