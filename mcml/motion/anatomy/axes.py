@@ -179,10 +179,10 @@ def segments_of(skeleton: Skeleton, rest: Rest, stance: Stance) -> list[Segment]
                 continue
             above = skeleton.joints[joints[0]].parent if part.kind != "pelvis" else -1
             bone = bone_of(skeleton, rest, stance, joints[-1])
-            parted = above
-            while parted >= 0 and skeleton.joints[parted].name not in BODY:
-                parted = skeleton.joints[parted].parent
-            before = bone if above < 0 else bone_of(skeleton, rest, stance, parted if parted >= 0 else above)
+            part_above = above
+            while part_above >= 0 and skeleton.joints[part_above].name not in BODY:
+                part_above = skeleton.joints[part_above].parent
+            before = bone if above < 0 else bone_of(skeleton, rest, stance, part_above if part_above >= 0 else above)
             found.append(Segment(part, side, joints[-1], above, bone, before))
     return found
 

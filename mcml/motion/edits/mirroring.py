@@ -198,12 +198,10 @@ def _bones(skeleton: Skeleton, rest: Rest, other: Rows, index: int) -> tuple[Arr
 def _carried_vectors(skeleton: Skeleton, rest: Rest, index: int) -> dict[int, Array]:
     """Vectors (3,) from a joint to its children at rest; those that do not turn count as far as their own children."""
     found: dict[int, Array] = {}
+    links = sides_of(skeleton).links
     for child in skeleton.children(index):
-        below = (
-            {}
-            if turns(skeleton, child) and child not in sides_of(skeleton).links
-            else _carried_vectors(skeleton, rest, child)
-        )
+        leads_on = child in links or not turns(skeleton, child)
+        below = _carried_vectors(skeleton, rest, child) if leads_on else {}
         below = below or {child: np.zeros(3)}
         found |= {joint: rest.offsets[child] + vector for joint, vector in below.items()}
     return found

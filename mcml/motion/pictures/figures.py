@@ -43,6 +43,8 @@ _LINES = {
 _DIGIT = re.compile(r"finger|thumb|toe|index|pinky|(?:^|[_ ])(?:mid|middle|ring)(?:[_ \d]|$)", re.I)
 _OF_FACE = re.compile(r"brow|lip|mouth|cheek|nose|eye|jaw|chin|fore_?head", re.I)
 _NOSE = re.compile("nose", re.I)
+_NOT_DRAWN = frozenset({"control", "twist"})
+"""Roles of joints."""
 
 
 @dataclass(frozen=True)
@@ -58,10 +60,6 @@ class Figure:
     root: int | None
     markers: bool = False
     face: bool = False
-
-
-_NOT_DRAWN = frozenset({"control", "twist"})
-"""Roles of joints."""
 
 
 @once_a_skeleton

@@ -97,9 +97,8 @@ def _by_tree(tree: Tree, place: _Place, named: Mapping[int, str]) -> str:
     above, reading = place.above, place.reading
     digit = _DIGIT.fullmatch(above)
     if digit is not None:
-        number = (
-            1 if digit["number"] is None and is_of_palm(tree.names[place.parent]) else int(digit["number"] or 1) + 1
-        )
+        first = 0 if is_of_palm(tree.names[place.parent]) else 1
+        number = int(digit["number"] or first) + 1
         bare = above.removesuffix(f"_{digit['number']}")
         return "end" if number > _PHALANGES and not tree.children[place.joint] else f"{bare}_{number}"
     for child in tree.children[place.joint]:

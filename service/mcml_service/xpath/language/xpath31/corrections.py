@@ -390,11 +390,11 @@ def _with_own_focus(select: Callable[..., Iterator[Any]]) -> Callable[..., Itera
     of that operand.
     """
 
-    def selected(self: XPathToken, context: XPathContext | None = None) -> Iterator[Any]:
+    def select_apart(self: XPathToken, context: XPathContext | None = None) -> Iterator[Any]:
         if context is None:
             return select(self, context)
         own = copy(context)
         own.axis = context.axis
         return select(self, own)
 
-    return selected
+    return select_apart
