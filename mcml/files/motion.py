@@ -168,16 +168,19 @@ class Motion:
         """(frames,) means of the samples of an analog channel in each frame, in the file's unit."""
         return self._quantity("analog", channel)
 
-    def force(self, plate: str, axis: str) -> Array:
-        """(frames,) newtons of the ground on a force plate, such as "1", along "x", "y" or "z" of the laboratory."""
+    def force(self, plate: str | int, axis: str) -> Array:
+        """(frames,) newtons of the ground on a plate, such as 1, or a foot, such as "left".
+
+        axis: "x", "y" or "z" of the laboratory.
+        """
         return self._quantity("force", plate, axis)
 
-    def cop(self, plate: str, axis: str) -> Array:
-        """(frames,) metres of the centre of pressure on a force plate; NaN below 20 N."""
+    def cop(self, plate: str | int, axis: str) -> Array:
+        """(frames,) metres of the centre of pressure on a plate or foot, as for `force`; NaN below 20 N."""
         return self._quantity("cop", plate, axis)
 
-    def free_moment(self, plate: str) -> Array:
-        """(frames,) newton metres about the vertical on a force plate; NaN below 20 N."""
+    def free_moment(self, plate: str | int) -> Array:
+        """(frames,) newton metres about the vertical on a plate or foot, as for `force`; NaN below 20 N."""
         return self._quantity("free-moment", plate)
 
     @cached_property
@@ -226,9 +229,9 @@ class Motion:
     def _body(self) -> ClipBody:
         return body_of(self._clip.head, self._clip.blocks())
 
-    def _quantity(self, name: str, *arguments: str | None) -> Array:
+    def _quantity(self, name: str, *arguments: str | int | None) -> Array:
         """Return a quantity in every frame. Raises NotFoundError for an unknown joint or measurement."""
-        stated = [argument for argument in arguments if argument is not None]
+        stated = [str(argument) for argument in arguments if argument is not None]
         asked = asked_quantity(f"{name}:{','.join(stated)}" if stated else name)
         if asked.of_gait:
             return self.measure_gait().contacts(cast("Side", asked.arguments[0]), len(self))

@@ -298,7 +298,8 @@ def _with_names(
     skeleton: Skeleton, given: Mapping[int, tuple[str, float, str]], report: NamingReport, why: Mapping[int, str]
 ) -> tuple[Skeleton, NamingReport]:
     joints = skeleton.joints
-    names = _fill_in({index: claim[0] for index, claim in given.items()}, [joint.own_name for joint in joints])
+    own = [joint.name if joint.convention is Convention.MARKER else joint.own_name for joint in joints]
+    names = _fill_in({index: claim[0] for index, claim in given.items()}, own)
 
     def rename(index: int, joint: Joint) -> Joint:
         sure = given[index][1] if index in given else 1.0

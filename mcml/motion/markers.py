@@ -15,13 +15,13 @@ from mcml.motion.units import reading_of
 _KEPT_FIELDS = ("filename", "skeleton_name", "dataframe_rate", "calibration_unit", "global_axis_of_gravity")
 
 
-def marker_skeleton(labels: Sequence[str], *, residual: bool = False) -> Skeleton:
-    """Points without hierarchy, in the order of their labels; repeated ones get `#2`, `#3` … in their name.
+def marker_skeleton(labels: Sequence[str], *, residual: bool = False, names: Sequence[str] | None = None) -> Skeleton:
+    """Points without hierarchy, in the order of their labels; repeated names get `#2`, `#3` … at their end.
 
-    residual: they have the channel of that name too, how well each sample was measured.
+    residual: they have the channel of that name too, how well each sample was measured. names: if not the labels.
     """
     channels = (*TRANSLATIONS, "residual") if residual else TRANSLATIONS
-    names = unique_names([label or "unnamed" for label in labels])
+    names = unique_names([name or "unnamed" for name in names or labels])
     return Skeleton(
         tuple(
             Joint(

@@ -14,12 +14,14 @@ from mcml.errors import ConversionError, FormatError, LimitError, McmlError
 from mcml.formats import FORMATS
 from mcml.formats.c3d.quantities import kept_quantities
 from mcml.formats.format import Limits, ReadOptions
+from mcml.language.joint_names import named
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, full_shape
 from mcml.motion.conventions.convert import convert
 from mcml.motion.markers import marker_skeleton
 from mcml.motion.skeleton import Convention
 from mcml.testing import frames, read, written
 from tests.builders import bvh, c3d_file
+from tests.c3d_writer import c3d_bytes, texts
 
 C3D = FORMATS["c3d"]
 NOT_READ_BY_EZC3D = {
@@ -59,6 +61,32 @@ def test_keeps_what_the_file_says() -> None:
     missing = [shape for shape in block.shapes if any(not bits for _, bits in shape)]
     assert missing
     assert any("1 analog channels stay in the file" in notice.what for notice in clip.notices)
+
+
+@pytest.mark.parametrize(
+    ("descriptions", "names"),
+    [
+        (("R.Knee", "R.Knee.Medial", "Left"), ("R.Knee", "R.Knee.Medial", "LKNE")),
+        (("knee", "knee", "Left"), ("RKNE", "RKNE#2", "LKNE")),
+        (("knee", "", "Left"), ("RKNE", "RKNE#2", "LKNE")),
+        (("LKNE", "inner", ""), ("RKNE", "RKNE#2", "LKNE")),
+        (("knee",), ("RKNE", "RKNE#2", "LKNE")),
+    ],
+)
+def test_descriptions_are_names_of_points_of_one_label(descriptions: tuple[str, ...], names: tuple[str, ...]) -> None:
+    labels = ["RKNE", "RKNE", "LKNE"]
+    content = c3d_bytes(
+        np.arange(18.0).reshape(2, 3, 3),
+        labels=labels,
+        parameters={"POINT:LABELS": texts(*labels), "POINT:DESCRIPTIONS": texts(*descriptions)},
+    )
+    clip = clip_of(content)
+    skeleton, _ = named(clip.head.skeleton)
+    assert clip.head.skeleton.names == skeleton.names == names
+    assert [joint.source_name for joint in skeleton.joints] == labels
+    assert any("2 points are called 'RKNE'" in notice.what for notice in clip.notices)
+    again = clip_of(written(C3D, clip)["c3d"])
+    assert [joint.source_name for joint in again.head.skeleton.joints] == labels
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -10,6 +10,7 @@ turns them into a clip of markers.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import BinaryIO
@@ -106,7 +107,8 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
     measured, unmeasured, sample = _survey(points, places)
     if unmeasured:
         notices.append(Notice("guess", "every residual says that there is no sample; the coordinates count"))
-    skeleton = marker_skeleton([labels[place] for place in places.tolist()], residual=measured)
+    own = [labels[place] for place in places.tolist()]
+    skeleton = marker_skeleton(own, residual=measured, names=_names(said, labels, places.tolist(), notices))
     plates = corners_of(said)
     told = told_up(skeleton, sample, plates)
     fields, first_id = _fields(said, name, notices, told), first_frame(said, layout.frames)
@@ -233,6 +235,28 @@ def _labels(said: Statements, points: int, notices: list[Notice]) -> list[str]:
         note(notices, "warning", f"{points} points have {len(texts)} labels: the others are unnamed")
     labels = [_text(text, notices) for text in texts[:points]]
     return [*labels, *["unnamed"] * (points - len(labels))]
+
+
+def _names(said: Statements, labels: list[str], places: list[int], notices: list[Notice]) -> list[str]:
+    """Names of markers: their labels, but descriptions where these tell markers of one label apart.
+
+    Programs that cut labels to four letters write `RKNE` twice, and `R.Knee` and `R.Knee.Medial` as descriptions.
+    """
+    told = [_text(text, []).strip() for text in texts_of(said, "POINT:DESCRIPTIONS")]
+    own = [labels[place] for place in places]
+    names, often, taken = list(own), Counter(own), set(own)
+    for label in [label for label, count in often.items() if count > 1]:
+        same = [index for index, other in enumerate(own) if other == label]
+        before = label[: label.rfind(":") + 1]
+        better = [before + told[places[index]] for index in same if places[index] < len(told) and told[places[index]]]
+        if len(set(better) - taken) == len(same):
+            for index, name in zip(same, better, strict=True):
+                names[index] = name
+            taken.update(better)
+            note(notices, "note", f"{len(same)} points are called {label!r}: their descriptions are their names")
+        elif label:
+            note(notices, "warning", f"{len(same)} points are called {label!r}: only their order tells them apart")
+    return names
 
 
 def _text(text: bytes, notices: list[Notice]) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
-from mcml.motion.landmarks.centres import bodies_of
+from mcml.motion.landmarks.centres import bodies_of, marker_labels
 from mcml.motion.landmarks.recognise import MarkerBody
 from mcml.motion.landmarks.tables import key_of
 from mcml.motion.skeleton import Skeleton
@@ -94,8 +94,8 @@ def _by_name(skeleton: Skeleton, body: MarkerBody) -> dict[str, int]:
     """Index of each name without its prefix. Points that a model computes may lack the prefix of the person."""
     own: dict[str, int] = {}
     for prefix in dict.fromkeys((body.prefix, "")):
-        for index, joint in enumerate(skeleton.joints):
-            before, _, bare = joint.source_name.rpartition(":")
+        for index, label in enumerate(marker_labels(skeleton)):
+            before, _, bare = label.rpartition(":")
             if before.strip() == prefix:
                 own.setdefault(key_of(bare), index)
     return own

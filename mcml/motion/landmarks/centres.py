@@ -107,7 +107,13 @@ def bodies_of(skeleton: Skeleton) -> tuple[MarkerBody, ...]:
     """Return the bodies of the markers of a skeleton; none if its joints are not markers."""
     if not skeleton.joints or any(joint.convention is not Convention.MARKER for joint in skeleton.joints):
         return ()
-    return recognise_markers([joint.source_name for joint in skeleton.joints])
+    return recognise_markers(marker_labels(skeleton))
+
+
+def marker_labels(skeleton: Skeleton) -> list[str]:
+    """The names by which markers are recognised: those of the source, or their own where the source repeats one."""
+    often = Counter(joint.source_name for joint in skeleton.joints)
+    return [joint.source_name if often[joint.source_name] == 1 else joint.name for joint in skeleton.joints]
 
 
 @once_a_skeleton
@@ -139,8 +145,8 @@ def index_landmarks(skeleton: Skeleton, body: MarkerBody) -> dict[str, int]:
     often = Counter(body.landmarks.values())
     at = {landmark: index for index, landmark in body.landmarks.items() if often[landmark] == 1}
     for prefix in dict.fromkeys((body.prefix, "")):
-        for index, joint in enumerate(skeleton.joints):
-            before, _, bare = joint.source_name.rpartition(":")
+        for index, label in enumerate(marker_labels(skeleton)):
+            before, _, bare = label.rpartition(":")
             if index not in body.landmarks and before.strip() == prefix:
                 at.setdefault(key_of(bare).upper(), index)
     return at

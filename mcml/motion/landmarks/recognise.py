@@ -79,16 +79,22 @@ def _body(prefix: str, names: Mapping[int, str]) -> MarkerBody:
         names = {index: name[cut:] for index, name in names.items()}
     keys = {index: key_of(name) for index, name in names.items()}
     set_name = _set_of(set(keys.values()))
-    landmarks: dict[int, str] = {}
-    by_words = set()
+    claims: list[tuple[int, str, int, str]] = []
     for index, key in keys.items():
         own = marker_sets()[set_name].get(key) if set_name else None
-        if own is None and set_name not in KEY_POINTS:
-            own = agreed_landmarks().get(key) or landmark_by_words(names[index])
+        if own is not None:
+            claims.append((0, key, index, own))
+        elif set_name not in KEY_POINTS:
+            told = agreed_landmarks().get(key)
+            own = told or landmark_by_words(names[index])
             if own is not None:
-                by_words.add(index)
-        if own is not None and (own.endswith("_tracking") or own not in landmarks.values()):
+                claims.append((1 if told else 2, key, index, own))
+    # Of two markers at one landmark the surer name counts, not the place in the file: both sides agree on the marker.
+    landmarks: dict[int, str] = {}
+    for _, _, index, own in sorted(claims):
+        if own.endswith("_tracking") or own not in landmarks.values():
             landmarks[index] = own
+    by_words = {index for trust, _, index, _ in claims if trust > 0}
     return MarkerBody(prefix, set_name, landmarks, frozenset(by_words & landmarks.keys()), len(names))
 
 

@@ -52,6 +52,15 @@ def test_on_a_tie_the_smaller_set_is_meant() -> None:
     assert "centres of joints" in told
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_of_two_markers_at_a_landmark_the_place_in_the_file_tells_nothing(seed: int) -> None:
+    """Trials with markers of two sets: `LASI` and `LASIS` are one landmark, chosen alike on both sides."""
+    names = [*GAIT, "LASIS", "RASIS", "LPSIS", "RPSIS", "L.Knee", "R.Knee", "LLEK", "RLEK", "L_MT2", "R_MT2"]
+    shuffled = [names[index] for index in np.random.default_rng(seed).permutation(len(names))]
+    assert landmarks(shuffled) == landmarks(names)
+    assert {landmarks(shuffled)[name] for name in ("LASI", "RASI")} == {"left_asis", "right_asis"}
+
+
 def test_several_people_are_several_bodies() -> None:
     names = [f"{who}:{name}" for who in ("Anna", "Bea") for name in GAIT]
     first, second = recognise_markers(names)
