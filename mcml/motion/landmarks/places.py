@@ -18,6 +18,11 @@ _BOTH_SIDES = (("knee_lateral", "knee_medial"), ("ankle_lateral", "ankle_medial"
 """Lateral landmarks, which are outside of medial ones in a standing body with hanging arms."""
 _ORDER = (("ankle_lateral", "knee_lateral"), ("knee_lateral", "asis"), ("asis", "acromion"))
 """Landmarks of a side, one above the other."""
+_WANDS = (("thigh_tracking", "knee", "asis", 0.5), ("shank_tracking", "ankle", "knee_lateral", 0.0))
+"""A wand, the joint that is constructed in its plane, a landmark above, and how far behind it the joint above is, as a
+share of the pelvis's depth."""
+_BESIDE = 0.5
+"""Cosine of the largest angle of a wand from the side, seen along the segment."""
 _CLEAR = 0.02
 """Of the height from ankle to pelvis: a smaller step contradicts nothing."""
 
@@ -53,7 +58,7 @@ def check_places(body: MarkerBody, places: Array) -> list[str]:
         return []
     left, clear = left / size, _CLEAR * height
     whose = f"{body.prefix}: " if body.prefix else ""
-    told = _check_sides(at, left, clear)
+    told = [*_check_sides(at, left, clear), *_check_wands(at, front - back, clear)]
     low = [
         f"{side}_{lower} above {side}_{upper}"
         for side in ("left", "right")
@@ -65,6 +70,33 @@ def check_places(body: MarkerBody, places: Array) -> list[str]:
     if len(low) > 1:
         told.append(f"places contradict names: {', '.join(low)}")
     return [whose + sentence for sentence in told]
+
+
+def _check_wands(at: Mapping[str, Array], depth: Array, clear: float) -> list[str]:
+    """Joints without a medial marker are constructed in the plane of a wand, which is beside the segment.
+
+    depth: from the back of the pelvis to its front, in whose middle the hips are.
+    """
+    turned, left = [], at["left_asis"] - at["right_asis"]
+    for wand, low, high, back in _WANDS:
+        for side, sign in (("left", 1.0), ("right", -1.0)):
+            names = (f"{side}_{wand}", f"{side}_{low}_lateral", f"{side}_{high}")
+            if f"{side}_{low}_medial" in at or not at.keys() >= set(names):
+                continue
+            tip, joint, above = (at[name] for name in names)
+            along = above - back * depth - joint
+            if not np.linalg.norm(along) > clear:
+                continue
+            along = along / np.linalg.norm(along)
+            away, outward = (step - (step @ along) * along for step in (tip - joint, sign * left))
+            size = np.linalg.norm(away)
+            if size > clear and away @ outward < _BESIDE * size * np.linalg.norm(outward):
+                turned.append((names[0], low))
+    return [
+        f"{wand} is not beside its segment: angles of the {low} may be wrong by tens of degrees, unless a property "
+        "states the rotation of the wand"
+        for wand, low in turned
+    ]
 
 
 def _middle(at: Mapping[str, Array], landmark: str) -> Array | None:

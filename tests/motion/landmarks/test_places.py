@@ -52,8 +52,20 @@ def test_one_exchanged_pair_is_named() -> None:
 
 def test_a_lifted_knee_is_no_fault() -> None:
     body, places, names = standing()
-    places[names.index("LKNE")] = (12, 110, 40)
+    leg = [names.index(name) for name in ("LTHI", "LKNE", "LTIB")]
+    places[leg] = [(15, 105, 20), (12, 110, 40), (14, 60, 20)]
     assert check_places(body, places) == []
+
+
+def test_a_marker_in_front_of_the_thigh_is_no_wand() -> None:
+    """A marker on the skin in front of the thigh would turn the plane of the knee by 90 degrees."""
+    body, places, names = standing()
+    places[names.index("LTHI")] = (12, 75, 9)
+    (told,) = check_places(body, places)
+    assert told.startswith("left_thigh_tracking is not beside its segment: angles of the knee")
+    wider = [*names, "L.Knee.Medial"]
+    (body,) = recognise_markers(wider)
+    assert check_places(body, np.concatenate([places, [(5, 50, 2)]])) == []
 
 
 def test_what_is_not_seen_is_not_judged() -> None:
