@@ -12,9 +12,14 @@ import numpy as np
 from mcml.errors import Notice
 from mcml.language.joint_names import NamingReport
 from mcml.motion.clip import ClipHead
-from mcml.motion.guesses import likely_units
+from mcml.motion.guesses import FEWEST_NAMED, likely_units
 from mcml.motion.kinematics import rest_positions
 from mcml.motion.skeleton import Array, Convention, Skeleton
+from mcml.motion.units import metres_of
+
+_NO_POSE, _SMALLEST, _LARGEST = 0.01, 0.3, 4.0
+"""Metres of the rest pose of a person along its longest side; arms may be raised, and children are small. Files without
+a rest pose have all joints at one point."""
 
 
 def unit_facts(head: ClipHead, extent: Array) -> dict[str, Any]:
@@ -37,6 +42,19 @@ def unit_facts(head: ClipHead, extent: Array) -> dict[str, Any]:
     likely = likely_units(height)
     looks = f", which would be a person in {' or '.join(likely)}" if likely else ""
     return {"value": None, "stated": False, "why": f"the file names no unit; the rest pose is {height:.4g} tall{looks}"}
+
+
+def _check_size(head: ClipHead, names: NamingReport | None, extent: Array) -> list[Notice]:
+    """A warning if the stated unit makes a person of a size that no person has."""
+    metres = metres_of(head)
+    if metres is None or names is None or names.refused or len(names.named) < FEWEST_NAMED:
+        return []
+    size = float(extent.max()) * metres
+    if not _NO_POSE < size < _SMALLEST and not size > _LARGEST:
+        return []
+    unit = head.fields["calibration_unit"]
+    what = f"in {unit}, this person measures {size:.3g} m: if that is wrong, import with another unit"
+    return [Notice("warning", what)]
 
 
 def rate_facts(head: ClipHead) -> dict[str, Any]:
@@ -123,7 +141,11 @@ def receipt(
         "markers": Convention.MARKER in facts.conventions,
         "notices": [
             {"kind": notice.kind, "what": notice.what, "at": None if notice.at is None else str(notice.at)}
-            for notice in (*notices, *(() if names is None else names.notices()))
+            for notice in (
+                *notices,
+                *_check_size(head, names, facts.extent),
+                *(() if names is None else names.notices()),
+            )
         ],
         "twins": [],
     }

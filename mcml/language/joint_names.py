@@ -95,7 +95,10 @@ class NamingReport:
     def notices(self) -> list[Notice]:
         """The report as lines of a receipt."""
         if self.kind in (MARKERS, MCML):
-            return [Notice("guess" if "contradict" in told else "note", f"markers: {told}") for told in self.told]
+            return [
+                Notice("guess" if "contradict" in told or "may be wrong" in told else "note", f"markers: {told}")
+                for told in self.told
+            ]
         if self.refused:
             return [Notice("guess", f"joint names: not a person ({self.refused}), so joints keep their own names")]
         lines = [Notice("guess" if "disagree" in told else "note", f"joint names: {told}") for told in self.told]

@@ -23,13 +23,13 @@ HEIGHTS = (("m", 0.8, 3.0), ("ft", 3.5, 8.0), ("inch", 40.0, 95.0), ("cm", 95.0,
 
 _EXPORTED = (("dm", 12.0, 20.9, 0.1), ("inch/0.45", 20.9, 39.5, 0.0254 / 0.45))
 """Further units for the size of an exported person. The second is that of the files of Carnegie Mellon's database."""
-_FEWEST_NAMED = 6
+FEWEST_NAMED = 6
 """Joints with names of MCML's that make a skeleton a person."""
 
 
 def is_person(skeleton: Skeleton) -> bool:
     """Whether the joints are those of a person: several have names of MCML's, or markers that stand on a body."""
-    return sum(bool(joint.mapped) for joint in skeleton.joints) >= _FEWEST_NAMED or bool(bodies_of(skeleton))
+    return sum(bool(joint.mapped) for joint in skeleton.joints) >= FEWEST_NAMED or bool(bodies_of(skeleton))
 
 
 def size_of_person(head: ClipHead, pose: Array) -> tuple[str, float] | None:
