@@ -17,6 +17,7 @@ BENCHMARKS = {
     "edits": "one value, difference, undo, label, cut in a document of 100,000 frames",
     "expression": "expression spaces: all stages, operations, 96,000 frames",
     "formats": "reading and writing BVH, against pybvh, simdjson, numpy.savetxt",
+    "hostile": "a reader beside clients whose expressions are made to take all time and memory",
     "imports": "imports of thousands of short clips: in one call, file by file, over HTTP",
     "load": "a hundred people read and ten write for ten minutes",
     "layouts": "ways to lay frames out in SQLite, against each other",

@@ -11,26 +11,31 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
+from mcml_schemas.querying.queries import QueryAnswer, QueryRequest
 from mcml_service.api import admission
 from mcml_service.operations import OPERATIONS
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
+from mcml_service.xpath import limits
+from mcml_service.xpath.limits import Limits
 from mcml_service.xpath.query_pool import PooledQueries as Queries
 from tests.builders import bvh, one_kind, served, upload
 
 API = "/api/v1"
 MANY = 45
 """More than the threads that a server has for what is light."""
+HEAVY = "count(for $bone in //bone return $bone)"
+QUICK = "count(//bone)"
 
 
 @pytest.fixture
 def gate(monkeypatch: pytest.MonkeyPatch) -> Iterator[threading.Event]:
-    """Queries end once it is open."""
+    """Heavy queries end once it is open."""
     gate, answer = threading.Event(), Queries.answer
 
-    def late(*given: Any) -> Any:
-        assert gate.wait(60)
-        return answer(*given)
+    def late(queries: Queries, request: QueryRequest, limits: Limits | None = None) -> QueryAnswer:
+        assert HEAVY not in request.q or gate.wait(60)
+        return answer(queries, request, limits)
 
     monkeypatch.setattr(Queries, "answer", late)
     yield gate
@@ -42,7 +47,7 @@ def asked(client: TestClient, count: int, **more: Any) -> Iterator[list[Future[A
     """So many queries at once; those that wait are counted when the block begins."""
     with ThreadPoolExecutor(count) as pool:
         yield [
-            pool.submit(client.get, f"{API}/xpath", params={"q": f"count(//bone) + {number}"}, **more)
+            pool.submit(client.get, f"{API}/xpath", params={"q": f"{HEAVY} + {number}"}, **more)
             for number in range(count)
         ]
 
@@ -72,6 +77,40 @@ def test_what_is_light_is_not_behind_what_is_heavy(database: Database, gate: thr
             assert [query.result().status_code for query in queries] == [200] * MANY
 
 
+@one_kind
+def test_what_is_quick_is_not_behind_what_is_heavy(database: Database, gate: threading.Event) -> None:
+    """Not even behind queries of the same client: pages, lists and facets."""
+    with served(database, Settings(heavy_places=2)) as client:
+        upload(client, {"a.bvh": bvh(3)})
+        with asked(client, 3) as queries:
+            until(lambda: waiting(client) == 2)
+            bones = client.get(f"{API}/xpath", params={"q": QUICK}).json()["value"]
+            assert client.post(f"{API}/xpath", json={"q": QUICK}).json()["value"] == bones > 0
+            assert client.get(f"{API}/documents", params={"xpath": "//bone"}).json()["total"] == 1
+            assert client.get(f"{API}/facets", params={"xpath": "//bone"}).status_code == 200
+            # An error is one at once.
+            assert client.get(f"{API}/xpath", params={"q": QUICK, "document": "none"}).status_code == 404
+            assert waiting(client) == 2
+            gate.set()
+            assert [query.result().status_code for query in queries] == [200] * 3
+
+
+@one_kind
+def test_what_is_not_quick_after_all_waits_for_its_turn(
+    database: Database, gate: threading.Event, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(limits, "QUICK_SECONDS", -10.0)
+    with served(database, Settings(heavy_places=2)) as client, ThreadPoolExecutor(1) as pool:
+        upload(client, {"a.bvh": bvh(3)})
+        with asked(client, 1) as queries:
+            until(lambda: client.app.state.admission._reads._queue.held == 1)  # type: ignore[attr-defined]  # as above
+            quick = pool.submit(client.get, f"{API}/xpath", params={"q": QUICK})
+            until(lambda: waiting(client) == 1)
+            gate.set()
+            assert quick.result().json()["value"] > 0
+            assert queries[0].result().status_code == 200
+
+
 def test_what_ends_with_its_client_has_a_lane() -> None:
     """Who waits elsewhere does not look whether the client is there."""
     assert [name for name, one in OPERATIONS.items() if one.cancel_on_disconnect and one.queued is not True] == []
@@ -82,7 +121,7 @@ def test_those_who_ask_too_much_are_sent_away_first(database: Database, gate: th
     with database.write() as tx:
         others = [{"authorization": f"Bearer {tx.tokens.add(name)}"} for name in ("kim", "lee", "park")]
     settings = Settings(heavy_places=1, heavy_waiting=2)
-    question: dict[str, Any] = {"params": {"q": "count(//bone)"}}
+    question: dict[str, Any] = {"params": {"q": HEAVY}}
     with served(database, settings) as client, ThreadPoolExecutor(3) as pool:
         runs = pool.submit(client.get, f"{API}/xpath", **question)
         until(lambda: client.app.state.admission._reads._queue.held == 1)  # type: ignore[attr-defined]  # as above
@@ -104,10 +143,10 @@ def test_those_who_ask_too_much_are_sent_away_first(database: Database, gate: th
 def test_nobody_waits_for_ever(database: Database, gate: threading.Event) -> None:
     with served(database, Settings(heavy_places=1, heavy_wait_seconds=0.01)) as client, asked(client, 1) as queries:
         until(lambda: client.app.state.admission._reads._queue.held == 1)  # type: ignore[attr-defined]  # as above
-        late = client.get(f"{API}/xpath", params={"q": "count(//bone)"})
+        late = client.get(f"{API}/xpath", params={"q": HEAVY})
         assert (late.status_code, late.json()["detail"]) == (503, "No place was free within 0.01 s.")
         # With an expression a list is as heavy as a query.
-        assert client.get(f"{API}/documents", params={"xpath": "//bone"}).status_code == 503
+        assert client.get(f"{API}/documents", params={"xpath": HEAVY}).status_code == 503
         assert client.get(f"{API}/documents").status_code == 200
         assert waiting(client) == 0
         gate.set()
@@ -140,7 +179,7 @@ def test_memory_is_given_back_where_it_is_never_quiet(database: Database, monkey
     monkeypatch.setattr(admission, "BUSY_SECONDS", 0.01)
     monkeypatch.setattr(admission, "give_memory_back", given.set)
     with served(database) as client:
-        assert client.get(f"{API}/xpath", params={"q": "count(//bone)"}).status_code == 200
+        assert client.get(f"{API}/xpath", params={"q": HEAVY}).status_code == 200
         assert given.wait(30)
 
 
@@ -156,5 +195,5 @@ def test_memory_is_given_back_when_it_is_quiet(database: Database, monkeypatch: 
     monkeypatch.setattr(admission, "give_memory_back", back)
     with served(database) as client:
         assert client.get(f"{API}/documents").status_code == 200
-        assert client.get(f"{API}/xpath", params={"q": "count(//bone)"}).status_code == 200
+        assert client.get(f"{API}/xpath", params={"q": HEAVY}).status_code == 200
         assert given.wait(30)

@@ -220,7 +220,7 @@ def ended(monkeypatch: pytest.MonkeyPatch) -> Iterator[threading.Event]:
 
 def asks_xpath(port: int) -> socket.socket:
     headers = f"Host: 127.0.0.1\r\nAuthorization: Bearer {SECRET}\r\n\r\n"
-    return opened(port, f"GET {API}/xpath?q=1 HTTP/1.1\r\n{headers}".encode())
+    return opened(port, f"GET {API}/xpath?q=reverse(1) HTTP/1.1\r\n{headers}".encode())
 
 
 @one_kind

@@ -139,6 +139,24 @@ def test_no_question_stops_the_server(database_url: str, database: Database, tmp
 
 @pytest.mark.slow
 @one_kind
+def test_quick_questions_are_answered_beside_hostile_ones(
+    database_url: str, database: Database, tmp_path: Path
+) -> None:
+    """Of the same client, which has one place for heavy questions."""
+    store(database, {"a.bvh": bvh(200)})
+    with served(database_url, tmp_path) as (client, resident), ThreadPoolExecutor(8) as pool:
+        asked = [pool.submit(client.post, "/xpath", json={"q": BOMBS["range of ranges"]}) for _ in range(8)]
+        until(lambda: client.get("/running-queries").json()["items"])
+        for _ in range(20):
+            assert client.get("/xpath", params={"q": "count(//frame)"}).json()["value"] == 200
+        assert client.get("/documents", params={"xpath": "//frame[@id = 7]"}).json()["total"] == 1
+        assert not all(one.done() for one in asked)
+        assert {one.result().status_code for one in asked} == {422}
+        assert resident.most < MOST_RESIDENT
+
+
+@pytest.mark.slow
+@one_kind
 def test_who_leaves_or_is_ended_gives_the_place_back(database_url: str, database: Database, tmp_path: Path) -> None:
     """Also who has it taken by the owner, who sees what runs."""
     store(database, {"a.bvh": bvh(200)})

@@ -52,3 +52,15 @@ def test_who_left_is_passed_over() -> None:
     turns.give("a")
     turns.give("b")
     assert (turns.held, turns.waiting.total()) == (0, 0)
+
+
+def test_who_finds_a_place_at_once() -> None:
+    """One client never has the last place."""
+    turns = FairQueue(2)
+    assert turns.has_place("a")
+    turns.ask("a")
+    assert (turns.has_place("a"), turns.has_place("b")) == (False, True)
+    turns.ask("b")
+    assert (turns.has_place("b"), turns.has_place("c")) == (False, False)
+    turns.give("b")
+    assert (turns.has_place("a"), turns.has_place("c")) == (False, True)

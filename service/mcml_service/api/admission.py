@@ -63,6 +63,10 @@ class AdmissionQueue:
     def is_empty(self) -> bool:
         return not self._queue.held
 
+    def has_place(self, client: str) -> bool:
+        """Whether a request of a client would get a place at once."""
+        return self._queue.has_place(client)
+
     @asynccontextmanager
     async def place(self, http: Request, client: str) -> AsyncIterator[CapacityLimiter]:
         """A place while the block lasts, and threads to work in. BusyError or ShareError where none is free in time."""
@@ -95,12 +99,13 @@ class AdmissionQueue:
 
 class Admission:
     """Admission of heavy requests, with one queue for reads and one for writes, which may wait for the store:
-    neither delays the other.
+    neither delays the other. quick: a queue for those that are expected to be quick, if they find no place.
     """
 
     def __init__(self, settings: Settings) -> None:
         places, most, seconds = settings.heavy_at_once, settings.heavy_waiting, settings.heavy_wait_seconds
         self._reads, self._writes = (AdmissionQueue(places, most, seconds, self._tidy_soon) for _ in range(2))
+        self.quick = AdmissionQueue(1, most, seconds, self._tidy_soon)
         self._tidying: asyncio.TimerHandle | None = None
         self._tidied = 0.0
 

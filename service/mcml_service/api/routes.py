@@ -15,7 +15,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import UploadFile as FormFile
 
 from mcml.answers import Content
-from mcml.errors import ClashError, ReplicaError
+from mcml.errors import ClashError, LimitError, ReplicaError
 from mcml.formats.format import SourceFile
 from mcml_service.actions.analysing.start_analysis import find_analysis
 from mcml_service.api.admission import while_connected
@@ -93,13 +93,31 @@ def _make_queued_endpoint(operation: Operation) -> Callable[..., Any]:
 
         if not operation.is_queued(given):
             return await run_in_threadpool(ask)
-        async with http.app.state.admission.of(operation).place(http, call.client) as threads:
+        queue = http.app.state.admission.of(operation)
+        if operation.is_quick(given) and not queue.has_place(call.client):
+            answer = await _ask_quickly(http, call, ask)
+            if answer is not None:
+                return answer
+        async with queue.place(http, call.client) as threads:
             if operation.cancel_on_disconnect:
                 # Only now, for the time of a query begins with its limits.
                 return await while_connected(http, call.limits.cancel, ask, threads)
             return await to_thread.run_sync(ask, limiter=threads)
 
     return endpoint
+
+
+async def _ask_quickly(http: Request, call: Call, ask: Callable[[], Response]) -> Response | None:
+    """Ask in the place that only quick requests have. None if the request took too long there."""
+    async with http.app.state.admission.quick.place(http, call.client) as threads:
+        call.limits.hurry()
+        try:
+            return await while_connected(http, call.limits.cancel, ask, threads)
+        except LimitError as error:
+            if error.details.get("code") != "query-timeout":
+                raise
+    call.renew_limits()
+    return None
 
 
 def respond(operation: Operation, call: Call, http: Request, given: dict[str, Any]) -> Response:

@@ -175,6 +175,10 @@ class Call:
         """Limits of time and memory for a query of this call; a disconnected client cancels it."""
         return self.queries.limits(self.client, self.author)
 
+    def renew_limits(self) -> None:
+        """Let the time of the query begin again."""
+        self.__dict__.pop("limits", None)
+
     def makes(self, document: str | None) -> None:
         """Set the id of the new document, or None for a preview."""
         self.made = document is not None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, TypeAlias
 
@@ -35,7 +35,7 @@ from mcml_service.operations.arguments import (
     tag,
 )
 from mcml_service.operations.call import Call
-from mcml_service.operations.operation import Body
+from mcml_service.operations.operation import Body, quick_if
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.history.revisions import StoredRevision
 from mcml_service.storage.lists.filtering import DocumentFilter, Range, parse_condition, parse_range
@@ -46,6 +46,14 @@ PLAIN = ("name", "key")
 """The order by name and key."""
 
 TABLE = "name,age (year),height (cm)\nwalk,23,172.4\n"
+
+
+def has_quick_filter(given: Mapping[str, Any]) -> bool:
+    """Whether the expression that documents must fulfil is quick."""
+    # Imported here: lists without an XPath need no engine.
+    from mcml_service.xpath.quick import is_quick
+
+    return is_quick(given["xpath"])
 
 
 @dataclass(frozen=True)
@@ -155,6 +163,7 @@ Sort: TypeAlias = Literal[
 ]
 
 
+@quick_if(has_quick_filter)
 def list_documents(
     call: Call,
     wanted: Wanted,

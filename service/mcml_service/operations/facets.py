@@ -8,10 +8,12 @@ from pydantic import Field
 
 from mcml_schemas.querying.facets import Count, FacetList, Histogram, PropertyCounts, RateCount, SkeletonCount
 from mcml_service.operations.call import Call
-from mcml_service.operations.documents import Wanted
+from mcml_service.operations.documents import Wanted, has_quick_filter
+from mcml_service.operations.operation import quick_if
 from mcml_service.storage.lists.facets import Bins, Counts
 
 
+@quick_if(has_quick_filter)
 def get_facets(
     call: Call,
     wanted: Wanted,

@@ -232,6 +232,11 @@ class Operation:
         """Whether it takes long with these arguments."""
         return given.get(self.queued) is not None if isinstance(self.queued, str) else self.queued
 
+    def is_quick(self, given: Mapping[str, Any]) -> bool:
+        """Whether it is expected to take milliseconds with these arguments, although others take long."""
+        test = getattr(self.function, "is_quick", None)
+        return test is not None and test(given)
+
     def allow(self, call: Call) -> None:
         """Check the right of the user. Raises AccessError without it. Every call is checked here."""
         if call.share is not None and not self.open_to_links:
@@ -302,6 +307,16 @@ def gives(words: str, types: Mapping[str, Any]) -> Callable[[Function], Function
 
     def attach(function: Function) -> Function:
         function.media = Media(words, types)  # type: ignore[attr-defined]  # functions take any attribute
+        return function
+
+    return attach
+
+
+def quick_if(test: Callable[[Mapping[str, Any]], bool]) -> Callable[[Function], Function]:
+    """Declare with which arguments a queued function takes milliseconds, so that it need not wait behind others."""
+
+    def attach(function: Function) -> Function:
+        function.is_quick = test  # type: ignore[attr-defined]  # functions take any attribute
         return function
 
     return attach

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal
 
 import orjson
@@ -24,8 +24,9 @@ from mcml_schemas.querying.queries import (
 from mcml_service.actions.exporting.write_tables import TYPES, About, Batches, batches_of, write_table
 from mcml_service.operations.arguments import MOST, InProject, Raw
 from mcml_service.operations.call import Call
-from mcml_service.operations.operation import gives
+from mcml_service.operations.operation import gives, quick_if
 from mcml_service.xpath.answer.writing import FIELDS, RAW_CSV, STREAMS, xml_item
+from mcml_service.xpath.quick import is_quick
 
 _NUMBER = re.compile(r"-?(\d+(\.\d*)?|\.\d+)")
 
@@ -41,6 +42,14 @@ _COLUMNS = dict(zip((*FIELDS, "number"), ("string", "int64", "string", "string",
 _WORDS = "A page of nodes or runs, or all nodes as a stream"
 
 
+def _is_quick(given: Mapping[str, Any]) -> bool:
+    """Whether a query is a page of an expression that columns answer in milliseconds."""
+    request = given.get("request")
+    text, form = (given["q"], given["as_"]) if request is None else (request.q, request.as_)
+    return form in ("json", "runs") and is_quick(text)
+
+
+@quick_if(_is_quick)
 @gives(_WORDS, _OTHERS)
 def get_query(
     call: Call,
@@ -115,6 +124,7 @@ def get_query(
     return post_query(call, request)
 
 
+@quick_if(_is_quick)
 @gives(_WORDS, _OTHERS)
 def post_query(call: Call, request: QueryRequest) -> QueryAnswer | Content:
     """As GET, for long expressions and for such with variables."""

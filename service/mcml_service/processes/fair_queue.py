@@ -28,6 +28,11 @@ class FairQueue:
             self._serve()
         return turn
 
+    def has_place(self, client: str) -> bool:
+        """Whether a request of a client would get a place at once."""
+        with self._lock:
+            return self._free > 0 and self._held[client] < self._most_each
+
     def take(self, client: str, seconds: float) -> bool:
         """Waits for a place; False where none was free in time."""
         turn = self.ask(client)

@@ -9,19 +9,23 @@ from mcml.errors import LimitError, NotFoundError
 
 PATIENCE = 0.5
 """Seconds in which a query should end by itself."""
+QUICK_SECONDS = 1.0
+"""Time limit of a query that is expected to be quick, in the place for such queries."""
 
 
 class Limits:
     """Limits of a query.
 
     seconds: time limit, from now on. max_elements: limit of elements that it may read or return as XML. client: key of
-    the client; clients share the evaluating processes fairly. author: name of the user.
+    the client; clients share the evaluating processes fairly. author: name of the user. is_quick: the query is expected
+    to be quick, and has a place that only such queries have.
     """
 
     def __init__(self, seconds: float, max_elements: int, client: str = "", author: str = "") -> None:
         self.author = author
         self.max_elements = max_elements
         self.client = client
+        self.is_quick = False
         self._seconds = seconds
         self._end = time.monotonic() + seconds
         self._left: float | None = None
@@ -38,6 +42,11 @@ class Limits:
         """Extend the time limit of the query to at least this many seconds from now."""
         if time.monotonic() + seconds > self._end:
             self._seconds, self._end = seconds, time.monotonic() + seconds
+
+    def hurry(self) -> None:
+        """Let the query be quick: it has less time."""
+        self.is_quick = True
+        self._end = min(self._end, time.monotonic() + QUICK_SECONDS)
 
     def overdue(self) -> LimitError | None:
         """Return the error of a query that did not end in time, None while it may continue."""

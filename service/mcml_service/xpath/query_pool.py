@@ -47,14 +47,25 @@ GRACE_SECONDS = 1.5
 """The pool kills a process that runs this long past the limit. The process checks earlier (`limits.PATIENCE`)."""
 
 
+class _Lane:
+    """Places for queries. turns: the queue for them. idle: processes without a query, the one used last at the end."""
+
+    def __init__(self, places: int) -> None:
+        self.turns = FairQueue(places)
+        self.idle: list[_Worker] = []
+
+
 class QueryPool:
-    """A fixed number of worker processes. One client can use all except one of them. Thread-safe."""
+    """A fixed number of worker processes, and one more for quick queries. Thread-safe.
+
+    One client can use all except one of them. Quick queries (`quick`) never wait behind others, and use no
+    process that a heavy query has used, which may have filled its caches or been killed.
+    """
 
     def __init__(self, database: Database, settings: Settings, processes: int) -> None:
         self._database = database
         self._settings = settings
-        self._turns = FairQueue(processes)
-        self._idle: list[_Worker] = []
+        self._heavy, self._quick = _Lane(processes), _Lane(1)
         self._running: dict[int, Running] = {}
         self._numbers = itertools.count(1)
         self._lock = threading.Lock()
@@ -63,7 +74,7 @@ class QueryPool:
 
     def begin(self) -> None:
         """Start a process before the first query."""
-        with self._worker() as worker:
+        with self._worker(self._heavy) as worker:
             worker.is_free = True
 
     def running(self) -> list[Running]:
@@ -84,10 +95,11 @@ class QueryPool:
 
         Raises the error of the evaluation, LimitError if the query exceeded a limit.
         """
-        if not self._turns.take(limits.client, limits.seconds_left):
+        lane = self._quick if limits.is_quick else self._heavy
+        if not lane.turns.take(limits.client, limits.seconds_left):
             raise limits.timeout()
         try:
-            with self._registered(text, limits), self._worker() as worker:
+            with self._registered(text, limits), self._worker(lane) as worker:
                 worker.send(call)
                 while True:
                     message = worker.receive(limits, seconds, self._settings.query_memory_mib << 20)
@@ -99,13 +111,14 @@ class QueryPool:
                     if worker.is_free:
                         return
         finally:
-            self._turns.give(limits.client)
+            lane.turns.give(limits.client)
 
     def close(self) -> None:
         """End the idle processes and cancel the running queries."""
         with self._lock:
             self._is_closed = True
-            idle, self._idle = self._idle, []
+            idle = [worker for lane in (self._heavy, self._quick) for worker in lane.idle]
+            self._heavy.idle, self._quick.idle = [], []
             running = list(self._running.values())
         for one in running:
             one.limits.cancel()
@@ -124,12 +137,12 @@ class QueryPool:
                 del self._running[number]
 
     @contextmanager
-    def _worker(self) -> Iterator[_Worker]:
+    def _worker(self, lane: _Lane) -> Iterator[_Worker]:
         """Take the process that was used last, because its caches are the warmest."""
         worker = None
         with self._lock:
-            while self._idle and worker is None:
-                worker = self._idle.pop()
+            while lane.idle and worker is None:
+                worker = lane.idle.pop()
                 if not worker.is_alive:
                     worker.end()
                     worker = None
@@ -140,7 +153,7 @@ class QueryPool:
             with self._lock:
                 is_kept = worker.is_free and not self._is_closed
                 if is_kept:
-                    self._idle.append(worker)
+                    lane.idle.append(worker)
             if not is_kept:
                 worker.end()
 

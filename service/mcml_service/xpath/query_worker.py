@@ -139,8 +139,7 @@ def _answer(queries: Queries, connection: Connection, call: QueryCall, state: _S
             raise
         is_known = isinstance(error, McmlError)
         if not is_known:
-            # An unexpected error: the log of the server shows where it was raised.
-            error.add_note("".join(traceback.format_exception(error)))
+            error = _portable(error)
         failed = Failure(error, last=state.is_forced or not is_known)
     else:
         return True
@@ -148,6 +147,16 @@ def _answer(queries: Queries, connection: Connection, call: QueryCall, state: _S
         state.limits = None
     connection.send(failed)
     return not failed.last
+
+
+def _portable(error: Exception) -> Exception:
+    """An unexpected error in a form that every process can read: the log of the server shows where it was raised.
+
+    Errors of libraries may hold objects that cannot be sent.
+    """
+    told = RuntimeError(f"{type(error).__name__}: {error}")
+    told.add_note("".join(traceback.format_exception(error)))
+    return told
 
 
 def _messages(queries: Queries, call: QueryCall, limits: Limits) -> Iterator[Message]:

@@ -133,11 +133,20 @@ class Tree:
 
 
 def _read(document: Iterable[bytes], last: int) -> tuple[Any, Any, int]:
-    """The node of a document, its root, and the position of its last node. last: that of the document before."""
+    """The node of a document, its root, and the position of its last node. last: that of the document before.
+
+    Raises MemoryError.
+    """
     parser = etree.XMLParser(huge_tree=True, resolve_entities=False, no_network=True, load_dtd=False)
-    for piece in document:
-        parser.feed(piece)
-    root = parser.close()
+    try:
+        for piece in document:
+            parser.feed(piece)
+        root = parser.close()
+    except etree.XMLSyntaxError as error:
+        # libxml2 reports that it gets no memory as an error of the text.
+        if getattr(error, "code", None) == etree.ErrorTypes.ERR_NO_MEMORY:
+            raise MemoryError from None
+        raise
     top: Any = Context(root.getroottree()).root
     node = top
     for node in top.iter_descendants():
