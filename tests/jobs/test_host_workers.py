@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from concurrent.futures import BrokenExecutor
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -19,6 +20,7 @@ from fastapi.testclient import TestClient
 
 from mcml.errors import StoreError
 from mcml_service.jobs import dask_workers
+from mcml_service.jobs.host_workers import HostWorkers
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from tests import fuzz, postgres
@@ -42,6 +44,17 @@ def value_of(client: TestClient, job: dict[str, Any]) -> Any:
     done = wait(client, job)
     assert done["state"] == "done", done
     return client.get(f"{API}/results/{done['result']}/numbers").json()["data"]
+
+
+@pytest.mark.slow
+def test_a_process_that_is_killed_while_it_sends_a_result_ends_its_work(database: Database, tmp_path: Path) -> None:
+    """A result of many megabytes takes seconds to send, and a job may be cancelled meanwhile."""
+    with HostWorkers(2, 1 << 30) as workers:
+        work = workers.submit(works.half_a_result, str(tmp_path / "begun"))
+        until((tmp_path / "begun").exists)
+        workers.kill(work)
+        assert isinstance(work.exception(60), BrokenExecutor)
+        assert workers.submit(os.getpid).result(60) != os.getpid()
 
 
 @pytest.mark.fuzz  # Long: in `make test` one of two dies.

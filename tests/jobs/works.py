@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
+import struct
 import sys
 import threading
 import time
+from multiprocessing.queues import SimpleQueue
 from pathlib import Path
 from typing import Any
 
@@ -113,6 +116,14 @@ def places_of_two(place: str, task: Task, crew: Crew) -> int:
     while sum(name.startswith("counted") for name in os.listdir(place)) < 2:
         time.sleep(0.01)
     return counted
+
+
+def half_a_result(place: str) -> None:
+    """Send the beginning of a result and then nothing."""
+    (pipe,) = {queue._writer.fileno() for queue in gc.get_objects() if isinstance(queue, SimpleQueue)}
+    os.write(pipe, struct.pack("!i", 1000) + b"half")
+    Path(place).touch()
+    threading.Event().wait()
 
 
 def _wait_for_another(place: str) -> bool:

@@ -94,7 +94,7 @@ def _make_queued_endpoint(operation: Operation) -> Callable[..., Any]:
         if not operation.is_queued(given):
             return await run_in_threadpool(ask)
         queue = http.app.state.admission.of(operation)
-        if operation.is_quick(given) and not queue.has_place(call.client):
+        if not queue.has_place(call.client) and operation.is_quick(given):
             answer = await _ask_quickly(http, call, ask)
             if answer is not None:
                 return answer

@@ -78,7 +78,11 @@ class HostWorkers(Workers):
                 # It died while it was idle.
                 worker.shutdown(wait=False)
         worker = ProcessPoolExecutor(1, mp_context=_SPAWN, initializer=start, initargs=self._begun)
-        return worker.submit(call, function, args, kwargs), worker
+        inner = worker.submit(call, function, args, kwargs)
+        # The only process has started and has its own end of the pipe for results. With this end open, the executor
+        # would wait for ever for the rest of a result whose sender was killed.
+        worker._result_queue._writer.close()  # type: ignore[attr-defined]  # of a queue in the standard library
+        return inner, worker
 
     def _settle(self, future: Future[Any], inner: Future[Any]) -> None:
         """Free the process, then notify its waiter, which may have work for it at once."""
