@@ -12,6 +12,8 @@ from mcml.motion.kinematics import Walker
 from mcml.motion.skeleton import CHANNEL_INDEX, TRANSLATIONS, Array, Convention, Joint, Skeleton, unique_names
 from mcml.motion.units import reading_of
 
+UNNAMED = "unnamed"
+"""The name of points without a label."""
 _KEPT_FIELDS = ("filename", "skeleton_name", "dataframe_rate", "calibration_unit", "global_axis_of_gravity")
 
 
@@ -21,7 +23,7 @@ def marker_skeleton(labels: Sequence[str], *, residual: bool = False, names: Seq
     residual: they have the channel of that name too, how well each sample was measured. names: if not the labels.
     """
     channels = (*TRANSLATIONS, "residual") if residual else TRANSLATIONS
-    names = unique_names([name or "unnamed" for name in names or labels])
+    names = unique_names([name or UNNAMED for name in names or labels])
     return Skeleton(
         tuple(
             Joint(

@@ -1,4 +1,4 @@
-"""A trial has one gait, one body and the same forces, in whatever units, axes and orders its file is written."""
+"""A trial has one gait, one body and the same forces in all units, axes and orders of its file."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def lab(shared: Path) -> Path:
 
 
 def force_on(motion: Motion, side: str) -> Array:
-    """(frames,) newtons on a foot, whatever the axes."""
+    """(frames,) newtons on a foot, in any axes."""
     return np.linalg.norm([motion.force(side, axis) for axis in "xyz"], axis=0)
 
 

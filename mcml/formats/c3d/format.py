@@ -10,7 +10,7 @@ turns them into a clip of markers.
 from __future__ import annotations
 
 import math
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import BinaryIO
@@ -35,7 +35,7 @@ from mcml.laboratory.gait_model.measures import clean_measures
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, Shape, SourcePart, full_shape
 from mcml.motion.floor_plates import section_of_plates
 from mcml.motion.guesses import LikelyUp, told_up
-from mcml.motion.markers import marker_skeleton
+from mcml.motion.markers import UNNAMED, marker_skeleton
 from mcml.motion.skeleton import Array, Convention, Skeleton
 
 _SAMPLE = 200_000
@@ -234,7 +234,7 @@ def _labels(said: Statements, points: int, notices: list[Notice]) -> list[str]:
     if len(texts) < points:
         note(notices, "warning", f"{points} points have {len(texts)} labels: the others are unnamed")
     labels = [_text(text, notices) for text in texts[:points]]
-    return [*labels, *["unnamed"] * (points - len(labels))]
+    return [*labels, *[UNNAMED] * (points - len(labels))]
 
 
 def _names(said: Statements, labels: list[str], places: list[int], notices: list[Notice]) -> list[str]:
@@ -244,18 +244,27 @@ def _names(said: Statements, labels: list[str], places: list[int], notices: list
     """
     told = [_text(text, []).strip() for text in texts_of(said, "POINT:DESCRIPTIONS")]
     own = [labels[place] for place in places]
-    names, often, taken = list(own), Counter(own), set(own)
-    for label in [label for label, count in often.items() if count > 1]:
-        same = [index for index, other in enumerate(own) if other == label]
+    places_of: dict[str, list[int]] = defaultdict(list)
+    for index, label in enumerate(own):
+        places_of[label].append(index)
+    names, taken = list(own), set(own)
+    apart, alike = [], []
+    for label, same in places_of.items():
+        if len(same) == 1 or label in ("", UNNAMED):
+            continue
         before = label[: label.rfind(":") + 1]
         better = [before + told[places[index]] for index in same if places[index] < len(told) and told[places[index]]]
-        if len(set(better) - taken) == len(same):
-            for index, name in zip(same, better, strict=True):
-                names[index] = name
-            taken.update(better)
-            note(notices, "note", f"{len(same)} points are called {label!r}: their descriptions are their names")
-        elif label:
-            note(notices, "warning", f"{len(same)} points are called {label!r}: only their order tells them apart")
+        if len(set(better) - taken) < len(same):
+            alike.append(label)
+            continue
+        apart.append(label)
+        taken.update(better)
+        for index, name in zip(same, better, strict=True):
+            names[index] = name
+    if apart:
+        note(notices, "note", f"several points have the labels {', '.join(apart)}: their descriptions are their names")
+    if alike:
+        note(notices, "warning", f"only their order tells points of one label apart: {', '.join(alike)}")
     return names
 
 
