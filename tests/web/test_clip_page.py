@@ -8,12 +8,15 @@ import re
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
+import numpy as np
 import pytest
 
 from mcml.formats import FORMATS
 from mcml_service.demo.walks import walks
 from tests.actions.test_measurements import walkway
 from tests.builders import ASF, amc
+from tests.laboratory.gait_files import gait_file
+from tests.laboratory.gait_files import walk as gait_markers
 from tests.web.conftest import Served, Visit, one_door, walk
 from tests.web.test_journeys import ready
 
@@ -81,6 +84,27 @@ def test_a_body_in_a_much_larger_unit_is_seen_as_a_whole(visit: Visit, studio: S
     page.wait_for_url(re.compile("cam="))
     numbers = [float(one) for one in parse_qs(urlsplit(page.url).query)["cam"][0].split(",")]
     assert math.dist(numbers[:3], numbers[3:]) > 150_000  # mm, of a body of 160 m
+
+
+@one_door
+def test_markers_that_are_unseen_at_first_are_looked_at_when_they_come(visit: Visit, studio: Served) -> None:
+    """A walker who enters the volume of the cameras after 20 frames, 30 m from the origin."""
+    markers = {name: place + np.array([30_000.0, 0.0, 0.0]) for name, place in gait_markers(40).items()}
+    for place in markers.values():
+        place[:20] = np.nan
+    uuid = studio.upload("trial.c3d", gait_file(markers, {}))
+    page = visit.open(f"/clips/{uuid}")
+    ready(page)
+    frame = page.get_by_label("Frame", exact=True)
+    frame.fill("30")
+    frame.press("Enter")
+    page.locator(".viewer canvas").first.hover()
+    page.mouse.wheel(0, -10)
+    page.wait_for_url(re.compile("cam="))
+    numbers = [float(one) for one in parse_qs(urlsplit(page.url).query)["cam"][0].split(",")]
+    assert 1_000 < math.dist(numbers[:3], numbers[3:]) < 15_000
+    assert 25_000 < math.hypot(*numbers[3:]) < 36_000
+    assert numbers[4] > 300  # the middle of the body, not the ground below it
 
 
 @one_door

@@ -85,6 +85,7 @@ export class Stage {
     this.scene.add(this.ground.mesh);
     this.scene.add(this.sky, ...lamps());
     this.controls = new OrbitControls(this.camera, this.canvas);
+    this.camera.position.set(3, 2, 4);
     this.controls.enableDamping = false;
     this.controls.zoomToCursor = true;
     this.controls.addEventListener("change", () => {
@@ -134,8 +135,8 @@ export class Stage {
     return this.floor;
   }
 
-  /** Look at what stands there. */
-  frame(view: CameraView = "persp", only: number[] = []): void {
+  /** Look at what stands there. Whether anything does. */
+  frame(view: CameraView = "persp", only: number[] = []): boolean {
     const box = new THREE.Box3();
     for (const actor of this.actors) {
       if (!actor.positions) continue;
@@ -146,7 +147,7 @@ export class Stage {
       }
       if (!only.length) actor.figures?.stretch(box);
     }
-    if (box.isEmpty()) return;
+    if (box.isEmpty()) return false;
     if (only.length) box.expandByScalar(0.25);
     const middle = box.getCenter(new THREE.Vector3());
     const size = box.getSize(new THREE.Vector3());
@@ -157,6 +158,7 @@ export class Stage {
     this.followed.copy(this.root() ?? middle);
     this.controls.update();
     this.ask();
+    return true;
   }
 
   /** Let the camera see what is so far away, and go nearer and farther. */

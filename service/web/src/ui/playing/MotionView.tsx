@@ -84,10 +84,9 @@ export function MotionView({
         });
         made.selected = new Set(selected?.value ?? []);
         if (there && !framed) {
-          framed = true;
           made.setFloor(actors.some((one) => one.inPlace) ? 0 : lowest(actors), 0.5);
-          made.frame("persp");
-          if (away !== 1) made.cameraText = fartherOff(made.cameraText, away);
+          framed = made.frame("persp");
+          if (framed && away !== 1) made.cameraText = fartherOff(made.cameraText, away);
         }
       }),
     ];

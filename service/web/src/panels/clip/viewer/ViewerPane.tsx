@@ -81,8 +81,8 @@ export function ViewerPane({ clip }: { clip: Clip }) {
           setGrid(step);
         }
         if (pose.positions && !framed) {
-          framed = true;
-          made.frame(cameraView.peek());
+          // Markers may be unseen in the first frames: the camera looks at the first that are there.
+          framed = made.frame(cameraView.peek()) || isPlaced;
           if (param("cam")) made.cameraText = param("cam");
           performance.mark("first-frame");
         }

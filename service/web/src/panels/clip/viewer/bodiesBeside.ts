@@ -60,10 +60,7 @@ export function bodiesBeside(clip: Clip, stage: Stage, own: number): () => void 
     });
     // The camera moves when something came or went, not with the motion.
     const now = `${others.map((one) => one.id).join()} ${over}`;
-    if (there && framed !== now) {
-      framed = now;
-      stage.frame(cameraView.peek());
-    }
+    if (there && framed !== now && stage.frame(cameraView.peek())) framed = now;
   });
 }
 
