@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,9 @@ from mcml_service.actions.importing.read_apart import SentClip
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
 from mcml_service.storage.lists.filtering import DocumentFilter
+from tests.api.test_two_servers import until
 from tests.builders import bvh, source
+from tests.jobs import works
 
 CLIPS = {f"clip{number:02}.bvh": bvh(3 + number % 5, seed=number) for number in range(12)}
 
@@ -108,6 +111,21 @@ def test_a_worker_that_dies_costs_no_clip(sqlite: Database, pool: ImportPool) ->
     for _ in range(2):
         assert len(imported(sqlite, again, pool).documents) == len(CLIPS)
     assert sqlite.check() == []
+
+
+@pytest.mark.slow
+def test_a_worker_that_is_killed_while_it_sends_a_result_ends_the_wait(
+    sqlite: Database, pool: ImportPool, tmp_path: Path
+) -> None:
+    imported(sqlite, CLIPS, pool)
+    work = pool._start(2).submit(works.half_a_result, str(tmp_path / "begun"))
+    until(lambda: (tmp_path / "begun").exists() and bool((tmp_path / "begun").read_text()))
+    os.kill(int((tmp_path / "begun").read_text()), signal.SIGKILL)
+    waiting = ThreadPoolExecutor(1)
+    assert waiting.submit(pool.wait, work).result(60) is None
+    waiting.shutdown()
+    again = {name: content + b"\n\n" for name, content in CLIPS.items()}
+    assert len(imported(sqlite, again, pool).documents) == len(CLIPS)
 
 
 PROGRAM = """

@@ -122,7 +122,7 @@ def half_a_result(place: str) -> None:
     """Send the beginning of a result and then nothing."""
     (pipe,) = {queue._writer.fileno() for queue in gc.get_objects() if isinstance(queue, SimpleQueue)}
     os.write(pipe, struct.pack("!i", 1000) + b"half")
-    Path(place).touch()
+    Path(place).write_text(str(os.getpid()))
     threading.Event().wait()
 
 

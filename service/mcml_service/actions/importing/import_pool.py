@@ -16,7 +16,8 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator, Mapping
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import CancelledError, Future, ProcessPoolExecutor
+from concurrent.futures import TimeoutError as StillReadingError
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, nullcontext
 from itertools import islice
@@ -44,6 +45,9 @@ TOGETHER = 4
 
 ROWS_UNSEARCHED = 50_000
 """Objects between two searches for cycles: at Python's own 700 they take a sixth of the importer's time."""
+
+SECONDS_BETWEEN_LOOKS = 1.0
+"""After which an importer that waits for a worker looks whether all workers live."""
 
 FRESH = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
 """How a process with threads starts workers."""
@@ -74,12 +78,41 @@ class ImportPool:
         gone.set_result([None] * len(sent))
         return gone
 
+    def wait(self, read: Future[list[ReadApart | None]]) -> list[ReadApart | None] | None:
+        """Return the results of submitted clips, None if a worker has died before."""
+        while True:
+            try:
+                return read.result(SECONDS_BETWEEN_LOOKS)
+            except (BrokenProcessPool, CancelledError):
+                return None
+            except StillReadingError:
+                self._end_after_a_death()
+
     def close(self) -> None:
         """End the workers."""
+        self._end_after_a_death()
         with self._lock:
             executor, self._executor = self._executor, None
         if executor is not None:
             executor.shutdown(wait=True, cancel_futures=True)
+
+    def _end_after_a_death(self) -> None:
+        """End all workers if one has died.
+
+        An executor that reads the result of a worker while that is killed waits for the rest for ever, unless no
+        process is left that could write it.
+        """
+        with self._lock:
+            executor = self._executor
+            workers = [] if executor is None else list((executor._processes or {}).values())
+            if executor is None or all(worker.is_alive() for worker in workers):
+                return
+            self._executor = None
+        results = executor._result_queue
+        for worker in workers:
+            worker.kill()
+        executor.shutdown(wait=False)
+        results._writer.close()  # type: ignore[attr-defined]  # of a queue in the standard library
 
     def _start(self, processes: int) -> ProcessPoolExecutor:
         with self._lock:
@@ -125,10 +158,9 @@ class ReadingAhead:
         if self._taken % self._together == 0:
             self._hand_out()
         read, place = made
-        try:
-            return read.result()[place]
-        except BrokenProcessPool:
-            return None
+        assert self._pool is not None
+        results = self._pool.wait(read)
+        return None if results is None else results[place]
 
     def is_behind(self, number: int) -> bool:
         """Whether the importer would have to wait for this clip."""
