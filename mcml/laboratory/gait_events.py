@@ -16,6 +16,7 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import Final, Literal, TypeAlias
 
@@ -128,13 +129,20 @@ def smooth(values: Array, rate: float, corner: float) -> Array:
     limit = corner / _TWICE
     if limit >= 0.5 * rate:
         return smoothed
-    sections = scipy.signal.butter(2, limit, fs=rate, output="sos")
+    sections = _low_pass(limit, rate)
     pad = int(np.ceil(rate / corner))
     for first, end in find_true(np.asarray(np.isfinite(smoothed).all(axis=1))):
         if end - first > 2:
             part = smoothed[first:end]
             smoothed[first:end] = scipy.signal.sosfiltfilt(sections, part, axis=0, padlen=min(pad, end - first - 1))
     return smoothed
+
+
+@lru_cache(maxsize=64)
+def _low_pass(corner: float, rate: float) -> Array:
+    """Second-order sections of the Butterworth filter. To design one takes longer than to run it over a short clip."""
+    sections: Array = scipy.signal.butter(2, corner, fs=rate, output="sos")
+    return sections
 
 
 def find_facing(walker: WalkerPaths) -> Array:

@@ -123,20 +123,36 @@ class Gait:
         return cycles, mean_cycle(cycles.curves)
 
 
-def measure_gait(
+@dataclass(frozen=True, eq=False)
+class GaitEvents:
+    """The events of a body's gait, with the paths that they were found in.
+
+    events: in order of time, as `find_gait_events` chooses them. from_positions: all that positions tell. walker: the
+    paths of feet and pelvis, with the names of their points. metric: these paths in metres. is_moving: whether the
+    body walks. rate: frames a second.
+    """
+
+    events: tuple[GaitEvent, ...]
+    from_positions: EventsFromPositions
+    walker: Walker
+    metric: WalkerPaths
+    is_moving: bool
+    rate: float
+
+
+def find_gait_events(
     points: GaitPoints,
     stretch: Stretch,
     labels: Sequence[GaitEvent] = (),
     source: EventSource = "auto",
     find_plates: Callable[[WalkerPaths], Sequence[GaitEvent]] | None = None,
-    exclusions: Sequence[Exclusion] = (),
-) -> Gait:
-    """Measure the gait of a body.
+) -> GaitEvents:
+    """Find the strikes and offs of a body.
 
     stretch: all of its frames, with the joints or markers of the points. labels: events that the clip states. source:
     "auto" takes the strikes, and the offs, of a side from labels if it has any, else from positions, of which those on
-    force plates are replaced. find_plates: returns events of plates for the feet in metres. exclusions: of strides.
-    Raises DocumentError if the frame rate is unknown, or above 10,000 frames a second.
+    force plates are replaced. find_plates: returns events of plates for the feet in metres. Raises DocumentError if
+    the frame rate is unknown, or above 10,000 frames a second.
     """
     if stretch.frame_time is None:
         raise DocumentError("The frame rate is unknown, so gait has no times.", remedy="State the frame time.")
@@ -154,12 +170,29 @@ def measure_gait(
     on_plates = find_plates(metric) if find_plates is not None and source == "auto" and is_moving else ()
     seen = prefer_plates(found.events, on_plates)
     events = choose_events([*([] if source == "positions" else [trusted]), *([] if source == "labels" else [seen])])
+    return GaitEvents(events, found, walker, metric, is_moving, rate)
+
+
+def measure_gait(
+    points: GaitPoints,
+    stretch: Stretch,
+    labels: Sequence[GaitEvent] = (),
+    source: EventSource = "auto",
+    find_plates: Callable[[WalkerPaths], Sequence[GaitEvent]] | None = None,
+    exclusions: Sequence[Exclusion] = (),
+) -> Gait:
+    """Measure the gait of a body.
+
+    exclusions: of strides. The other arguments, and errors, are those of `find_gait_events`.
+    """
+    found = find_gait_events(points, stretch, labels, source, find_plates)
+    events, metric, rate, walker = found.events, found.metric, found.rate, found.walker
     belt = measure_belt(metric, events)
     measured = measure_strides(metric, events, belt.speed if belt.is_belt else 0.0)
     strides = exclude_strides(reject_outliers(measured.strides, rate), exclusions, rate)
     duty = measure_duty(events)
     warnings = [
-        *_warn_of_events(events, labels, found, is_moving=is_moving, source=source),
+        *_warn_of_events(found, labels, source),
         *_warn_of_body(points, walker, stretch, rate),
         *_warn_of_strides(strides, measured.incomplete, belt, is_running=duty < RUNNING),
     ]
@@ -197,14 +230,8 @@ def _is_moving(paths: WalkerPaths) -> bool:
     return len(seen) > 0 and float(np.linalg.norm(np.ptp(seen, axis=0))) > _MOVES * paths.leg
 
 
-def _warn_of_events(
-    events: Sequence[GaitEvent],
-    labels: Sequence[GaitEvent],
-    found: EventsFromPositions,
-    *,
-    is_moving: bool,
-    source: EventSource,
-) -> Iterable[str]:
+def _warn_of_events(found: GaitEvents, labels: Sequence[GaitEvent], source: EventSource) -> Iterable[str]:
+    events, is_moving = found.events, found.is_moving
     if labels and not is_moving:
         yield f"{len(labels)} labels of events were not used: nobody walks in this clip"
     if not events and is_moving:
@@ -220,7 +247,11 @@ def _warn_of_events(
                 yield f"{from_plates} of {len(own)} {side} {kind}s are from force plates, the others from positions"
             if own and own[0].source == "label" and source == "auto":
                 times = times_of(own, side, kind)
-                others = [at for at in times_of(found.events, side, kind) if not between(times, at - _NEAR, at + _NEAR)]
+                others = [
+                    at
+                    for at in times_of(found.from_positions.events, side, kind)
+                    if not between(times, at - _NEAR, at + _NEAR)
+                ]
                 if others:
                     yield f"{len(others)} more {side} {kind}s are in the positions, without labels: they were not used"
 

@@ -147,7 +147,7 @@ class Settings(BaseSettings):
         "",
         description="Folder of the query cache; default: beside an SQLite store, else the user's cache; none: off",
     )
-    cache_disk_mib: int = Field(1024, ge=1, description="Maximum size of the query cache on disk")
+    cache_disk_mib: int = Field(4096, ge=1, description="Maximum size of the query cache on disk")
     query_elements: int = Field(3_000_000, ge=1000, description="Maximum number of elements in a query without columns")
     job_workers: int = Field(0, ge=0, description="Jobs that run at the same time; 0: all cores but one, at most 4")
     job_memory_mib: int = Field(4096, ge=256, description="Memory limit of a job")

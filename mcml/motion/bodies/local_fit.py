@@ -68,7 +68,8 @@ def _slopes_at_the_start(values: Array, far: int) -> Array:
     """(far, k) of the first rows; invalid where a row of their windows is missing."""
     first = np.zeros((2 * far, values.shape[1]))
     part = values[: 2 * far]
-    first[: len(part)] = np.nan_to_num(part - np.nan_to_num(part[0]))
+    moved = part - np.where(np.isfinite(part[0]), part[0], 0.0)
+    first[: len(part)] = np.where(np.isfinite(moved), moved, 0.0)
     found: Array = _weights_at_the_start(far) @ first
     return found
 

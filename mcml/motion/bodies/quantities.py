@@ -16,6 +16,7 @@ import numpy as np
 
 from mcml.errors import NotFoundError, RequestError
 from mcml.motion.anatomy.axes import joints_of_part
+from mcml.motion.bodies.activities.activity import ANY_ACTIVITY
 from mcml.motion.bodies.activities.recognition import find_frames, joints_needed
 from mcml.motion.bodies.activities.signals import JOINTS as JOINTS_OF_ACTIVITIES
 from mcml.motion.bodies.limb_angles import angle_named, turn_named
@@ -288,6 +289,17 @@ def compute(name: str, arguments: Arguments, stretch: Stretch) -> Array:
     the requested frames: values in the halo differ from the document's.
     """
     return quantity_of(name, arguments).compute(stretch, arguments)
+
+
+def found_together(name: str, arguments: Arguments) -> tuple[tuple[str, ...], ...]:
+    """Return the arguments of all quantities of this name that one pass over a clip finds, these included: recognition
+    finds all activities, and events tell the contacts of both feet.
+    """
+    if name == "activity":
+        return tuple((each,) for each in ANY_ACTIVITY)
+    if name == "contact" and arguments[0] in FEET:
+        return tuple((side,) for side in FEET)
+    return (tuple(arguments),)
 
 
 @dataclass(frozen=True)

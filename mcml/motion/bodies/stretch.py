@@ -65,6 +65,10 @@ class Stretch:
         """Cached results of `once_a_stretch`."""
         return {}
 
+    def hold(self, method: Callable[[Stretch], Found], result: Found) -> None:
+        """Keep the result of a function under `once_a_stretch` that is known from before."""
+        self.kept[method.__name__, ()] = result
+
     @property
     def skipped(self) -> int:
         """How many of its frames at the start are no part of the motion."""

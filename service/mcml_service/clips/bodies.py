@@ -5,10 +5,13 @@ clip.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from functools import partial
 from typing import Any
 
+from mcml.motion.bodies.activities.activity import Activity
+from mcml.motion.bodies.activities.recognition import recognize_activities
+from mcml.motion.bodies.activities.signals import JOINTS
 from mcml.motion.bodies.bone_axes import pool_hinges
 from mcml.motion.bodies.calibration import Calibration
 from mcml.motion.bodies.clip_body import (
@@ -40,9 +43,9 @@ LONG = 65_536
 """Frames of a document from which on some of it is in memory at a time."""
 MOST_LOOKED_AT = 8
 """Clips of a skeleton, where a reference pose is looked for."""
-MADE = 8
-"""Version of bodies: increased when the computation of positions or calibrations changes, so that stored bodies are
-derived again.
+MADE = 9
+"""Version of bodies: increased when the computation of positions, calibrations or activities changes, so that stored
+bodies are derived again.
 """
 
 
@@ -50,7 +53,8 @@ derived again.
 class Body:
     """names: of the joints, MCML's where they are known, and of centres that markers tell. frame_time: seconds, None
     where unknown. blocks: rounded positions in the document's order of frames, then lines to the left of bones, as
-    `steps.pack` makes them. doubtful: names of MCML's that are guesses. lines: names of the lines."""
+    `steps.pack` makes them. doubtful: names of MCML's that are guesses. lines: names of the lines. activities: as
+    `recognize_activities` finds them, None where it has not looked for them, in long documents."""
 
     names: tuple[str, ...]
     frames: int
@@ -59,10 +63,11 @@ class Body:
     blocks: tuple[bytes, ...]
     doubtful: tuple[str, ...] = ()
     lines: tuple[str, ...] = ()
+    activities: tuple[Activity, ...] | None = None
 
     @property
     def nbytes(self) -> int:
-        return sum(map(len, self.blocks)) + 2000
+        return sum(map(len, self.blocks)) + 2000 + 200 * len(self.activities or ())
 
     def stretch(self, joints: Collection[str], first: int = 0, end: int | None = None) -> Stretch:
         """The frames from `first` (from 0) to before `end`, by default all, with the joints, and the lines to the left,
@@ -72,19 +77,26 @@ class Body:
         own = [place for place, name in enumerate(every) if name in joints]
         steps = unpack(self.blocks, own)
         places = {every[place]: positions[first:end] for place, positions in zip(own, steps, strict=True)}
-        return Stretch(places, len(frames), self.frame_time, self.calibration, first=first)
+        stretch = Stretch(places, len(frames), self.frame_time, self.calibration, first=first)
+        if self.activities is not None and len(frames) == self.frames:
+            stretch.hold(recognize_activities, self.activities)
+        return stretch
 
     def facts(self) -> dict[str, Any]:
         """Everything except the positions, as plain values for JSON."""
         known = self.calibration.to_json()
         told = {"names": self.names, "frames": self.frames, "calibration": known, "frame_time": self.frame_time}
-        return {**told, "blocks": len(self.blocks), "doubtful": self.doubtful, "lines": self.lines, "made": MADE}
+        activities = None if self.activities is None else [astuple(activity) for activity in self.activities]
+        told |= {"blocks": len(self.blocks), "doubtful": self.doubtful, "lines": self.lines, "activities": activities}
+        return {**told, "made": MADE}
 
     @classmethod
     def pack(cls, body: ClipBody) -> Body:
         """Return the stored form of the body of a clip."""
         blocks = tuple(pack(body.steps))
-        return cls(body.names, len(body.steps), body.calibration, body.frame_time, blocks, body.doubtful, body.lines)
+        activities = recognize_activities(body.stretch(JOINTS))
+        frames, seconds = len(body.steps), body.frame_time
+        return cls(body.names, frames, body.calibration, seconds, blocks, body.doubtful, body.lines, activities)
 
     @classmethod
     def restore(cls, stored: StoredBody) -> Body | None:
@@ -94,7 +106,9 @@ class Body:
             return None
         calibration = Calibration.from_json(facts["calibration"])
         names, doubtful, lines = (tuple(facts[each]) for each in ("names", "doubtful", "lines"))
-        return cls(names, facts["frames"], calibration, facts["frame_time"], stored.blocks, doubtful, lines)
+        seen = facts["activities"]
+        activities = None if seen is None else tuple(Activity(*each) for each in seen)
+        return cls(names, facts["frames"], calibration, facts["frame_time"], stored.blocks, doubtful, lines, activities)
 
 
 def derive_bodies(tx: Transaction, documents: Sequence[Listed], skeletons: Skeletons) -> Iterator[Body]:

@@ -12,18 +12,21 @@ from numpy.typing import NDArray
 from mcml.errors import DocumentError, FormatError, LimitError, NotFoundError
 from mcml.files.gait_labels import find_exclusions, find_gait_labels
 from mcml.formats.measurements import Measurements, has_capture_numbers
-from mcml.laboratory.gait_events import Side
-from mcml.laboratory.gait_points import find_gait_points
-from mcml.laboratory.measure_gait import EventSource, Gait, find_walker, measure_gait
+from mcml.laboratory.gait_contacts import find_contacts
+from mcml.laboratory.gait_events import GaitEvent, Side, WalkerPaths
+from mcml.laboratory.gait_points import GaitPoints, find_gait_points
+from mcml.laboratory.measure_gait import EventSource, Gait, GaitEvents, find_gait_events, find_walker, measure_gait
 from mcml.language.elements import to_head
 from mcml.motion.bodies.quantities import AskedQuantity
+from mcml.motion.bodies.stretch import Stretch
 from mcml.motion.clip import ClipHead
 from mcml.motion.markers import read_marker_positions
 from mcml.motion.skeleton import Array
 from mcml_service.clips.bodies import Body, read_turned
-from mcml_service.clips.read_clip import read_clip
+from mcml_service.clips.read_clip import Skeletons, read_clip
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.documents.documents import StoredDocument
+from mcml_service.storage.documents.spans import StoredSpan
 from mcml_service.storage.transaction import Transaction
 
 
@@ -35,11 +38,13 @@ def is_beside_positions(asked: AskedQuantity) -> bool:
 class FrameQuantities:
     """Quantities of all frames of a document, which share what they read.
 
-    body: of the document.
+    body: of the document. skeletons: as for `read_clip`.
     """
 
-    def __init__(self, tx: Transaction, stored: StoredDocument | Listed, body: Body) -> None:
-        self._tx, self._stored, self.body = tx, stored, body
+    def __init__(
+        self, tx: Transaction, stored: StoredDocument | Listed, body: Body, skeletons: Skeletons | None = None
+    ) -> None:
+        self._tx, self._stored, self.body, self._skeletons = tx, stored, body, skeletons
 
     def read(self, asked: AskedQuantity) -> Array:
         """(n,) of all frames, NaN where unknown.
@@ -48,7 +53,8 @@ class FrameQuantities:
         are unknown.
         """
         if asked.of_gait:
-            return self.measure_gait().contacts(cast("Side", asked.arguments[0]), self._stored.frames)
+            found = self._events
+            return find_contacts(found.events, cast("Side", asked.arguments[0]), found.rate, self._stored.frames)
         if not asked.of_file:
             return read_turned(self._tx, self._stored, asked.arguments[0], self.body)
         walker = partial(find_walker, self._head.skeleton, self.body.stretch)
@@ -67,12 +73,8 @@ class FrameQuantities:
         source, subject: as for `measure_gait` and `find_gait_points`. Raises DocumentError without a frame time, or if
         heels, toes or hips are unknown.
         """
-        points = find_gait_points(self._head.skeleton, subject)
-        spans = self._tx.spans.of(self._stored.key)
-        labels = find_gait_labels([(span.first - 1, span.name) for span in spans], self._head, subject)
-        exclusions = find_exclusions((span.first - 1, span.last - 1, span.name) for span in spans)
-        find_plates = partial(self.measurements.find_events, self._ids)
-        return measure_gait(points, self.body.stretch(points.names), labels, source, find_plates, exclusions)
+        exclusions = find_exclusions((span.first - 1, span.last - 1, span.name) for span in self._spans)
+        return measure_gait(*self._walker(subject), source, self._find_plate_events, exclusions)
 
     def units(self, asked: Sequence[AskedQuantity]) -> list[str]:
         """The unit of each quantity: where the file decides it, as the file writes it."""
@@ -81,9 +83,26 @@ class FrameQuantities:
     def _positions(self, joints: Sequence[int]) -> Array:
         return read_marker_positions(read_clip(self._tx, self._stored, labelled=False).clip, joints)
 
+    def _walker(self, subject: str | None) -> tuple[GaitPoints, Stretch, list[GaitEvent]]:
+        """Points, their positions, and the events that labels state."""
+        points = find_gait_points(self._head.skeleton, subject)
+        labels = find_gait_labels([(span.first - 1, span.name) for span in self._spans], self._head, subject)
+        return points, self.body.stretch(points.names), labels
+
+    def _find_plate_events(self, walker: WalkerPaths) -> list[GaitEvent]:
+        return self.measurements.find_events(self._ids, walker)
+
+    @cached_property
+    def _events(self) -> GaitEvents:
+        return find_gait_events(*self._walker(None), "auto", self._find_plate_events)
+
+    @cached_property
+    def _spans(self) -> list[StoredSpan]:
+        return self._tx.spans.of(self._stored.key)
+
     @cached_property
     def _head(self) -> ClipHead:
-        return to_head(self._tx.heads.document(self._stored), self._stored.frame_time)
+        return read_clip(self._tx, self._stored, bare=True, skeletons=self._skeletons).clip.head
 
     @cached_property
     def measurements(self) -> Measurements:

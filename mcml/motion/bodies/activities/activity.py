@@ -17,6 +17,8 @@ _TWO_SIDED = {
 _NAMES = ("walk", "run", "step", "jump", "stand", "sit", "crouch", "lie")
 ACTIVITIES: Final = (*_NAMES, *(form.format(side) for form in _TWO_SIDED.values() for side in ("left", "right")))
 """The names of activities."""
+ANY_ACTIVITY: Final = (*ACTIVITIES, *_TWO_SIDED)
+"""These names, and those that mean either side."""
 OF_ARMS: Final = ("wave", "reach", "raise hand")
 """Those of one arm."""
 
@@ -55,5 +57,5 @@ def names_meant(text: str) -> frozenset[str]:
         return frozenset({text})
     if text in _TWO_SIDED:
         return frozenset(name_of(text, side) for side in ("left", "right"))
-    known = ", ".join((*ACTIVITIES, *_TWO_SIDED))
+    known = ", ".join(ANY_ACTIVITY)
     raise RequestError(f"{text!r} is no activity that is recognised", remedy=f"Take one of: {known}.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -19,6 +20,7 @@ LEGS: Final = tuple(f"{side}_{part}" for side in SIDES for part in ("up_leg", "l
 _ARM = ("up_arm", "low_arm", "hand")
 
 
+@lru_cache(maxsize=64)
 def joints_needed(text: str) -> tuple[str, ...]:
     """The joints that an activity needs; any of those with `|` between them. Raises RequestError for unknown names."""
     names = names_meant(text)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from difflib import get_close_matches
 from functools import cached_property, partial
 from typing import TypeVar
@@ -13,10 +13,11 @@ from mcml.errors import QueryError
 from mcml.motion.bodies.pose_index import MADE as INDEX_MADE
 from mcml.motion.bodies.pose_index import WIDTH, Balls, PoseIndex, balls_of, pose_index
 from mcml.motion.bodies.poses import NEEDS, pose_features
-from mcml.motion.bodies.quantities import AskedQuantity, compute, joints_of
+from mcml.motion.bodies.quantities import AskedQuantity, compute, found_together, joints_of
 from mcml.motion.bodies.stretch import Stretch
 from mcml_service.clips.bodies import MADE, Body
 from mcml_service.clips.frame_quantities import FrameQuantities, is_beside_positions
+from mcml_service.clips.read_clip import Skeletons
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.xpath.library.body_facts import BodyFacts
 from mcml_service.xpath.library.forest import Forest
@@ -28,6 +29,8 @@ Column = TypeVar("Column", Floats, PoseColumns)
 Made = TypeVar("Made")
 TOGETHER = 32
 """Documents whose bodies are read before anything else may happen."""
+MOST_VALUES = 1 << 24
+"""Numbers of quantities that are found together; beyond them, one quantity is found at a time."""
 
 
 class Bodies:
@@ -64,13 +67,42 @@ class Bodies:
     def quantity(self, name: str, arguments: tuple[str, ...]) -> Floats:
         """A column of the quantity of a name."""
 
-        def of_body(body: Body) -> Floats:
-            return compute(name, arguments, body.stretch(joints_of(name, arguments, body.names)))
+        together = found_together(name, arguments)
+        if len(together) * int(self.offsets[-1]) > MOST_VALUES:
+            together = (arguments,)
+        found: dict[tuple[str, ...], Floats] = {}
 
-        asked = AskedQuantity("", name, arguments, "")
-        beside = is_beside_positions(asked)
-        make = partial(self._read, asked) if beside else lambda: np.concatenate(self._each(of_body))
+        def make() -> Floats:
+            found.update(zip(together, self._quantities(name, together), strict=True))
+            return found[arguments]
+
+        column = self._of_bodies(name, arguments, make)
+        for others, values in found.items():
+            self._of_bodies(name, others, partial(_same, values))
+        return column
+
+    def take(self, whole: Bodies, chosen: Bools, name: str, arguments: tuple[str, ...]) -> None:
+        """Take the column of a quantity from the documents of a group that these are chosen from."""
+
+        def make() -> Floats:
+            return whole.quantity(name, arguments)[np.repeat(chosen, whole.frames)]
+
+        self._of_bodies(name, arguments, make)
+
+    def _of_bodies(self, name: str, arguments: tuple[str, ...], make: Callable[[], Floats]) -> Floats:
         return self._forest.of_bodies((f"{MADE}", name, *arguments), make)
+
+    def _quantities(self, name: str, together: Sequence[tuple[str, ...]]) -> list[Floats]:
+        """A column for each of some arguments, all of which need the same joints."""
+        asked = [AskedQuantity("", name, arguments, "") for arguments in together]
+        if is_beside_positions(asked[0]):
+            return self._read(asked)
+
+        def of_body(body: Body) -> list[Floats]:
+            stretch = body.stretch(joints_of(name, together[0], body.names))
+            return [compute(name, arguments, stretch) for arguments in together]
+
+        return [np.concatenate(parts) for parts in zip(*self._each(of_body), strict=True)]
 
     def find_documents_without(self, name: str, arguments: tuple[str, ...]) -> Bools:
         """Which documents have no value of a measurement of the file, in any frame."""
@@ -85,15 +117,17 @@ class Bodies:
 
         return self._forest.of_bodies((f"{MADE}", "documents", name), lambda: np.array(self._each(of_body), np.float64))
 
-    def _read(self, asked: AskedQuantity) -> Floats:
+    def _read(self, asked: Sequence[AskedQuantity]) -> list[Floats]:
         # Excluded documents are reported from the facts of bodies.
         self.facts()
         parts = []
+        skeletons: Skeletons = {}
         for listed in self._forest.documents:
             self._check()
             (body,) = self._forest.caches.bodies.read(self._forest.tx, [listed])
-            parts.append(FrameQuantities(self._forest.tx, listed, body).read_known(asked))
-        return np.concatenate(parts)
+            quantities = FrameQuantities(self._forest.tx, listed, body, skeletons)
+            parts.append([quantities.read_known(each) for each in asked])
+        return [np.concatenate(each) for each in zip(*parts, strict=True)]
 
     def asked(self, document: str, first: float, last: float | None) -> Asked:
         """Return the pose of a frame of a document; with `last`, the motion from there to that frame.
@@ -181,3 +215,7 @@ class Bodies:
         together = BodyFacts.together(facts)
         self._forest.body_facts(lambda: together)
         return found, together
+
+
+def _same(values: Floats) -> Floats:
+    return values

@@ -92,19 +92,23 @@ class BodyScope:
 
     def _select(self, group: Group) -> Group:
         facts = self._facts.get(group)
+        bodies = self._bodies(group)
+        stated = {call: texts for call in self.calls if (texts := _measurement(call))}
         if facts is None:
-            forest = Forest(self._tx, group, self._caches, head_part=HeadPart.MOTION)
-            bodies = Bodies(forest, self._check)
-            unstated = {
-                call: bodies.find_documents_without(*texts) for call in self.calls if (texts := _measurement(call))
-            }
+            unstated = {call: bodies.find_documents_without(*texts) for call, texts in stated.items()}
             facts = self._facts[group] = GroupFacts(bodies.facts(), unstated)
         lacks = np.zeros(len(group), bool)
         for _, _, which in _reasons(facts, self._needed):
             lacks |= which
         if not lacks.any():
             return group
-        return self._caches.listing.group([listed for listed, out in zip(group, lacks, strict=True) if not out])
+        others = self._caches.listing.group([listed for listed, out in zip(group, lacks, strict=True) if not out])
+        for texts in stated.values():
+            self._bodies(others).take(bodies, ~lacks, *texts)
+        return others
+
+    def _bodies(self, group: Group) -> Bodies:
+        return Bodies(Forest(self._tx, group, self._caches, head_part=HeadPart.MOTION), self._check)
 
 
 def refuse_top(calls: Sequence[Call]) -> None:

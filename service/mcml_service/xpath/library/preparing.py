@@ -44,7 +44,14 @@ COMMON_BONES = (
 )
 ROTATIONS = tuple(CHANNELS.index(channel) for channel in ("Rx", "Ry", "Rz"))
 TRANSLATIONS = tuple(CHANNELS.index(channel) for channel in ("Tx", "Ty", "Tz"))
-COMMON_QUANTITIES = tuple(("height", bone) for bone in ("Head", "left_hand", "right_hand", "left_foot", "right_foot"))
+COMMON_QUANTITIES = (
+    *(("height", bone) for bone in ("Head", "left_hand", "right_hand", "left_foot", "right_foot")),
+    ("activity", "walk"),
+    ("contact", "left"),
+    *(("speed", bone) for bone in ("left_hand", "right_hand")),
+    *(("angle", name) for name in ("left-knee-flexion", "right-knee-flexion")),
+)
+"""With an activity come all, and with the contacts of a foot those of the other one."""
 BASE = (*(f"head {part.name}" for part in HeadPart), "shapes", "labels", "ids", "tracks", "ends")
 """The columns on disk that do not depend on a bone."""
 
