@@ -8,6 +8,7 @@ from mcml.language.addresses import address_attribute
 from mcml.motion.skeleton import CHANNELS
 from mcml_service.xpath.engine.column_source import ColumnSource
 from mcml_service.xpath.engine.scan import Scan
+from mcml_service.xpath.engine.starts import NUMBER
 from mcml_service.xpath.language.conditions import Sample
 from mcml_service.xpath.language.motion_functions import OF_FRAME_SETS, WINDOW
 from mcml_service.xpath.language.tree import Call
@@ -52,11 +53,10 @@ def _columns(source: ColumnSource) -> list[str]:
     if start is None:
         return [f"on columns: {unparse(source.tree)}"]
     steps = [f"spans named {_names(group)}, by the index on names" for group in start.groups]
-    if start.position is not None:
-        steps.append(f"the frame at position {start.position}")
-    if start.ids is not None:
-        ids = " or ".join(map(repr, start.ids))
-        steps.append(f"frames of id {ids}, by arithmetic on runs of ids")
+    if start.numbers is not None:
+        name, way = ("@id", "runs of ids") if start.numbers.by_id else ("position()", "positions")
+        asked = unparse(start.numbers.condition).replace(unparse(NUMBER), name)
+        steps.append(f"frames with {asked}, by arithmetic on {way}")
     if not start.indexed:
         steps.append("all frames, by the timeline")
     steps += [f"of these, those where {unparse(predicate)}" for predicate in start.predicates]

@@ -141,8 +141,8 @@ class ColumnSource:
 
     def count(self) -> int:
         """How many nodes the documents have together."""
-        if self.start is not None and self.start.only_frames and not self._narrowed() and not self._asks_bodies:
-            return self.frames.count()
+        if self.start is not None and self.start.only_frames and not self._asks_bodies:
+            return self._count_frames(self.start)
         if self.start is not None and not self.start.indexed and not self.start.predicates:
             bones = _bones_asked(self.start)
             if bones is not None:
@@ -187,8 +187,15 @@ class ColumnSource:
     def _asks_bodies(self) -> bool:
         return self._bodies is not None and bool(self._bodies.calls)
 
-    def _narrowed(self) -> bool:
-        return self.start is not None and (self.start.position is not None or self.start.ids is not None)
+    def _count_frames(self, start: Start) -> int:
+        if start.numbers is None:
+            return self.frames.count()
+        total = 0
+        for forest in self.forests(counted=True):
+            columns = self._columns(forest)
+            counted = self.frames.counted(columns)
+            total += len(self.frames.of(columns)) if counted is None else counted
+        return total
 
     def _walk(self, columns: Columns) -> Iterator[Ints]:
         tree = self.tree
@@ -200,7 +207,7 @@ class ColumnSource:
             yield found
             return
         if self.start is not None:
-            nodes = self.frames.of(columns.forest)
+            nodes = self.frames.of(columns)
             nodes = columns.filtered(documents_of(nodes), nodes, self.start.predicates)
             rest = self.start.steps
         else:

@@ -15,6 +15,7 @@ from mcml.language.lexical import escape
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.documents.encoding import is_plain_integer
 from mcml_service.storage.transaction import Transaction
+from mcml_service.xpath.nodes.number_runs import NumberRuns
 from mcml_service.xpath.nodes.numbering import (
     DOCUMENT_SHIFT,
     FRAME_SHIFT,
@@ -208,6 +209,18 @@ class IdRuns(Stored):
     @cached_property
     def _is_text(self) -> Bools:
         return np.isin(np.arange(len(self._keys)), list(self._texts))
+
+    @cached_property
+    def of_numbers(self) -> NumberRuns:
+        """The runs whose ids are integers."""
+        runs = np.flatnonzero(~self._is_text)
+        return NumberRuns(self._keys[runs], self._first[runs], self._step[runs], self._count[runs])
+
+    @cached_property
+    def of_texts(self) -> Ints:
+        """The frame elements whose ids are no integers, ascending."""
+        keys = [self._keys[run] + np.arange(len(texts)) for run, texts in sorted(self.others)]
+        return np.concatenate([*keys, np.empty(0, np.int64)]) << FRAME_SHIFT
 
     def find(self, wanted: str | float) -> Ints:
         """The frame elements whose id is a text, or has this number; ascending."""
