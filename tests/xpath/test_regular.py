@@ -7,7 +7,7 @@ from contextlib import suppress
 
 import pytest
 from elementpath.regex import translate_pattern
-from hypothesis import given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from mcml.errors import LimitError, McmlError, QueryError
@@ -119,3 +119,28 @@ def test_half_of_a_letter_is_refused() -> None:
 )
 def test_replaces(text: str, pattern: str, replacement: str, flags: str, expected: str) -> None:
     assert regular.replace(text, pattern, replacement, flags) == expected
+
+
+SIGNS = st.sampled_from(["a", "b", "_", ".", " ", "\n", "\r", "é", "٣", "", "ab"])
+PARTS = st.sampled_from(
+    ["a", "b", "ab", ".", "^", "$", "a*", "b+", "[^a]", r"\s", r"\S", r"\W", r"\n", "(a|b)", "_?", "\n", "a|b", "^$"]
+)
+
+
+@given(
+    st.lists(st.lists(SIGNS, max_size=5).map("".join), max_size=80),
+    st.lists(PARTS, min_size=1, max_size=4).map("".join),
+    st.sampled_from(["", "s", "m", "i", "sm", "q", "x"]),
+)
+@settings(max_examples=400, deadline=None)
+def test_many_texts_match_as_each_alone(texts: list[str], pattern: str, flags: str) -> None:
+    try:
+        regular.compiled(pattern, flags)
+    except McmlError:
+        assume(False)
+    assert regular.match_all(texts, pattern, flags) == [regular.matches(text, pattern, flags) for text in texts]
+
+
+def test_half_of_a_letter_is_refused_among_many_texts() -> None:
+    with pytest.raises(QueryError, match="half of a letter"):
+        regular.match_all(["a", "\ud800"], "a")

@@ -60,7 +60,7 @@ from mcml_service.xpath.nodes.numbering import Bools, Floats, Ints, documents_of
 from mcml_service.xpath.nodes.pairs import TooWideError
 from mcml_service.xpath.nodes.texts import Strings, constant, of_numbers, to_later_text
 
-SLICE = 10_000
+SLICE = 32_768
 """Candidates of a predicate that are looked at together."""
 
 

@@ -169,6 +169,10 @@ def _of_texts(signature: Signature, columns: Sequence[Strings], check: Callable[
         if signature.result == "boolean":
             return column.test(function)  # type: ignore[arg-type]  # the same
         return column.map(function)  # type: ignore[arg-type]  # the same
+    if signature.of_many is not None and all(len(column.values) == 1 for column in columns[1:]):
+        check()
+        many = compact(columns[0])
+        return np.array(signature.of_many(many.values, *(column.values[0] for column in columns[1:])), bool)[many.codes]
     made = combine(columns, function)
     if signature.result == "boolean":
         return np.array(made, bool)

@@ -25,7 +25,7 @@ class Signature:
     items: type of the items of a sequence. selects: these are items of that argument. is_integer: the number is one of
     XPath's integers.
     is_later: came after XPath 1.0. is_quick: no text takes it long. of_texts: the value for texts, one for each
-    argument. of_numbers: the same for arrays of numbers.
+    argument. of_many: the same for many first arguments with the same others. of_numbers: for arrays of numbers.
     """
 
     result: str
@@ -40,6 +40,7 @@ class Signature:
     is_later: bool = False
     is_quick: bool = True
     of_texts: Callable[..., str | float | bool] | None = None
+    of_many: Callable[..., list[bool]] | None = None
     of_numbers: Callable[..., Any] | None = None
 
     def takes(self, count: int) -> bool:
@@ -124,7 +125,7 @@ FUNCTIONS = {
     "upper-case": _later("string", 1, 1, of_texts=str.upper),
     "string-join": _later("string", 1, 2, takes_items=True),
     "ends-with": _later("boolean", 2, 2, of_texts=str.endswith),
-    "matches": _later("boolean", 2, 3, of_texts=regular.matches, is_quick=False),
+    "matches": _later("boolean", 2, 3, of_texts=regular.matches, of_many=regular.match_all, is_quick=False),
     "replace": _later("string", 3, 4, of_texts=regular.replace, is_quick=False),
     "tokenize": _later("sequence", 1, 3, items="string"),
     "exists": _later("boolean", 1, 1, takes_items=True),

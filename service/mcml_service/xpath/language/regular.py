@@ -7,8 +7,10 @@ so they are refused. With the flag `m`, `^` also matches after a line feed that 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from bisect import bisect_right
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
+from itertools import accumulate
 from typing import Any
 
 import re2
@@ -19,6 +21,8 @@ from mcml.errors import LimitError, QueryError
 MOST_REPETITIONS = 1000
 """The limit of RE2. It reads larger counts as literal text."""
 MAX_LENGTH = 10_000
+FEW_HITS = 32
+"""Texts that match, from which on texts are searched one by one if most of them match."""
 MEMORY = 16 << 20
 """Bytes that one expression may take, compiled and while it runs."""
 
@@ -42,10 +46,39 @@ def matches(text: str, pattern: str, flags: str = "") -> bool:
     return compiled(pattern, flags).search(_sound(text)) is not None
 
 
+def match_all(texts: Sequence[str], pattern: str, flags: str = "") -> list[bool]:
+    """`matches()` of each text. Raises as it does.
+
+    All texts are searched as the lines of one, which passes over texts without a match: the first match anywhere begins
+    in the first text that has one, as long as lines begin and end as texts do. Only such texts are searched alone.
+    """
+    if not texts:
+        return []
+    alone = compiled(pattern, flags)
+    found = [False] * len(texts)
+    lines = [_sound(text).encode() for text in texts]
+    if any(b"\n" in line for line in lines):
+        return [alone.search(text) is not None for text in texts]
+    together = compiled(pattern, flags if "m" in flags else f"{flags}m")
+    whole = b"\n".join(lines)
+    starts = [0, *accumulate(len(line) + 1 for line in lines)]
+    place = hits = 0
+    while place < len(texts):
+        if hits < FEW_HITS or 2 * hits < place:
+            match = together.search(whole, starts[place])
+            if match is None:
+                break
+            place = bisect_right(starts, match.start()) - 1
+        found[place] = alone.search(texts[place]) is not None
+        hits += found[place]
+        place += 1
+    return found
+
+
 def replace(text: str, pattern: str, replacement: str, flags: str = "") -> str:
     """`replace()`, with `$1` for the first group. Raises as `matches`."""
-    found = _that_takes_something(pattern, flags)
-    make = _template(replacement, found.groups, literal="q" in flags)
+    found, groups = _that_takes_something(pattern, flags)
+    make = _template(replacement, groups, literal="q" in flags)
     parts: list[str] = []
     place = 0
     for match in found.finditer(_sound(text)):
@@ -60,7 +93,7 @@ def tokenize(text: str, pattern: str | None = None, flags: str = "") -> list[str
         return [word for word in text.translate(_SPACES).split(" ") if word]
     if pattern and not flags and not _SIGNS.intersection(pattern):
         return text.split(pattern) if text else []
-    found = _that_takes_something(pattern, flags)
+    found, _ = _that_takes_something(pattern, flags)
     if not text:
         return []
     ends = [match.span() for match in found.finditer(_sound(text))]
@@ -194,14 +227,16 @@ def _too_large(why: str) -> LimitError:
     )
 
 
-def _that_takes_something(pattern: str, flags: str) -> Any:
+@lru_cache(maxsize=256)
+def _that_takes_something(pattern: str, flags: str) -> tuple[Any, int]:
+    """A regular expression that matches no empty text, and how many groups it has."""
     found = compiled(pattern, flags)
     if found.search("") is not None:
         raise QueryError(
             f"the regular expression {pattern!r} matches the empty text, of which there is no end",
             remedy="Match at least one character: + instead of *.",
         )
-    return found
+    return found, found.groups
 
 
 @lru_cache(maxsize=256)

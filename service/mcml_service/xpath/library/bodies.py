@@ -23,7 +23,7 @@ from mcml_service.xpath.library.body_facts import BodyFacts
 from mcml_service.xpath.library.forest import Forest
 from mcml_service.xpath.library.likeness import Asked, Poses
 from mcml_service.xpath.library.pose_columns import PoseColumns
-from mcml_service.xpath.nodes.numbering import Bools, Floats, Ints, documents_of, frames_of
+from mcml_service.xpath.nodes.numbering import FRAME_MASK, FRAME_SHIFT, Bools, Floats, Ints, documents_of, frames_of
 
 Column = TypeVar("Column", Floats, PoseColumns)
 Made = TypeVar("Made")
@@ -63,6 +63,18 @@ class Bodies:
         """Return the index in a column of each node's frame; -1 for nodes of heads."""
         frames = frames_of(nodes)
         return np.where(frames > 0, self.offsets[documents_of(nodes)] + frames - 1, -1)
+
+    def at(self, column: Floats, nodes: Ints) -> Floats:
+        """Return the numbers that nodes have in a column: those of their frames, NaN for nodes of heads."""
+        if not len(column) or not len(nodes):
+            return np.full(len(nodes), np.nan)
+        keys = nodes >> FRAME_SHIFT
+        first, last = (int(row) for row in self.rows(nodes[[0, -1]]))
+        if last - first == len(nodes) - 1 and (keys[1:] > keys[:-1]).all() and (keys & FRAME_MASK).all():
+            # As many different frames as there are between these: all of them.
+            return column[first : last + 1]
+        rows = self.rows(nodes)
+        return np.where(rows >= 0, column[rows], np.nan)
 
     def quantity(self, name: str, arguments: tuple[str, ...]) -> Floats:
         """A column of the quantity of a name."""

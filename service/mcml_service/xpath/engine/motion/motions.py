@@ -204,8 +204,7 @@ class Motions:
             column = self.bodies.quantity(name, texts)
         except (RequestError, VocabularyError) as error:
             raise QueryError(error.what, remedy=error.remedy) from None
-        rows = self.bodies.rows(nodes)
-        return np.where(rows >= 0, column[rows], np.nan) if len(column) else np.full(len(nodes), np.nan)
+        return self.bodies.at(column, nodes)
 
     def _name(self, argument: Expression, context: Context) -> Strings:
         """Return the name in an argument: for a node its attribute or child `name`, else its text."""
@@ -221,7 +220,7 @@ class Motions:
 
     def _combined(self, arguments: list[Strings], count: int) -> Iterator[tuple[Ints | None, tuple[str, ...]]]:
         """Contexts (None: all) of which the arguments have the same texts, and these."""
-        if all(len(np.unique(each.codes)) <= 1 for each in arguments):
+        if all((each.codes == each.codes[:1]).all() for each in arguments):
             if count:
                 yield None, tuple(each.values[int(each.codes[0])] for each in arguments)
             return
