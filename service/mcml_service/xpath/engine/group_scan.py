@@ -23,6 +23,7 @@ from mcml_service.xpath.library.intervals import Interval
 from mcml_service.xpath.library.track_values import MOST_TRACKS, track_values
 from mcml_service.xpath.library.zones import BONE, CHUNK_NUMBER, FRAMES, Table
 from mcml_service.xpath.nodes.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Bools, Floats, Ints
+from mcml_service.xpath.nodes.pairs import rows_and_columns
 from mcml_service.xpath.nodes.timeline import Timeline, slots_of_chunks
 
 FIRST_UNITS = 128
@@ -354,7 +355,7 @@ class _Hits:
 
     def frames(self, timeline: Timeline) -> tuple[Ints, Ints]:
         """The frames, and for each the bone."""
-        unit, offset = np.nonzero(self.holds)
+        unit, offset = rows_and_columns(self.holds)
         places, chunks = self.lead.places[unit], self.lead.about[CHUNK_NUMBER, unit]
         positions = timeline.positions(places, chunks * CHUNK + offset)
         frames = (places << DOCUMENT_SHIFT) | (positions << FRAME_SHIFT)

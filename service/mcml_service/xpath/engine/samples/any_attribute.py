@@ -34,6 +34,7 @@ from mcml_service.xpath.nodes.numbering import (
     Floats,
     Ints,
 )
+from mcml_service.xpath.nodes.pairs import rows_and_columns
 from mcml_service.xpath.nodes.texts import Strings, to_number
 
 RELATIONS = frozenset(TURNED) - {"!="}
@@ -149,7 +150,7 @@ def _samples(bones: StackedBones, compared: Condition, channel: int) -> Ints:
     """The samples that fulfil a comparison, in any order."""
     forest, found = bones.forest, [np.empty(0, np.int64)]
     for stack in bones.stacks.stacks if bones.may(compared) else ():
-        bone, column = np.nonzero(bones.truth(compared, Some(stack)))
+        bone, column = rows_and_columns(bones.truth(compared, Some(stack)))
         unit, offset = Some(stack).slots(column)
         tracks = stack.tracks[bone, unit]
         places, slots = bones.stacks.slots(stack.units[unit], offset)

@@ -44,11 +44,11 @@ FUNCTIONS = frozenset({"count", "sum", "min", "max", "avg"})
 
 @dataclass(frozen=True)
 class Asked:
-    """function: "any" or one of FUNCTIONS. condition: of the frame_bones that count, None for all. channel: whose
-    samples are added or compared."""
+    """function: "any" or one of FUNCTIONS. condition: of the frame_bones that count. channel: of samples that are added
+    or compared."""
 
     function: str
-    condition: Condition | None
+    condition: Condition
     channel: int = 0
 
 
@@ -76,17 +76,18 @@ class FrameBones:
         nodes = context.nodes if frames is None else _one_each(frames)
         if question is None or nodes is None or not are_frames(nodes):
             return None
-        if not self._forest.has_tracks(len(np.unique(documents_of(nodes)))):
+        if not self._forest.has_tracks(1 + int(np.count_nonzero(np.diff(documents_of(nodes))))):
             return None
         bones = self._bones = self._bones or StackedBones(self._columns)
-        takes = question.condition is None or bones.takes(question.condition)
-        if not takes or not (question.function in ("any", "count") or bones.fits(coded=False)):
+        if not bones.takes(question.condition) or not (
+            question.function in ("any", "count") or bones.fits(coded=False)
+        ):
             return None
         stack, column, is_regular = self._places(bones, nodes)
         if not is_regular.any():
             return None
         numbers, exist = np.zeros(len(nodes)), np.ones(len(nodes), bool)
-        for number in np.unique(stack[is_regular]).tolist():
+        for number in np.flatnonzero(np.bincount(stack[is_regular])).tolist():
             own = np.flatnonzero(is_regular & (stack == number))
             for at in range(0, len(own), TOGETHER):
                 self._columns.check()
@@ -132,7 +133,8 @@ def asked(expression: Expression) -> Asked | None:
         conditions += [*attribute[1], present(sample(None, channel))]
     elif expression.function != "count":
         return None
-    return Asked(expression.function, Condition.of(conjunction(conditions)) if conditions else None, channel or 0)
+    # How many frame_bones a frame has is known without their samples.
+    return Asked(expression.function, Condition.of(conjunction(conditions)), channel or 0) if conditions else None
 
 
 def start_of(expression: Expression) -> Variable | None:
@@ -151,8 +153,6 @@ def _one_each(sets: NodeSets) -> Ints | None:
 def _reduced(bones: StackedBones, question: Asked, some: Some) -> tuple[Floats | Bools, Floats | Bools]:
     """Return a number for each frame, and whether it exists."""
     always = np.ones(len(some), bool)
-    if question.condition is None:
-        return np.full(len(some), float(some.stack.width)), always
     holds = bones.truth(question.condition, some)
     if question.function == "any":
         return np.logical_or.reduce(holds, axis=0), always

@@ -25,6 +25,7 @@ from mcml_service.xpath.library.intervals import Verdict
 from mcml_service.xpath.library.stacks import ABSENT, BEYOND, Coding, Stack, StackedSamples
 from mcml_service.xpath.library.zones import BITS, FRAMES, GAPS, rows_of
 from mcml_service.xpath.nodes.numbering import Bools, Floats, Ints
+from mcml_service.xpath.nodes.pairs import rows_and_columns
 
 TOGETHER = 2048
 """Tracks that are decoded before anything else may happen."""
@@ -194,7 +195,7 @@ class StackedBones:
 
     def _look_up(self, close: Bools, bound: tuple[Sample, str, float], some: Some, found: Bools) -> None:
         """Compare the exact samples where codes do not decide."""
-        bones, frames = np.nonzero(close)
+        bones, frames = rows_and_columns(close)
         if not len(bones):
             return
         sample, operator, number = bound
