@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from fastapi.testclient import TestClient
 
 from mcml.motion.bodies import clip_body
+from mcml.motion.bodies.activities.recognition import recognize_activities
+from mcml.motion.bodies.activities.signals import JOINTS
 from mcml_service.clips import bodies
 from mcml_service.storage.database import Database
 from mcml_service.storage.documents import packed_positions
@@ -36,5 +40,9 @@ def test_what_is_derived_in_parts_is_the_same(
     monkeypatch.setattr(clip_body, "FRAMES_TOGETHER", 64)
     with database.read() as tx:
         parts = list(bodies.derive_bodies(tx, tx.columns.documents(), {}))
+    # Activities of long documents are found when they are asked for.
+    assert {body.frames > 20: body.activities is None for body in parts} == {True: True, False: False}
+    assert [recognize_activities(body.stretch(JOINTS)) for body in parts] == [body.activities for body in whole]
+    parts, whole = ([replace(body, activities=None) for body in each] for each in (parts, whole))
     assert [(body.facts(), body.blocks) for body in parts] == [(body.facts(), body.blocks) for body in whole]
     assert max(len(body.blocks) for body in whole) > 3
