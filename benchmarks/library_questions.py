@@ -48,7 +48,7 @@ CLASSES = (
             "//frame_bone[@Rx > {k}]",
         ),
     ),
-    Class("100 frames of 100 documents", (60, 60), ("//frame[1{k}]",)),
+    Class("100 frames of 100 documents", (60, 40), ("//frame[1{k}]",)),
     Class(
         "one column over the library",
         (15, 40),
@@ -56,13 +56,13 @@ CLASSES = (
     ),
     Class(
         "two columns compared",
-        (20, 90),
+        (20, 40),
         (f"count(//frame[{_LEG}/@Rx > {_OTHER}/@Rx + {{k}}])",),
     ),
-    Class("all bones", (80, 700), ("count(//frame_bone[@Rx > {k}])",)),
+    Class("all bones", (80, 40), ("count(//frame_bone[@Rx > {k}])",)),
     Class(
         "XPath 2.0",
-        (50, 300),
+        (50, 40),
         (
             "for $m in /mcml return count($m//frame) + {k}",
             "max(for $m in /mcml return count($m//frame) + {k})",

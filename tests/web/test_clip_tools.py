@@ -12,6 +12,7 @@ from PIL import Image
 
 from tests.builders import FACE
 from tests.laboratory.walkers import Gait, make_c3d, make_steps, true_events
+from tests.odd_documents import ODD
 from tests.web.conftest import Served, Visit, one_door, walk
 from tests.web.test_editing import expect_other_picture
 from tests.web.test_journeys import ready
@@ -343,3 +344,14 @@ def test_spikes_are_previewed_removed_and_taken_back(visit: Visit, studio: Serve
     expect(page.get_by_text("revision 3", exact=True)).to_be_visible()
     expect(hide).to_have_count(0)
     assert studio.get(f"/documents/{uuid}/frames", first=31, last=31)["items"][0]["values"] == spiky
+
+
+def test_a_frame_that_shows_nothing_leads_to_one_that_does(visit: Visit, studio: Served) -> None:
+    ((name, content),) = ODD["seen late"].items()
+    page = visit.open(f"/clips/{studio.upload(name, content)}")
+    ready(page)
+    note = page.get_by_text("No marker or joint is known in this frame.")
+    expect(note).to_be_visible()
+    page.get_by_role("button", name="Go to frame 41").click()
+    expect(note).to_have_count(0)
+    expect(page.get_by_label("Frame", exact=True)).to_have_value("41")

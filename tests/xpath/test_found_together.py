@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+from mcml.errors import QueryError
 from mcml.motion.bodies.activities.recognition import recognize_activities
 from mcml.motion.bodies.activities.signals import JOINTS, BodySignals
 from mcml_schemas.querying.queries import QueryRequest
@@ -71,6 +72,13 @@ def test_all_activities(engine: Queries, monkeypatch: pytest.MonkeyPatch) -> Non
     assert count(engine, calls[1]) == expected[1]
     monkeypatch.setattr(BodySignals, "of", lambda *_: pytest.fail("recognised again"))
     assert [count(engine, call) for call in calls] == expected
+
+
+def test_names_that_are_found_in_the_documents(engine: Queries) -> None:
+    with pytest.raises(QueryError, match="'1' is no activity"):
+        engine.answer(QueryRequest(q="//frame[mo:activity(@id)]"))
+    contacts = count(engine, "mo:contact(concat('le', 'ft'))")
+    assert contacts == count(engine, "mo:contact('left')")
 
 
 def test_many_frames_have_one_quantity_at_a_time(engine: Queries, monkeypatch: pytest.MonkeyPatch) -> None:

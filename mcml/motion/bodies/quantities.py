@@ -295,7 +295,7 @@ def found_together(name: str, arguments: Arguments) -> tuple[tuple[str, ...], ..
     """Return the arguments of all quantities of this name that one pass over a clip finds, these included: recognition
     finds all activities, and events tell the contacts of both feet.
     """
-    if name == "activity":
+    if name == "activity" and arguments[0] in ANY_ACTIVITY:
         return tuple((each,) for each in ANY_ACTIVITY)
     if name == "contact" and arguments[0] in FEET:
         return tuple((side,) for side in FEET)

@@ -29,6 +29,7 @@ export const r = wordsOf(
     "label.motionReplaced": "Motion replaced: 1 frame|Motion replaced: {n} frames",
     "label.jointName": "Joint name", "label.nameOfFile": "no MCML name ({name})", "label.nameGuessed": "guess, confidence {n}", "label.jointRole": "Purpose",
     "label.rememberName": "Also for later imports in this project", "label.jointRenamed": "{before} is now {after}",
+    "help.nothingSeen": "No marker or joint is known in this frame.",
     "label.jointsRecognised": "{mapped} of {total} joints recognised", "label.namesGuessed": "1 guess|{n} guesses",
   },
   {
@@ -59,6 +60,7 @@ export const r = wordsOf(
     "label.motionReplaced": "동작을 바꿨습니다: 프레임 {n}개",
     "label.jointName": "관절 이름", "label.nameOfFile": "MCML 이름 없음({name})", "label.nameGuessed": "추측, 신뢰도 {n}", "label.jointRole": "용도",
     "label.rememberName": "이 프로젝트에서 나중에 가져올 파일에도 사용", "label.jointRenamed": "{before}의 이름이 {after}(으)로 바뀌었습니다",
+    "help.nothingSeen": "이 프레임에는 알려진 마커나 관절이 없습니다.",
     "label.jointsRecognised": "관절 {total}개 중 {mapped}개 인식됨", "label.namesGuessed": "추측 {n}개",
   },
   {
@@ -89,6 +91,7 @@ export const r = wordsOf(
     "label.motionReplaced": "モーションを置き換えました: {n} フレーム",
     "label.jointName": "関節名", "label.nameOfFile": "MCML 名なし ({name})", "label.nameGuessed": "推定、信頼度 {n}", "label.jointRole": "用途",
     "label.rememberName": "このプロジェクトの今後のインポートにも適用", "label.jointRenamed": "{before} を {after} に変更しました",
+    "help.nothingSeen": "このフレームには既知のマーカーや関節がありません。",
     "label.jointsRecognised": "{total} 関節中 {mapped} を認識", "label.namesGuessed": "推定 {n} 件",
   },
 );

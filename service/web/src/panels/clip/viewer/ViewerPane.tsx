@@ -19,6 +19,7 @@ import { bodiesBeside } from "./bodiesBeside";
 import { Compared } from "./Compare";
 import { floorOf, metresText, niceStep } from "./ground";
 import { Reference } from "../media/InStep";
+import { NothingSeen } from "./NothingSeen";
 import { poseAt, positionsThen, skinOfBody, wearBody } from "./poses";
 import { restPose, type RestPose } from "./restPose";
 import { forcesOf } from "./forces";
@@ -248,6 +249,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
           {!skeleton.unitKnown && <span class="guess" />}
         </span>
         <WhySticks clip={clip} />
+        <NothingSeen clip={clip} />
       </div>
       {detail.media && <Reference clip={clip} media={detail.media} />}
       {clip.blocks.trouble.value !== null && (
