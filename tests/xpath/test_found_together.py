@@ -17,6 +17,7 @@ from mcml_service.clips.derive import derive_missing
 from mcml_service.clips.frame_quantities import FrameQuantities
 from mcml_service.settings import Settings
 from mcml_service.storage.database import Database
+from mcml_service.storage.documents.bodies import StoredBody
 from mcml_service.xpath.library.caches import Caches
 from mcml_service.xpath.queries import Queries
 from tests.builders import MCML, one_kind, store
@@ -115,9 +116,5 @@ def test_a_long_document_finds_them_when_it_is_asked(database: Database, monkeyp
     assert LONG > short.frames > 10
     assert long.activities is None
     assert recognize_activities(long.stretch(JOINTS)) == short.activities
-    assert Body.restore(_stored(long)) is not None
+    assert Body.restore(StoredBody(long.facts(), long.blocks)) is not None
     assert np.array_equal(long.stretch(("Head",)).at("Head"), short.stretch(("Head",)).at("Head"), equal_nan=True)
-
-
-def _stored(body: Body) -> clip_bodies.StoredBody:
-    return clip_bodies.StoredBody(body.facts(), body.blocks)

@@ -193,7 +193,7 @@ class ColumnSource:
         total = 0
         for forest in self.forests(counted=True):
             columns = self._columns(forest)
-            counted = self.frames.counted(columns)
+            counted = self.frames.count_in(columns)
             total += len(self.frames.of(columns)) if counted is None else counted
         return total
 

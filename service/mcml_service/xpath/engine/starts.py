@@ -117,19 +117,19 @@ def _condition(predicate: Expression, is_number: Callable[[Expression], bool]) -
 
     is_number: tells which expressions are that number, position() or the node of an id.
     """
-    found = _converted(predicate, is_number)
+    found = _convert(predicate, is_number)
     return found if found is not None and NUMBER in walk(found) else None
 
 
-def _converted(predicate: Expression, is_number: Callable[[Expression], bool]) -> Expression | None:
+def _convert(predicate: Expression, is_number: Callable[[Expression], bool]) -> Expression | None:
     if isinstance(predicate, Call) and predicate.function in ("not", "boolean"):
         (inner,) = predicate.arguments
-        found = _of_chosen_id(inner) if isinstance(inner, Path) and is_number(_ID) else _converted(inner, is_number)
+        found = _of_chosen_id(inner) if isinstance(inner, Path) and is_number(_ID) else _convert(inner, is_number)
         return None if found is None else Call(predicate.function, (found,))
     if not isinstance(predicate, Operation):
         return None
     if predicate.operator in ("and", "or"):
-        return _all_converted(predicate.operator, predicate.operands, is_number)
+        return _convert_all(predicate.operator, predicate.operands, is_number)
     if predicate.operator not in TURNED or len(predicate.operands) != 2:
         return None
     if _is_of_text(predicate, is_number):
@@ -143,11 +143,11 @@ def _converted(predicate: Expression, is_number: Callable[[Expression], bool]) -
     return Operation(predicate.operator, (left, right))
 
 
-def _all_converted(
+def _convert_all(
     operator: str, predicates: tuple[Expression, ...], is_number: Callable[[Expression], bool]
 ) -> Expression | None:
     """Return several conditions as one, None without any."""
-    found = tuple(made for each in predicates if (made := _converted(each, is_number)) is not None)
+    found = tuple(made for each in predicates if (made := _convert(each, is_number)) is not None)
     if not found or len(found) < len(predicates):
         return None
     return found[0] if len(found) == 1 else Operation(operator, found)
@@ -157,7 +157,7 @@ def _of_chosen_id(path: Path) -> Expression | None:
     """Return the condition in `@id[. > 7 and . < 90]`, that there is such an id."""
     if len(path.steps) != 1 or not _is_path(Path((path.steps[0].where(()),), path.absolute, path.start), _ID.steps):
         return None
-    return _all_converted("and", path.steps[0].predicates, lambda part: _is_path(part, ()))
+    return _convert_all("and", path.steps[0].predicates, lambda part: _is_path(part, ()))
 
 
 def _is_of_text(comparison: Operation, is_number: Callable[[Expression], bool]) -> bool:
@@ -238,7 +238,7 @@ class Frames:
             return sum(int(group.frames.sum()) for group in self.groups)
         return sum(last - first + 1 for ranges in self._ranges.values() for first, last in ranges)
 
-    def counted(self, columns: Columns) -> int | None:
+    def count_in(self, columns: Columns) -> int | None:
         """How many frames of the documents of a batch these are, where conditions on numbers alone narrow them; None
         where they must be looked at."""
         numbers = None if self.start is None or self._ranges is not None else self.start.numbers
@@ -256,15 +256,15 @@ class Frames:
         numbers = None if start is None else start.numbers
         found = None if numbers is None else self._hits(columns, numbers)
         if numbers is None or found is None:
-            nodes = self._named(forest)
-            return nodes if numbers is None else _filtered(columns, nodes, numbers)
+            nodes = self._find_named(forest)
+            return nodes if numbers is None else _filter(columns, nodes, numbers)
         runs, hits = found
         nodes, others = runs.frames_of(hits), self._of_texts(columns, numbers)
         if len(others):
             nodes = np.sort(np.concatenate([nodes, others]))
-        return nodes if self._ranges is None else np.intersect1d(self._named(forest), nodes)
+        return nodes if self._ranges is None else np.intersect1d(self._find_named(forest), nodes)
 
-    def _named(self, forest: Forest) -> Ints:
+    def _find_named(self, forest: Forest) -> Ints:
         """The frames that carry the motion names, all where none are asked for."""
         if self._ranges is None:
             return forest.all_frames(np.arange(len(forest)))[1]
@@ -288,8 +288,8 @@ class Frames:
     def _of_texts(self, columns: Columns, numbers: Numbers) -> Ints:
         """The frames whose ids are other texts, as far as they fulfil the predicates."""
         nodes = columns.forest.ids.of_texts if numbers.by_id else np.empty(0, np.int64)
-        return _filtered(columns, nodes, numbers) if len(nodes) else nodes
+        return _filter(columns, nodes, numbers) if len(nodes) else nodes
 
 
-def _filtered(columns: Columns, nodes: Ints, numbers: Numbers) -> Ints:
+def _filter(columns: Columns, nodes: Ints, numbers: Numbers) -> Ints:
     return columns.filtered(documents_of(nodes), nodes, numbers.predicates)
