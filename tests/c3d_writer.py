@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import io
 import math
 import struct
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
+
+from mcml.formats.c3d.analog import read_channels
+from mcml.motion.clip import Original
 
 INTEL, DEC, MIPS = 84, 85, 86
 
@@ -106,3 +111,8 @@ def record(name: str, value: Value, processor: int, group: int = 1) -> bytes:
     plain = name.split(":")[1].encode()
     rest = bytes([kind & 0xFF, len(dimensions), *dimensions]) + content + b"\0"
     return bytes([len(plain), group]) + plain + word(len(rest) + 2, processor) + rest
+
+
+def kept_c3d(data: bytes) -> Original:
+    """A file that frames came from."""
+    return Original(partial(read_channels, io.BytesIO(data)))

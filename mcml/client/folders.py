@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any, TypeAlias
 
 from mcml.answers import UploadError
 from mcml.client.client import Client
 from mcml.errors import UnsupportedError
+from mcml.files.companions import OF_TRIALS, part_beside, trial_name
 from mcml.files.on_disk import name_of, opened_files
 from mcml.formats import READERS
 from mcml.formats.gltf.document import BUFFER, find_uris
+from mcml.formats.trc.force_table import HEAD_BYTES
 from mcml_schemas.documents import UploadResult
 
 ARCHIVES = {".zip", ".7z", ".gz", ".tgz", ".tar"}
@@ -77,8 +79,8 @@ def _upload(client: Client, paths: list[Path], options: dict[str, Any], progress
 
 
 def groups_of(paths: list[Path], most: int) -> Iterator[list[Path]]:
-    """Group files by calls: ASF with the AMC files of its folder, glTF with its buffers, a zip alone, at most `most`
-    others together.
+    """Group files by calls: ASF with the AMC files of its folder, glTF with its buffers, TRC with its forces, a zip
+    alone, at most `most` others together.
     """
     others: list[Path] = []
     for path in paths:
@@ -88,14 +90,19 @@ def groups_of(paths: list[Path], most: int) -> Iterator[list[Path]]:
             others += [] if path.suffix.lower() in PAIRED else [path]
             continue
         paired: dict[Path, list[Path]] = {}
-        for file in sorted(entry for entry in path.rglob("*") if entry.suffix.lower() in EXTENSIONS):
-            buffers = find_buffers(file)
+        found = sorted(entry for entry in path.rglob("*") if entry.suffix.lower() in {*EXTENSIONS, *OF_TRIALS})
+        of_trials = find_of_trials(found)
+        taken: set[Path] = set()
+        for file in found:
+            beside = find_buffers(file) or find_of_trial(file, of_trials)
+            taken.update(beside)
             if file.suffix.lower() in PAIRED:
                 paired.setdefault(file.parent, []).append(file)
-            elif buffers:
-                yield [*buffers, file]
-            else:
+            elif beside:
+                yield [*beside, file]
+            elif file.suffix.lower() in EXTENSIONS and file not in of_trials:
                 others.append(file)
+        others += [file for file in of_trials if file not in taken]
         yield from paired.values()
     yield from _split(others, most)
     loose = [path for path in paths if path.is_file() and path.suffix.lower() in PAIRED]
@@ -112,6 +119,28 @@ def find_buffers(file: Path) -> list[Path]:
     # A file from elsewhere must not name other files of this machine.
     inside = [path for path in paths if not path.is_absolute() and ".." not in path.parts]
     return [file.parent / path for path in inside if (file.parent / path).is_file()]
+
+
+def find_of_trials(files: Iterable[Path]) -> dict[Path, str]:
+    """Return those of some files that stand beside a TRC: tables of forces and external loads, each with its part."""
+    parts: dict[Path, str] = {}
+    for file in files:
+        if file.suffix.lower() in OF_TRIALS and file.is_file():
+            with file.open("rb") as stream:
+                part = part_beside(file.name, stream.read(HEAD_BYTES))
+            parts |= {} if part is None else {file: part}
+    return parts
+
+
+def find_of_trial(file: Path, beside: Mapping[Path, str]) -> list[Path]:
+    """Return the files that have the name of a TRC, one of each part, near ones first; none for other files."""
+    named = [other for other in beside if trial_name(other.name) == trial_name(file.name)]
+    chosen: list[Path] = []
+    for part in dict.fromkeys(beside.values()) if file.suffix.lower() == ".trc" else ():
+        own = [other for other in named if beside[other] == part]
+        near = [other for other in own if other.parent == file.parent]
+        chosen += near if len(near) == 1 else own[: len(own) == 1]
+    return chosen
 
 
 def _split(files: list[Path], most: int) -> Iterator[list[Path]]:

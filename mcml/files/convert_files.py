@@ -18,6 +18,7 @@ from mcml.files.reshape_clip import Reshaping, fit_height, need_stated_facts, pa
 from mcml.files.targets import check_character, convert_clip, part_without_frames, targets
 from mcml.files.wear_character import check_own, wear_file
 from mcml.formats import WRITERS
+from mcml.formats.analog_files import analog_part, channels_reader
 from mcml.formats.format import SourceFile
 from mcml.language.elements import from_head, refresh_counts, to_head
 from mcml.language.writer import write_document
@@ -82,9 +83,9 @@ def convert_files(
         opened = open_clip(found.clips[0], options, limits)
         stream = opened.stream
         head = to_head(opened.document, frame_time or stream.head.frame_time)
-        # A C3D that becomes a C3D keeps its analog channels and force plates, which documents do not have.
-        source = found.clips[0].files.get("c3d")
-        original = None if source is None else Original(source.stream)
+        # Analog channels and force plates are in the file, not in documents.
+        source = found.clips[0].files.get(analog_part(head) or "")
+        original = None if source is None else Original(channels_reader(head, source.stream))
         clip = ClipStream(head, stream.blocks, stream.frames, stream.notices, original)
         first, last = parse_range(frames)
         target = choose_format(preset, target, character=character is not None)

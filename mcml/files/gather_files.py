@@ -7,70 +7,21 @@ import posixpath
 import re
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import TypeAlias
 
 from mcml.errors import FormatError, McmlError, NotFoundError, Place
-from mcml.files.check_names import name_of_file
+from mcml.files.clip_files import Clip, Gathered
+from mcml.files.companions import Companions
 from mcml.files.import_options import ImportOptions
 from mcml.files.limits import FileLimits
 from mcml.files.unpack import unpacked
 from mcml.formats import READERS, find_format
 from mcml.formats.format import SourceFile, TakesReader
-from mcml.formats.gltf.document import BUFFER, find_uris
 from mcml.formats.other_formats import refuse_other_xml, root_of
 from mcml.formats.text.lines import utf16_codec
 
 SNIFF_BYTES = 4096
-
-
-@dataclass
-class Clip:
-    """The files of one document to be.
-
-    format: catalogue name, or "mcml". files: by part of the format. take: which motion, where the files hold several.
-    """
-
-    format: str
-    files: dict[str, SourceFile]
-    take: str | None = None
-
-    @property
-    def name(self) -> str:
-        """The name of the file that holds the motion, with the take where there are several."""
-        name = list(self.files.values())[-1].name
-        return name if self.take is None else f"{name}#{self.take}"
-
-    @property
-    def file_name(self) -> str:
-        """The name without folders."""
-        name = posixpath.basename(list(self.files.values())[-1].name)
-        return name if self.take is None else f"{name}#{self.take}"
-
-    @property
-    def document_name(self) -> str:
-        """The name that a document of it gets."""
-        name = name_of_file(list(self.files.values())[-1].name)
-        return name if self.take is None else f"{name}#{self.take}"
-
-    @property
-    def kept_files(self) -> dict[str, SourceFile]:
-        """The files by the names of parts that a store keeps them under: `fbx`, or `fbx#Walk` for a take."""
-        return {part if self.take is None else f"{part}#{self.take}": file for part, file in self.files.items()}
-
-    @classmethod
-    def of_kept(cls, format_name: str, files: dict[str, SourceFile]) -> Clip:
-        """The clip of files under the names that `kept_files` gives them."""
-        takes = {part.partition("#")[2] for part in files}
-        return cls(format_name, {part.partition("#")[0]: file for part, file in files.items()}, takes.pop() or None)
-
-
-@dataclass
-class Gathered:
-    """problems: (file name, error) of files that belong to no clip."""
-
-    clips: list[Clip] = field(default_factory=list)
-    problems: list[tuple[str, McmlError]] = field(default_factory=list)
 
 
 def several_motions(found: Gathered) -> FormatError:
@@ -98,10 +49,9 @@ def gathered(
     result = Gathered()
     with ExitStack() as stack:
         parts: dict[str, dict[str, list[SourceFile]]] = {}
-        buffers: list[SourceFile] = []
+        companions = Companions()
         for file in unpacked(files, limits, stack, result.problems):
-            if file.name.lower().endswith(BUFFER):
-                buffers.append(file)
+            if companions.take(file):
                 continue
             try:
                 format_name, part = recognise(file)
@@ -114,33 +64,9 @@ def gathered(
                 parts.setdefault(format_name, {}).setdefault(part, []).append(file)
         for format_name, by_part in parts.items():
             _pair(format_name, by_part, result, lookup)
-        _attach_buffers(buffers, result)
+        companions.attach(result)
         result.clips = [each for clip in result.clips for each in _split_takes(clip, limits, options, result)]
         yield result
-
-
-def _attach_buffers(buffers: list[SourceFile], result: Gathered) -> None:
-    """Give the buffers of glTF files to those that name them; the others are problems."""
-    used: set[int] = set()
-    for clip in result.clips:
-        if clip.format != "glb" or not buffers:
-            continue
-        file = clip.files["glb"]
-        wanted = {posixpath.basename(path) for path in find_uris(file.stream)}
-        near = [each for each in buffers if posixpath.basename(each.name) in wanted]
-        near.sort(key=lambda each: posixpath.dirname(each.name) != posixpath.dirname(file.name))
-        chosen = {posixpath.basename(each.name): each for each in reversed(near)}
-        used |= {id(each) for each in chosen.values()}
-        # The file with the motion comes last.
-        clip.files = {f"buffer{number}": each for number, each in enumerate(chosen.values(), 1)} | clip.files
-    for each in buffers:
-        if id(each) not in used:
-            error = FormatError(
-                "the file holds numbers that no glTF file sent with it names",
-                at=Place(file=each.name),
-                remedy="Send it together with its .gltf.",
-            )
-            result.problems.append((each.name, error))
 
 
 def _split_takes(clip: Clip, limits: FileLimits, options: ImportOptions, result: Gathered) -> Iterator[Clip]:

@@ -22,6 +22,7 @@ from mcml.files.limits import FileLimits
 from mcml.files.on_disk import Files, check_free, opened_character, opened_files, paths_of, write_file
 from mcml.files.open_clip import open_clip
 from mcml.files.read_numbers import Space, read_numbers
+from mcml.formats.analog_files import analog_part, channels_reader
 from mcml.formats.format import SourceFile
 from mcml.formats.measurements import Measurement, Measurements
 from mcml.frames import Frames
@@ -190,7 +191,8 @@ class Motion:
 
     @cached_property
     def _measurements(self) -> Measurements:
-        return Measurements(self._clip.head, None if self._original is None else io.BytesIO(self._original))
+        head, original = self._clip.head, self._original
+        return Measurements(head, None if original is None else channels_reader(head, io.BytesIO(original)))
 
     def measure_gait(self, events: EventSource = "auto", subject: str | None = None) -> Gait:
         """Measure the gait of a walker or runner: events, strides and spatio-temporal parameters.
@@ -271,9 +273,8 @@ def read(
             raise several_motions(found)
         opened = open_clip(found.clips[0], options, limits)
         head = to_head(opened.document, seconds or opened.stream.head.frame_time)
-        return Motion(
-            Path(found.clips[0].name).stem, opened.stream.with_head(head), _content(found.clips[0].files.get("c3d"))
-        )
+        original = _content(found.clips[0].files.get(analog_part(head) or ""))
+        return Motion(Path(found.clips[0].name).stem, opened.stream.with_head(head), original)
 
 
 def convert(

@@ -9,9 +9,9 @@ from typing import Any
 
 from mcml.errors import FormatError, Notice
 from mcml.files.check_names import check_head
+from mcml.files.clip_files import Clip
 from mcml.files.describe_clip import receipt, skeleton_facts
 from mcml.files.edit_header import checked_axis, checked_property, checked_unit, with_facts
-from mcml.files.gather_files import Clip
 from mcml.files.import_options import ImportOptions
 from mcml.files.limits import FileLimits
 from mcml.files.shared_skeleton import SharedSkeleton, shared_skeleton

@@ -79,11 +79,13 @@ class ComputedQuantity:
 class GaitQuantities:
     """The quantities of the gait model of a clip.
 
-    head: of the clip. file: of its kept C3D file, None without one. has_plates: whether force plates can be used.
+    head: of the clip. channels: of its kept file, None without one; those of a file without points tell its frames
+    alone. has_plates: whether force plates can be used.
     """
 
-    def __init__(self, head: ClipHead, file: Channels | None, *, has_plates: bool) -> None:
-        self._head, self._file, self._has_plates = head, file, has_plates
+    def __init__(self, head: ClipHead, channels: Channels | None, *, has_plates: bool) -> None:
+        self._head, self._channels, self._has_plates = head, channels, has_plates
+        self._file = channels if channels is not None and channels.layout.points else None
         self._markers = find_model_markers(head.skeleton)
         self._bodies: dict[Method, ModelBody] = {}
         self._bodies_of_file: dict[Method, ModelBody] = {}
@@ -174,13 +176,13 @@ class GaitQuantities:
 
     def _timeline(self, ids: Ids) -> tuple[NDArray[np.intp], int]:
         """(place of each frame in the recording, -1 for others; frames of the recording)."""
-        if self._file is None:
+        channels, numbers = self._channels, np.asarray(ids)
+        if channels is None:
             return np.arange(len(ids)), len(ids)
-        numbers = np.asarray(ids)
         if numbers.dtype.kind != "i":
-            return np.full(len(ids), -1), self._file.frames
-        places = numbers - self._file.first
-        return np.where((places >= 0) & (places < self._file.frames), places, -1), self._file.frames
+            return np.full(len(ids), -1), channels.frames
+        places = numbers - channels.first
+        return np.where((places >= 0) & (places < channels.frames), places, -1), channels.frames
 
     def unit(self, name: str) -> str:
         """The unit of a quantity, "" for a name that is no quantity of the model."""

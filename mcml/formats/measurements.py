@@ -11,13 +11,13 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import BinaryIO, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mcml.errors import NotFoundError
-from mcml.formats.c3d.analog import Channels, read_channels
+from mcml.formats.c3d.analog import Channels
 from mcml.formats.c3d.plates import plates_of
 from mcml.formats.c3d.quantities import Quantity, kept_quantities, rate_of, samples_at
 from mcml.formats.gait_properties import is_baseline_asked
@@ -42,13 +42,11 @@ _SAME_RATE: Final = 1e-4
 
 _LETTERS: Final[Mapping[str, Side]] = {"L": "left", "R": "right"}
 
+_OF_MODEL: Final = "C3D files of a model, such as Plug-in Gait,"
+_OF_TRIAL: Final = "C3D files, and TRC with a table of forces, whose uploads are kept,"
+
 _OF_PLATES: Final = {"force": ("N", AXES_OF_FILE), "cop": ("m", AXES_OF_FILE), "free-moment": ("N m", ())}
 """Unit and axes of the functions of force plates."""
-
-
-def has_capture_numbers(head: ClipHead) -> bool:
-    """Whether the ids of frames are the numbers that the frames have in the file, from which measurements are told."""
-    return any(source.part == "c3d" for source in head.sources)
 
 
 @dataclass(frozen=True)
@@ -74,12 +72,13 @@ class Measurement:
 class Measurements:
     """The measurements of the file of a clip.
 
-    head: of the clip. original: the file itself, where it is kept; without it, quantities alone are known.
+    head: of the clip. read: reads the analog channels of the file, where it is kept; without it, quantities alone are
+    known.
     """
 
-    def __init__(self, head: ClipHead, original: BinaryIO | None = None) -> None:
+    def __init__(self, head: ClipHead, read: Callable[[], Channels] | None = None) -> None:
         self._head = head
-        self._original = original
+        self._read = read
         self._plates_read: dict[str, PlateForces] = {}
 
     def describe(self) -> list[Measurement]:
@@ -210,7 +209,7 @@ class Measurements:
                     remedy="Add the missing markers or measures to the file, or ask for another quantity.",
                 )
             if lacks is None:
-                raise _name_error("quantity", label, list(self._quantities), "files of a model, such as Plug-in Gait,")
+                raise _name_error("quantity", label, list(self._quantities), _OF_MODEL)
             ground = None if find_walker is None else partial(self._ground, find_walker)
             return self._gait.values(label, axis, ids, find_positions, ground)
         if not quantity.has_rate(rate_of(self._head)):
@@ -263,13 +262,13 @@ class Measurements:
         """(frames of the file,) means of the samples of a channel."""
         labels = self.channels.labels if self.channels is not None else ()
         if self.channels is None or label not in labels:
-            raise _name_error("analog channel", label, labels, "files with analog channels, whose upload is kept,")
+            raise _name_error("analog channel", label, labels, _OF_TRIAL)
         return self.channels.means([labels.index(label)])[:, 0]
 
     def _forces(self, name: str) -> PlateForces:
         names = [str(number + 1) for number in range(len(self._plates))]
         if name not in names or self.channels is None:
-            raise _name_error("force plate", name, names, "files with force plates, whose upload is kept,")
+            raise _name_error("force plate", name, names, _OF_TRIAL)
         if name not in self._plates_read:
             plate = self._plates[names.index(name)]
             samples = np.zeros((self.channels.frames, 0)) if plate.problems else self.channels.means(plate.channels)
@@ -350,7 +349,7 @@ class Measurements:
 
     @cached_property
     def _file(self) -> Channels | None:
-        return None if self._original is None else read_channels(self._original)
+        return None if self._read is None else self._read()
 
     @property
     def channels(self) -> Channels | None:
@@ -395,5 +394,5 @@ def _other_rate(of_file: str, of_clip: str) -> str:
 
 
 def _name_error(kind: str, name: str, names: Sequence[str], where: str) -> NotFoundError:
-    remedy = f"It has: {', '.join(names[:NAMED])}." if names else f"Only C3D {where} have any."
+    remedy = f"It has: {', '.join(names[:NAMED])}." if names else f"Only {where} have any."
     return NotFoundError(f"The file of this document has no {kind} {name!r}.", remedy=remedy)

@@ -76,8 +76,9 @@ class NamingReport:
     """The result of naming, for the receipt.
 
     kind: kind of the joints: PERSON, PART, NOBODY or UNKNOWN (`mcml.motion.rigs.recognise`), MCML or MARKERS. named:
-    joints with a name of MCML's. unmapped: (source name, kept name, reason). refused: reason why it is not a person.
-    told: sentences about missing joints, doubts and contradictions. landmarks: of markers, by their own names.
+    joints with a name of MCML's. unmapped: (source name, kept name, reason) of others, without markers on landmarks.
+    refused: reason why it is not a person. told: sentences about missing joints, doubts and contradictions. landmarks:
+    of markers, by their own names.
     """
 
     kind: str
@@ -310,10 +311,11 @@ def _with_names(
         return replace(joint, name=names[index], mapped=index in given, confidence=doubt)
 
     mapped = tuple(SureName(joints[index].source_name, *given[index]) for index in sorted(given))
+    on_landmarks = dict(report.landmarks)
     unmapped = tuple(
         (joint.source_name, names[index], why.get(index, "not recognised"))
         for index, joint in enumerate(joints)
-        if index not in given
+        if index not in given and joint.source_name not in on_landmarks
     )
     return with_roles(_renamed(skeleton, rename)), replace(report, named=mapped, unmapped=unmapped)
 

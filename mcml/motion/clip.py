@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -191,12 +191,13 @@ class FrameBlock:
 class Original:
     """The file that the frames of a clip came from, for data that only the file has, such as its analog channels.
 
-    stream: the whole file, open as long as the clip is read. factor: of lengths, from those of the file to those of the
-    clip. is_resized: whether the size of the clip changed, not only its unit. is_resampled: whether its frames are
-    those of another rate. axes: for x, y and z of the clip, the axis of the file (from 0) and the sign.
+    read_channels: reads them, as `mcml.formats.c3d.analog.Channels`, as long as the clip is read. factor: of lengths,
+    from those of the file to those of the clip. is_resized: whether the size of the clip changed, not only its unit.
+    is_resampled: whether its frames are those of another rate. axes: for x, y and z of the clip, the axis of the file
+    (from 0) and the sign.
     """
 
-    stream: BinaryIO
+    read_channels: Callable[[], Any]
     factor: float = 1.0
     is_resized: bool = False
     is_resampled: bool = False

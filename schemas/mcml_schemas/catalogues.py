@@ -71,6 +71,9 @@ class FormatInfo(BaseModel):
     reads: bool = Field(True, description="Whether it can be uploaded")
     takes: bool = Field(False, description="Whether one of its files may hold several clips")
     extensions: list[str] = Field([], description="How files end that are read; a file is recognised by its content")
+    beside: list[str] = Field(
+        [], description="How further files of a clip end that are sent with it: buffers of glTF, forces of TRC"
+    )
     skins: bool = Field(False, description="Whether it can hold a body with a skin: `character` of an export")
     writes: bool = Field(True, description="Whether it can be exported: USD where the server has the extra `usd`")
 

@@ -116,7 +116,7 @@ class Naming(BaseModel):
     mapped: dict[str, str] = Field(description="Source name to MCML name")
     joints: list[RecognisedJoint] = Field([], description="How each mapped joint was recognised")
     landmarks: dict[str, str] = Field({}, description="Marker to the landmark of a body that it stands on")
-    unmapped: list[KeptName]
+    unmapped: list[KeptName] = Field(description="Joints without a name of MCML's, and markers on no known landmark")
 
 
 class NoticeLine(BaseModel):

@@ -16,7 +16,7 @@ from typing import Any
 
 import pytest
 
-from mcml.files.gather_files import Clip
+from mcml.files.clip_files import Clip
 from mcml.files.import_options import ImportOptions
 from mcml.formats.format import SourceFile
 from mcml_service.actions.exporting.export_motion import ExportOptions, export_document

@@ -280,7 +280,7 @@ def test_plates_without_the_kept_file_are_refused(database: Database) -> None:
     (again,) = store(database, {"again.mcml": content})
     with pytest.raises(NotFoundError, match="no force plate '1'") as refused:
         knees(database, again, "force:1,z")
-    assert "whose upload is kept" in str(refused.value.remedy)
+    assert "whose uploads are kept" in str(refused.value.remedy)
 
 
 def test_what_a_file_has_not_is_refused_with_what_it_has(database: Database) -> None:

@@ -64,6 +64,21 @@ def test_a_gltf_comes_with_its_buffers(tmp_path: Path) -> None:
     assert names(list(groups_of([tmp_path], 4))) == [["a 1.bin", "scene.gltf"]]
 
 
+def test_a_trc_comes_with_the_forces_of_its_trial(tmp_path: Path) -> None:
+    table = "endheader\ntime\tground_force_vx\tground_force_vy\tground_force_vz\tground_force_px\tground_force_py"
+    for path in ("trc/walk.trc", "trc/run.trc", "mot/walk_forces.mot", "trc/run_grf.mot", "mot/run_grf.mot"):
+        (tmp_path / path).parent.mkdir(exist_ok=True)
+        (tmp_path / path).write_text(f"{table}\tground_force_pz\n")
+    (tmp_path / "mot" / "jump_grf.sto").write_text(f"{table}\tground_force_pz\n")
+    (tmp_path / "trc" / "walk_ik.mot").write_text("endheader\ntime\tpelvis_tilt\n")
+    (tmp_path / "trc" / "run_grf.xml").write_text("<OpenSimDocument><ExternalLoads/></OpenSimDocument>")
+    assert names(list(groups_of([tmp_path], 4))) == [
+        ["run_grf.mot", "run_grf.xml", "run.trc"],
+        ["walk_forces.mot", "walk.trc"],
+        ["jump_grf.sto", "run_grf.mot"],
+    ]
+
+
 def test_groups_are_bounded_in_bytes(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     size = (folder / "0.bvh").stat().st_size
     monkeypatch.setattr(folders, "MOST_BYTES", int(2.5 * size))

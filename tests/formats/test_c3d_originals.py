@@ -23,13 +23,13 @@ from mcml.formats.c3d.parameters import read_statements
 from mcml.formats.c3d.plates import plates_of
 from mcml.formats.format import SourceFile
 from mcml.laboratory.force_plates import PlateForces, plate_forces
-from mcml.motion.clip import ClipStream, FrameBlock, Original, full_shape
+from mcml.motion.clip import ClipStream, FrameBlock, full_shape
 from mcml.motion.conventions.convert import scale as multiply
 from mcml.motion.conventions.convert import turn_up
 from mcml.motion.frames import rows_of
 from mcml.motion.markers import marker_skeleton
 from mcml.testing import read
-from tests.c3d_writer import DEC, INTEL, MIPS, Value, c3d_bytes, texts
+from tests.c3d_writer import DEC, INTEL, MIPS, Value, c3d_bytes, kept_c3d, texts
 
 C3D = FORMATS["c3d"]
 LOAD = [-40.0, 80, -700, -140_000, 70_000, 11_000]
@@ -69,7 +69,7 @@ def write(data: bytes, rows: list[int], ids: list[int] | list[str] | None = None
         numbers = [[name] if isinstance(name, str) else np.array([name], np.int64) for name in ids]
         return [replace(part, ids=number) for part, number in zip(parts, numbers, strict=True)]
 
-    stream = ClipStream(clip.head, lambda: iter(blocks()), len(rows), clip.notices, Original(io.BytesIO(data)))
+    stream = ClipStream(clip.head, lambda: iter(blocks()), len(rows), clip.notices, kept_c3d(data))
     return b"".join(C3D.write(stream, "c3d")), [notice.what for notice in stream.notices]
 
 
@@ -204,7 +204,7 @@ def test_plates_and_parameters_after_a_trim() -> None:
 def as_after(scale: float, data: bytes, **turn: str) -> tuple[bytes, list[str]]:
     """The file at another scale, or with another axis up, as exports make it."""
     clip = read(C3D, {"c3d": data})
-    clip.original = Original(io.BytesIO(data))
+    clip.original = kept_c3d(data)
     if scale != 1.0:
         clip = multiply(clip, scale, unit="m")
     if turn:
@@ -236,7 +236,7 @@ def test_plates_follow_the_unit_and_the_up_axis(end: str, scale: float) -> None:
 def test_turns_follow_each_other() -> None:
     data = trial()
     clip = read(C3D, {"c3d": data})
-    clip.original = Original(io.BytesIO(data))
+    clip.original = kept_c3d(data)
     there = turn_up(turn_up(clip, "Z", "Y"), "Y", "X")
     back = turn_up(turn_up(there, "X", "Y"), "Y", "Z")
     assert there.original is not None
@@ -265,7 +265,7 @@ def test_a_clip_of_another_rate_has_no_samples_of_the_file() -> None:
     data = trial()
     clip = read(C3D, {"c3d": data})
     head = replace(clip.head, fields=clip.head.fields | {"dataframe_rate": "50"})
-    stream = replace(clip, head=head, original=Original(io.BytesIO(data)))
+    stream = replace(clip, head=head, original=kept_c3d(data))
     assert not len(channels_of(b"".join(C3D.write(stream, "c3d"))))
     assert any("it has 100 frames a second, the clip 50" in notice.what for notice in stream.notices)
 
@@ -293,7 +293,7 @@ def test_parameters_that_do_not_fit(blocks: int, descriptions: int, others: int,
     values = np.zeros((len(block), 3 * needed))
     more = FrameBlock(values, skeleton.columns(), (full_shape(skeleton.columns()),), block.ids)
     head = replace(clip.head, skeleton=skeleton)
-    stream = ClipStream(head, lambda: iter([more]), len(block), clip.notices, Original(io.BytesIO(data)))
+    stream = ClipStream(head, lambda: iter([more]), len(block), clip.notices, kept_c3d(data))
     content = b"".join(C3D.write(stream, "c3d"))
     said = read_statements(io.BytesIO(content), [])
     assert len(read(C3D, {"c3d": content}).head.skeleton) == needed
@@ -307,7 +307,7 @@ def test_parameters_that_do_not_fit(blocks: int, descriptions: int, others: int,
 
 def test_an_original_that_cannot_be_read_is_told() -> None:
     clip = read(C3D, {"c3d": trial()})
-    clip.original = Original(io.BytesIO(b"C3D"))
+    clip.original = kept_c3d(b"C3D")
     assert not len(channels_of(b"".join(C3D.write(clip, "c3d"))))
     assert any("analog channels and groups of the C3D file are left out" in notice.what for notice in clip.notices)
 
@@ -354,7 +354,7 @@ def test_memory_does_not_grow_with_analog_samples() -> None:
     start = 512 * (data[16] - 1)
     data = data[:start] + data[start : start + row] * frames
     clip = read(C3D, {"c3d": data})
-    clip.original = Original(io.BytesIO(data))
+    clip.original = kept_c3d(data)
     tracemalloc.start()
     try:
         size = sum(map(len, C3D.write(clip, "c3d")))

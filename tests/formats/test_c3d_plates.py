@@ -22,7 +22,7 @@ from mcml.formats.measurements import Measurements
 from mcml.laboratory.force_plates import Plate, plate_forces
 from mcml.motion.floor_plates import kept_plates
 from mcml.testing import read
-from tests.c3d_writer import Value, c3d_bytes, texts
+from tests.c3d_writer import Value, c3d_bytes, kept_c3d, texts
 
 CORNERS = [[500.0, 300, 0], [500, -300, 0], [-500, -300, 0], [-500, 300, 0]]
 """x of the plate is y of the laboratory, y is x, z is down."""
@@ -326,7 +326,7 @@ def test_a_property_asks_for_the_baseline(properties: tuple[tuple[str, str, str]
     zero = (2, (2,), [1, 4])
     data = file_of([2], ORDER, rows_with_offset(LOAD), FORCE_PLATFORM__ZERO=zero)
     head = replace(read(FORMATS["c3d"], {"c3d": data}).head, properties=properties)
-    measurements = Measurements(head, io.BytesIO(data))
+    measurements = Measurements(head, kept_c3d(data).read_channels)
     forces = measurements.plates_at(np.arange(1, 13))[1].force[:, 2]
     assert forces == pytest.approx([offset] * 4 + [700.0 + offset] * 8, abs=1e-3)
     note = next(each.notes[-1] for each in measurements.describe() if each.function == "force")

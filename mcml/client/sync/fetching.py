@@ -19,6 +19,7 @@ from mcml.client.sync.events import ENDING, Event
 from mcml.client.sync.looks import Looker
 from mcml.errors import ConversionError, FormatError, McmlError, NotFoundError
 from mcml.files.check_names import file_name
+from mcml.files.companions import COMPANION_ENDINGS
 from mcml_schemas.documents import DocumentDetail, DocumentSummary
 
 PARTS = ".mcml-sync-"
@@ -26,7 +27,7 @@ PARTS = ".mcml-sync-"
 MCML = ".mcml"
 _MOST_PENDING = 64
 _BLOCK = 1 << 20
-_SECOND = (".asf", ".ast", ".bin")
+_SECOND = (".asf", ".ast", *COMPANION_ENDINGS, ".xml")
 """Files that accompany the one with the motion."""
 
 

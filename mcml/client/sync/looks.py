@@ -11,11 +11,12 @@ from pathlib import Path
 from typing import TypeAlias
 
 from mcml.client.folders import EXTENSIONS
-from mcml.formats.gltf.document import BUFFER
+from mcml.files.companions import COMPANION_ENDINGS
 
 SETTLE_SECONDS = 1.0
 """A file that was written this recently is looked at twice."""
 _BLOCK = 1 << 20
+_ENDINGS = {*EXTENSIONS, *COMPANION_ENDINGS}
 
 Stamp: TypeAlias = tuple[int, int, int]
 """Size, time of change in nanoseconds, number of the file."""
@@ -90,7 +91,7 @@ def _walk(folder: Path) -> list[tuple[str, Stamp]]:
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         for name in sorted(names):
             path = Path(root, name)
-            if name.startswith(".") or path.suffix.lower() not in {*EXTENSIONS, BUFFER} or not path.is_file():
+            if name.startswith(".") or path.suffix.lower() not in _ENDINGS or not path.is_file():
                 continue
             try:
                 files.append((path.relative_to(folder).as_posix(), _stamp_of(path)))

@@ -7,11 +7,11 @@ from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from typing import TypeAlias
 
-from mcml.client.folders import ARCHIVES, MOST_BYTES, PAIRED, find_buffers
+from mcml.client.folders import ARCHIVES, MOST_BYTES, PAIRED, find_buffers, find_of_trial, find_of_trials
+from mcml.files.companions import COMPANION_ENDINGS, trial_name
 from mcml.files.gather_files import gathered
 from mcml.files.limits import FileLimits
 from mcml.files.on_disk import opened_files
-from mcml.formats.gltf.document import BUFFER
 
 Unit: TypeAlias = tuple[str, ...]
 """Paths of the files of one clip, or of one file with several."""
@@ -22,12 +22,16 @@ _MOST_OPEN = 256
 
 
 def make_unit(folder: Path, path: str) -> Unit:
-    """A file with the buffers that it names, if it is a glTF."""
-    return (*(buffer.relative_to(folder).as_posix() for buffer in find_buffers(folder / path)), path)
+    """A file with the buffers that it names, if it is a glTF, or the forces beside it, if it is a TRC."""
+    file = folder / path
+    near = sorted(file.parent.iterdir()) if file.suffix.lower() == ".trc" else []
+    named = [other for other in near if trial_name(other.name) == trial_name(path)]
+    beside = find_buffers(file) or find_of_trial(file, find_of_trials(named))
+    return (*(each.relative_to(folder).as_posix() for each in beside), path)
 
 
 def make_units(folder: Path, new: Iterable[str], present: Collection[str], *, complete: bool) -> Iterator[Unit]:
-    """Group new files: an AMC with its ASF, a glTF with its buffers, others alone.
+    """Group new files: an AMC with its ASF, a glTF with its buffers, a TRC with its forces, others alone.
 
     present: all files, among which an AMC finds its ASF. complete: whether an ASF without AMC is a clip.
     """
@@ -36,7 +40,7 @@ def make_units(folder: Path, new: Iterable[str], present: Collection[str], *, co
         extension = posixpath.splitext(path)[1].lower()
         if extension in PAIRED:
             pairs.setdefault(posixpath.dirname(path), []).append(path)
-        elif extension != BUFFER:
+        elif extension not in COMPANION_ENDINGS and not find_of_trials([folder / path]):
             yield make_unit(folder, path)
     for place, paths in pairs.items():
         skeletons = [path for path in present if posixpath.dirname(path) == place and _is_skeleton(path)]

@@ -33,7 +33,8 @@ class Channels:
 
     labels: unique, the second `Fx` is `Fx#2`. units: as the file writes them, "" where it states none. rate: samples a
     second, NaN if unknown. samples: of a channel in a frame. frames: of the file; first: number of the first one.
-    scales, offsets: (channels,), SCALE × GEN_SCALE and OFFSET. unsigned: whether integers have no sign.
+    scales, offsets: (channels,), SCALE × GEN_SCALE and OFFSET. unsigned: whether integers have no sign. assumptions:
+    about the force plates of all of them.
     """
 
     stream: BinaryIO
@@ -49,6 +50,7 @@ class Channels:
     offsets: Array
     unsigned: bool
     notices: tuple[Notice, ...]
+    assumptions: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.labels)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.errors import FormatError, LimitError, Notice
-from mcml.formats.c3d.analog import Channels, read_channels
+from mcml.formats.c3d.analog import Channels
 from mcml.formats.c3d.parameters import INTEL, Machine, Parameter
 from mcml.formats.c3d.plates import plates_of
 from mcml.formats.c3d.records import copy_record, fits_record, float_record, group_record, word_record
@@ -180,7 +180,7 @@ def read_original(original: Original | None, rate: float, unit: str, notices: li
     if original is None:
         return OriginalData()
     try:
-        channels = read_channels(original.stream)
+        channels: Channels = original.read_channels()
     except (FormatError, LimitError) as error:
         note(notices, "warning", f"analog channels and groups of the C3D file are left out: {error}")
         return OriginalData()

@@ -67,7 +67,7 @@ def corners_of(said: Statements) -> Array:
 def _plate(channels: Channels, index: int, kind: int, count: int) -> Plate:
     said = channels.said
     reasons: list[str] = []
-    assumptions: list[str] = []
+    assumptions = list(channels.assumptions)
     unit, metres = _length(said, assumptions)
     corners = _part(said, "CORNERS", index, 12).reshape(4, 3) * metres
     origin = _part(said, "ORIGIN", index, 3) * metres

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from mcml.errors import ConversionError, DocumentError, Notice
 from mcml.formats.format import FileKind, need_seconds, note
-from mcml.formats.measurements import Measurements, has_capture_numbers
+from mcml.formats.measurements import Measurements
 from mcml.formats.text.number_text import SHORTEST, rows_of_text
-from mcml.formats.trc.writer import write_trc
+from mcml.formats.trc.writer import time_of_first_frame, write_trc
 from mcml.laboratory.force_plates import LEAST_FORCE, PlateForces
 from mcml.laboratory.gait_events import Side, WalkerPaths, find_facing
 from mcml.laboratory.measure_gait import find_walker
@@ -76,14 +76,15 @@ class _Column:
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """clip: with y up and x forwards. first: number of its first frame in the file. columns: in order. owners: by
-    plate, (n,) which of its columns each frame belongs to. turn: (3, 3) from the axes of the file to those of the clip.
+    """clip: with y up and x forwards. first: number of its first frame in the file. loaded: the frames whose forces are
+    known, from 0. columns: in order. owners: by plate, (n,) which of its columns each frame belongs to. turn: (3, 3)
+    from the axes of the file to those of the clip.
     """
 
     clip: ClipStream
     measurements: Measurements
     first: int
-    frames: int
+    loaded: range
     columns: tuple[_Column, ...]
     owners: dict[int, Array]
     turn: Array
@@ -98,17 +99,22 @@ def _prepare(clip: ClipStream) -> _Trial:
     original = clip.original
     assert original is not None
     clip = _face_forward(_stand_up(clip), clip.notices)
-    measurements = Measurements(clip.head, original.stream)
+    measurements = Measurements(clip.head, original.read_channels)
     plates = measurements.plates_at(ids)
     if not plates:
         raise ConversionError(
             "the file of this document has no force plates that can be used", remedy="Export the markers alone as TRC."
         )
-    if any(not np.isfinite(forces.force).all() for forces in plates.values()):
+    known: NDArray[np.bool_] = np.all([np.isfinite(forces.force).all(axis=1) for forces in plates.values()], axis=0)
+    places = np.flatnonzero(known)
+    if not len(places) or not known[places[0] : places[-1] + 1].all():
         raise ConversionError(
             "the forces of some frames are unknown: they are of another frame rate, or beyond the end of the file",
             remedy="Export other frames, or the markers alone as TRC.",
         )
+    if not known.all():
+        what = f"forces are unknown in {int((~known).sum())} frames at the ends"
+        note(clip.notices, "warning", f"{what}: their rows are left out")
     turned = clip.original
     assert turned is not None
     turn = np.zeros((3, 3))
@@ -116,15 +122,16 @@ def _prepare(clip: ClipStream) -> _Trial:
         turn[axis, source] = sign
     in_clip = [_turn_forces(forces, turn) for forces in plates.values()]
     columns, owners = _assign(list(plates), in_clip, _find_walker(clip), len(ids), clip.notices)
-    return _Trial(clip, measurements, int(ids[0]), len(ids), columns, owners, turn)
+    span = range(int(places[0]), int(places[-1]) + 1)
+    return _Trial(clip, measurements, int(ids[0]), span, columns, owners, turn)
 
 
 def _numbers(clip: ClipStream) -> NDArray[np.int64]:
     """(n,) numbers that the frames have in the file."""
     original = clip.original
-    if original is None or not has_capture_numbers(clip.head):
+    if original is None:
         raise ConversionError(
-            "forces are those of a C3D file, and this document has none, or its upload is not kept",
+            "forces are those of a C3D file, or of a table beside a TRC; this document has none, or they are not kept",
             remedy="Export the markers alone as TRC.",
         )
     if original.is_resampled or original.is_resized:
@@ -220,7 +227,7 @@ def _assign(
 
 
 def _write_forces(trial: _Trial) -> Iterator[bytes]:
-    seconds = need_seconds(trial.clip.head, "MOT")
+    seconds, start = need_seconds(trial.clip.head, "MOT"), time_of_first_frame(trial.clip)
     samples = trial.measurements.samples
     titles = ["time"]
     for number in range(1, len(trial.columns) + 1):
@@ -229,16 +236,16 @@ def _write_forces(trial: _Trial) -> Iterator[bytes]:
     lines = [
         f"{_stem(trial.clip)}.forces",
         "version=1",
-        f"nRows={trial.frames * samples}",
+        f"nRows={len(trial.loaded) * samples}",
         f"nColumns={len(titles)}",
         "inDegrees=yes",
         "endheader",
         "\t".join(titles),
     ]
     yield ("\n".join(lines) + "\n").encode("utf-8", "replace")
-    for first in range(0, trial.frames, _FRAMES_TOGETHER):
-        count = min(_FRAMES_TOGETHER, trial.frames - first)
-        at = (np.arange(first * samples, (first + count) * samples) / samples + trial.first - 1) * seconds
+    for first in trial.loaded[::_FRAMES_TOGETHER]:
+        count = min(_FRAMES_TOGETHER, trial.loaded.stop - first)
+        at = start + np.arange(first * samples, (first + count) * samples) / samples * seconds
         yield b"\n".join([*rows_of_text(np.column_stack([at, _table(trial, first, count)]), SHORTEST, "\t"), b""])
 
 

@@ -3,7 +3,8 @@
 Source: OpenSim documentation, Marker (.trc) Files; this program's reading of it is in docs/formats/trc.md.
 
 Five head lines (file type, names of facts, facts, labels, axes), then a line for each frame: number, time, and x y z of
-every marker between single tabs. An empty cell, or `nan`, is a sample that is missing.
+every marker between single tabs. An empty cell, or `nan`, is a sample that is missing. A table of forces may stand
+beside it (`mcml.formats.trc.forces`).
 """
 
 from __future__ import annotations
@@ -15,15 +16,18 @@ from typing import BinaryIO, Final
 
 import numpy as np
 
-from mcml.errors import FormatError, Notice
+from mcml.errors import FormatError, LimitError, Notice
 from mcml.formats.format import FileKind, ReadOptions, SourceFile, need_convention, note
 from mcml.formats.text.lines import Line, Lines, detect_encoding, shown
 from mcml.formats.text.number_text import detect_style
 from mcml.formats.text.numbers import is_number, is_whole
 from mcml.formats.text.separators import tabbed
 from mcml.formats.trc.columns import find_columns
+from mcml.formats.trc.force_table import FramesOfTrial
+from mcml.formats.trc.forces import PART as FORCES
+from mcml.formats.trc.forces import describe_forces
 from mcml.formats.trc.rows import Rows
-from mcml.formats.trc.times import decide_rate, first_time
+from mcml.formats.trc.times import Times, decide_rate, first_time
 from mcml.formats.trc.writer import write_trc
 from mcml.motion.clip import ClipHead, ClipStream, FrameBlock, SourcePart
 from mcml.motion.markers import marker_skeleton
@@ -45,7 +49,7 @@ class Trc:
     bodies, markers = False, True
     needs = frozenset({"frame_time", "unit"})
     assumes = ""
-    states = frozenset({"unit", "frame_time"})
+    states = frozenset({"unit", "frame_time", "force_plates"})
 
     def sniff(self, name: str, first_bytes: bytes) -> str | None:
         return "trc" if first_bytes.removeprefix(b"\xef\xbb\xbf").lstrip()[:12].lower() == b"pathfiletype" else None
@@ -53,7 +57,7 @@ class Trc:
     def read(self, files: Mapping[str, SourceFile], options: ReadOptions) -> ClipStream:
         file = files["trc"]
         with file.blamed():
-            return _read(file, options)
+            return _read(file, options, files.get(FORCES))
 
     def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:
         need_convention(clip.head.skeleton, self.convention, self.title)
@@ -74,7 +78,7 @@ class _Head:
     data: int
 
 
-def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
+def _read(file: SourceFile, options: ReadOptions, forces: SourceFile | None) -> ClipStream:
     stream, limits = tabbed(file.stream), options.limits
     encoding = detect_encoding(stream, options.encoding)
     notices = list(encoding.notices)
@@ -108,12 +112,13 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
         sections=tuple(sections),
         missing="",
     )
+    beside = () if forces is None else _describe(forces, rows, times, rate, fields, notices)
     clip_head = ClipHead(
         "trc",
         skeleton,
         {name: text for name, text in fields.items() if text},
         number_style=_style(stream, head.data),
-        sources=(part,),
+        sources=(part, *beside),
     )
 
     def blocks() -> Iterator[FrameBlock]:
@@ -121,6 +126,24 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
             yield from rows.blocks(notices)
 
     return ClipStream(clip_head, blocks, None, notices)
+
+
+def _describe(
+    file: SourceFile, rows: Rows, times: Times, rate: str | None, fields: Mapping[str, str], notices: list[Notice]
+) -> tuple[SourcePart, ...]:
+    """The table of forces as a part of the document; () with a warning where it cannot be used."""
+    try:
+        ids = np.concatenate([np.empty(0, np.int64), *(np.asarray(block.ids) for block in rows.blocks([]))])
+        if rate is None or not len(ids) or not np.isfinite(times.seconds[0]):
+            raise FormatError("the times of the frames are unknown")
+        if not (np.diff(ids) == 1).all():
+            raise FormatError("the numbers of the frames do not follow one another")
+        unit = fields.get("calibration_unit", "")
+        frames = FramesOfTrial(int(ids[0]), first_time(times, float(rate)), float(rate), len(ids), unit)
+        return (describe_forces(file.stream, file.name.rsplit("/", 1)[-1], frames, notices),)
+    except (FormatError, LimitError) as error:
+        note(notices, "warning", f"forces of {file.name} are left out: {error}")
+        return ()
 
 
 def _read_head(lines: Lines, notices: list[Notice]) -> _Head:

@@ -67,6 +67,13 @@ def write_trc(clip: ClipStream) -> Iterator[bytes]:
         done += len(block)
 
 
+def time_of_first_frame(clip: ClipStream) -> float:
+    """Return the time in seconds of the first frame of a clip. Raises ConversionError without a frame time."""
+    source = next((part for part in clip.head.sources if part.part == "trc"), None)
+    said = _still_true(dict(source.sections), clip.head) if source else {}
+    return _time(said, need_seconds(clip.head, "TRC"), _first_frame(clip))[1]
+
+
 def _still_true(said: dict[str, str], head: ClipHead) -> dict[str, str]:
     """The texts of a TRC's head, without rates and times where the frame time says another rate now."""
     if head.rate_text() == head.fields.get("dataframe_rate"):

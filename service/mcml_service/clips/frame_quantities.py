@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from mcml.errors import DocumentError, FormatError, LimitError, NotFoundError
 from mcml.files.gait_labels import find_exclusions, find_gait_labels
-from mcml.formats.measurements import Measurements, has_capture_numbers
+from mcml.formats.analog_files import analog_part, channels_reader
+from mcml.formats.measurements import Measurements
 from mcml.laboratory.gait_contacts import find_contacts
 from mcml.laboratory.gait_events import GaitEvent, Side, WalkerPaths
 from mcml.laboratory.gait_points import GaitPoints, find_gait_points
@@ -120,4 +121,6 @@ def read_measurements(tx: Transaction, stored: StoredDocument | Listed) -> Measu
 
 
 def _open_measurements(tx: Transaction, stored: StoredDocument | Listed, head: ClipHead) -> Measurements:
-    return Measurements(head, tx.uploads.open(stored.key, "c3d") if has_capture_numbers(head) else None)
+    part = analog_part(head)
+    stream = None if part is None else tx.uploads.open(stored.key, part)
+    return Measurements(head, None if stream is None else channels_reader(head, stream))

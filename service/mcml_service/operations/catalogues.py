@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from importlib.util import find_spec
 
+from mcml.files.companions import BESIDE
 from mcml.files.presets import PRESETS
 from mcml.formats import NEEDED, READERS, SKINNED, UNSUPPORTED, WRITERS
 from mcml.formats.format import TakesReader
@@ -66,6 +67,7 @@ def _describe_format(name: str) -> FormatInfo:
         states=[] if reader is None else sorted(reader.states),
         reads=reader is not None,
         takes=isinstance(reader, TakesReader),
+        beside=list(BESIDE.get(name, ())),
         extensions=endings,
         skins=name in SKINNED,
         writes=writer is not None and find_spec(NEEDED.get(name, "mcml")) is not None,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mcml.errors import DocumentError
-from mcml.formats.measurements import has_capture_numbers
+from mcml.formats.analog_files import analog_part
 from mcml.language.elements import to_head
 from mcml.motion.clip import FrameBlock
 from mcml.motion.edits.looping import close_loop
@@ -213,7 +213,7 @@ def reverse(tx: Transaction, stored: StoredDocument, first: int, last: int) -> N
     check_range(stored, first, last)
     spans = tx.spans.of(stored.key)
     ids = tx.tracks.frame_ids(stored.key, first, last)
-    if has_capture_numbers(to_head(tx.heads.document(stored), stored.frame_time)):
+    if analog_part(to_head(tx.heads.document(stored), stored.frame_time)) is not None:
         ids = ids[::-1]
     at, turned = 0, []
     for block in reversed(list(tx.tracks.blocks(stored.key, first, last))):

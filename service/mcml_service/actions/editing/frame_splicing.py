@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from mcml.errors import NotFoundError
-from mcml.formats.measurements import BEYOND_CAPTURES, has_capture_numbers
+from mcml.formats.analog_files import analog_part
+from mcml.formats.measurements import BEYOND_CAPTURES
 from mcml.language.elements import refresh_counts, to_head
 from mcml.motion.clip import FrameBlock
 from mcml.motion.extremes import check_numbers
@@ -54,7 +55,7 @@ def splice_frames(
     blocks: their joints are the document's bones, by number; they include motion names. renumber: ids that counted up
     by one before do so again; else the frames keep theirs. Writes no revision.
 
-    Where ids are numbers in the file (`mcml.formats.measurements.has_capture_numbers`) they never count up again, so
+    Where ids are numbers in the file (`mcml.formats.analog_files.analog_part`) they never count up again, so
     that measurements stay at their frames; new frames then get ids beyond those of any file, unless they are the
     document's own at the same_instants.
     """
@@ -132,7 +133,7 @@ def _write_ids(
     same_instants: bool,
 ) -> None:
     old = tx.tracks.frame_ids(stored.key, 1, stored.frames)
-    if has_capture_numbers(to_head(tx.heads.document(stored), stored.frame_time)):
+    if analog_part(to_head(tx.heads.document(stored), stored.frame_time)) is not None:
         new = encoder.ids.parts()
         if renumber and not same_instants and isinstance(old, np.ndarray):
             beyond = max(int(old.max(initial=0)), BEYOND_CAPTURES) + 1

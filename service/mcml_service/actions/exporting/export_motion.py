@@ -20,8 +20,8 @@ from mcml.files.reshape_clip import Reshaping, fit_height, need_stated_facts, re
 from mcml.files.targets import check_character, convert_clip, find_target, part_without_frames
 from mcml.files.wear_character import OWN
 from mcml.formats import FORMATS, READERS, WRITERS
+from mcml.formats.analog_files import analog_part, channels_reader
 from mcml.formats.format import SourceFile, note
-from mcml.formats.measurements import has_capture_numbers
 from mcml.language.elements import from_head, refresh_counts
 from mcml.language.writer import write_document
 from mcml.motion.clip import ClipStream, Original
@@ -126,7 +126,7 @@ def export_document(
         if kept is not None and (name in FORMATS or kept.file_name.lower().endswith(_endings(name))):
             return kept
     source = _add_frame_time(read_clip(tx, stored, first=options.first, last=options.last), options.frame_time)
-    if name in WITH_ORIGINAL and has_capture_numbers(source.clip.head):
+    if name in WITH_ORIGINAL and analog_part(source.clip.head) is not None:
         source = replace(source, clip=_add_original(tx, stored, source.clip))
     if options.character not in (None, OWN):
         readable = newest or tx
@@ -227,14 +227,14 @@ def _add_frame_time(source: StoredClip, frame_time: str | float | None) -> Store
 
 
 def _add_original(tx: Transaction, stored: StoredDocument, clip: ClipStream) -> ClipStream:
-    """The clip with the C3D file of its document, whose analog channels and force plates the document does not have."""
-    stream = tx.uploads.open(stored.key, "c3d")
+    """The clip with the file of its document, whose analog channels and force plates the document does not have."""
+    stream = tx.uploads.open(stored.key, analog_part(clip.head) or "")
     if stream is None:
         note(
             clip.notices, "warning", "the uploaded file is not kept: any analog channels and force plates are left out"
         )
         return clip
-    return replace(clip, original=Original(stream))
+    return replace(clip, original=Original(channels_reader(clip.head, stream)))
 
 
 def _convert(source: StoredClip, name: str, options: ExportOptions) -> ClipStream:

@@ -6,7 +6,7 @@ import threading
 from dataclasses import dataclass, replace
 
 from mcml.errors import ConversionError, DocumentError, LimitError
-from mcml.files.gather_files import Clip
+from mcml.files.clip_files import Clip
 from mcml.files.wear_character import wear
 from mcml.formats import READERS
 from mcml.formats.format import CharacterReader, ReadOptions, SourceFile

@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 
 from mcml.errors import DocumentError, Notice
 from mcml.files.check_names import check_frame_time
-from mcml.files.gather_files import Clip
+from mcml.files.clip_files import Clip
 from mcml.files.import_options import ImportOptions
 from mcml.files.open_clip import OpenClip, offering, open_clip
 from mcml.files.shared_skeleton import SharedSkeleton

@@ -11,7 +11,7 @@ from typing import Any
 import orjson
 
 from mcml.errors import McmlError
-from mcml.files.gather_files import Clip
+from mcml.files.clip_files import Clip
 from mcml.files.import_options import ImportOptions
 from mcml.files.open_clip import OpenClip
 from mcml_service.actions.importing.encode_clip import EncodedClip, Progress, encode_clip

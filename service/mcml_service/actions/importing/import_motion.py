@@ -12,7 +12,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 from mcml.files.check_names import given_name
-from mcml.files.gather_files import Clip, SkeletonLookup, gathered
+from mcml.files.clip_files import Clip
+from mcml.files.gather_files import SkeletonLookup, gathered
 from mcml.files.import_options import ImportOptions
 from mcml.formats.format import SourceFile
 from mcml_service.actions.importing.encode_clip import Progress

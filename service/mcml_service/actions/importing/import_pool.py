@@ -22,7 +22,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, nullcontext
 from itertools import islice
 
-from mcml.files.gather_files import Clip
+from mcml.files.clip_files import Clip
 from mcml.files.import_options import ImportOptions
 from mcml.processes.bounds import end_with_starter
 from mcml_service.actions.importing.read_apart import ReadApart, SentClip, read_apart

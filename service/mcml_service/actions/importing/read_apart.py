@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mcml.errors import McmlError, Notice
-from mcml.files.gather_files import Clip
+from mcml.files.clip_files import Clip
 from mcml.files.import_options import ImportOptions
 from mcml.formats.format import SourceFile
 from mcml_service.actions.importing.encode_clip import EncodedClip, encode_clip

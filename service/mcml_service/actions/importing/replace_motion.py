@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.errors import ConflictError, FormatError
-from mcml.files.gather_files import Gathered, gathered, several_motions
+from mcml.files.clip_files import Gathered
+from mcml.files.gather_files import gathered, several_motions
 from mcml.files.import_options import ImportOptions
 from mcml.files.limits import FileLimits
 from mcml.files.open_clip import offering, open_clip

@@ -13,7 +13,7 @@ import numpy as np
 
 from mcml.errors import McmlError, UnsupportedError
 from mcml.files.check_names import given_name
-from mcml.files.gather_files import Clip
+from mcml.files.clip_files import Clip
 from mcml.files.import_options import ImportOptions, Label
 from mcml.files.open_clip import open_made
 from mcml.files.targets import convert_clip

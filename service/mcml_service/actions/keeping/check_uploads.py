@@ -10,7 +10,7 @@ from itertools import zip_longest
 import numpy as np
 
 from mcml.errors import FormatError, McmlError, NotFoundError
-from mcml.files.gather_files import Clip
+from mcml.files.clip_files import Clip
 from mcml.files.import_options import ImportOptions
 from mcml.files.open_clip import open_clip
 from mcml.formats import FORMATS

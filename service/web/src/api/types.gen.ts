@@ -3472,6 +3472,8 @@ export interface components {
             takes: boolean;
             /** @default [] */
             extensions: string[];
+            /** @default [] */
+            beside: string[];
             /** @default false */
             skins: boolean;
             /** @default true */

@@ -59,7 +59,7 @@ export const ko: typeof en = {
   "help.tourEnd": "클립을 열어 재생하고, 라벨을 붙이고, 편집하고, 내보내세요. ?를 누르면 단축키와 이 둘러보기가 나옵니다.",
   "button.queue": "가져오기", "label.queued": "대기", "label.sending": "올리는 중", "label.reading": "읽는 중", "label.stored": "가져옴", "label.refused": "가져오기 실패", "label.cancelled": "취소됨",
   "label.skippedTwin": "이미 라이브러리에 있음(건너뜀)", "button.retry": "다시 시도", "label.uploads": "{n}개 중 {done}개 완료", "label.uploadsPace": "{of}개 중 {done}개 · {speed} · {left} 남음", "label.filesASecond": "초당 {n}개", "label.filesAMinute": "분당 {n}개", "label.receipts": "가져오기 보고서", "button.hideQueue": "닫기",
-  "button.undoImport": "가져오기 취소", "label.receiptUnit": "단위", "label.receiptRate": "속도", "label.receiptUp": "위쪽 축", "label.receiptBody": "몸", "label.receiptJoints": "관절", "label.receiptNumbers": "표본",
+  "button.undoImport": "가져오기 취소", "label.receiptUnit": "단위", "label.receiptRate": "속도", "label.receiptUp": "위쪽 축", "label.receiptBody": "몸", "label.receiptMarkers": "마커", "label.markersKnown": "{n}개 중 {known}개가 알려진 신체 기준점에 있습니다", "label.receiptJoints": "관절", "label.receiptNumbers": "표본",
   "label.receiptNumbersText": "채널 {channels}개 × {frames}프레임, 원본을 한 바이트도 다르지 않게 보관합니다",
   "label.jointsMapped": "{n}개 중 {mapped}개 대응 ({rig}), {own}개는 원래 이름을 씁니다", "label.notices": "알림",
   "error.cannotRead": "읽을 수 없습니다.", "error.cannotReadHelp": "읽기 권한을 확인하고 다시 놓으세요.", "label.emptyFolder": "빈 폴더", "help.emptyFolderHelp": "모션 파일이 든 폴더를 놓으세요.", "label.droppedItem": "놓은 항목", "error.noFile": "파일이 아닙니다.", "label.filesMore": "파일 1개 더|파일 {n}개 더", "help.tooManyHelp": "나머지는 나중에 놓거나 zip 하나로 보내세요.", "error.noWord": "서버가 결과를 알려 주지 않았습니다.", "error.noWordHelp": "라이브러리에서 찾아보거나 다시 가져오세요.", "button.rowsMore": "1개 더 보기|{n}개 더 보기", "label.filesAnd": "{name} 외 1개|{name} 외 {n}개",

@@ -28,6 +28,12 @@ describe("files that are stored together", () => {
     ]);
   });
 
+  it("are those of a format and the files beside them, in any folder", () => {
+    const files = ["markers/walk.trc", "forces/walk_grf.mot", "run.trc", "walk.bvh"].map(file);
+    expect(names(grouped(files))).toEqual([["forces/walk_grf.mot", "markers/walk.trc", "run.trc"], ["walk.bvh"]]);
+    expect(names(grouped(["a/walk.trc", "b/run.trc"].map(file)))).toEqual([["a/walk.trc"], ["b/run.trc"]]);
+  });
+
   it("are told by folder also where a dialogue chose them", () => {
     const chosen = (path: string) =>
       Object.defineProperty(new File([""], path.split("/").at(-1)!), "webkitRelativePath", { value: path });

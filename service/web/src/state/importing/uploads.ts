@@ -4,7 +4,7 @@ import { ApiError, address, ask, fetched, type Problem, type Schemas } from "../
 import { w } from "../../words";
 import { folderOf, type Missed } from "./dropped";
 import { refresh, removeDocuments } from "../library/library";
-import { isOneClip, isRead, readExtensions } from "../session/formats";
+import { formatBeside, isOf, isOneClip, isRead, readExtensions } from "../session/formats";
 import { note, refuse } from "../session/notes";
 import { Pace, type Told } from "./pace";
 import { param } from "../session/route";
@@ -88,12 +88,16 @@ function change(id: number, more: Partial<Upload>): void {
 export function grouped(files: File[]): File[][] {
   const folders = new Map<string, File[]>();
   const alone: File[][] = [];
+  const put = (key: string, file: File) => folders.set(key, [...(folders.get(key) ?? []), file]);
+  const beside = new Set(files.flatMap((file) => formatBeside(file.name) ?? []));
   for (const file of files) {
-    if (!/\.(asf|amc)$/i.test(file.name)) alone.push([file]);
-    else folders.set(folderOf(file), [...(folders.get(folderOf(file)) ?? []), file]);
+    const format = formatBeside(file.name) ?? [...beside].find((one) => isOf(file.name, one));
+    if (/\.(asf|amc)$/i.test(file.name)) put(folderOf(file), file);
+    else if (format) put(format.name, file);
+    else alone.push([file]);
   }
   const together = [...folders.values()].flatMap((group) =>
-    group.some((file) => /\.asf$/i.test(file.name)) ? [group] : group.map((file) => [file]),
+    group.some((file) => /\.asf$/i.test(file.name) || formatBeside(file.name)) ? [group] : group.map((file) => [file]),
   );
   return [...together, ...alone];
 }

@@ -70,9 +70,15 @@ const extensionsOf = (some: readonly Format[]): string[] =>
 const ends = (name: string, extensions: string[]): boolean =>
   extensions.some((extension) => name.toLowerCase().endsWith(extension));
 
+/** The format whose clips a file of this name may belong to beside their own, such as a buffer of glTF. */
+export const formatBeside = (name: string): Format | undefined => formats().find((one) => ends(name, one.beside));
+
+/** Whether a file of this name holds clips of a format. */
+export const isOf = (name: string, format: Format): boolean => ends(name, format.extensions);
+
 /** Extensions of the files that can be uploaded, archives too; none until the server has answered. */
 export function readExtensions(): string[] {
-  const found = extensionsOf(formats());
+  const found = [...extensionsOf(formats()), ...formats().flatMap((one) => one.beside)];
   return found.length ? [...found, ...archives] : [];
 }
 

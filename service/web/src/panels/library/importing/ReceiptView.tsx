@@ -9,6 +9,10 @@ import { useAsync } from "../../../ui/useAsync";
 import { number, w } from "../../../words";
 
 type Receipt = Schemas["Receipt"];
+type Naming = Schemas["Naming"];
+
+/** The kind of skeleton of markers. */
+const MARKERS = "markers";
 
 /** A joint whose name is less sure is a guess. */
 const DOUBTFUL = 0.7;
@@ -67,38 +71,7 @@ export function ReceiptView({ receipt, documents }: { receipt: Receipt; document
       <dt>{w("label.receiptUp")}</dt>
       {fact("up", receipt.up_axis, AXES)}
       {documents.length > 0 && <CalibrationRow id={itemAt(documents, 0)} said={said} />}
-      {naming && (
-        <>
-          <dt>{w("label.receiptJoints")}</dt>
-          <dd>
-            {w("label.jointsMapped", {
-              mapped: Object.keys(naming.mapped).length,
-              n: receipt.joints,
-              rig: naming.rig,
-              own: naming.unmapped.length,
-            })}
-            {naming.joints.length + naming.unmapped.length > 0 && (
-              <details>
-                <summary>{w("label.show")}</summary>
-                <ul>
-                  {naming.joints.map((one) => (
-                    <li key={one.source}>
-                      <code>{one.source}</code> {one.name}{" "}
-                      <span class={one.confidence < DOUBTFUL ? "guess" : "dim"}>{number(one.confidence, 2)}</span>
-                    </li>
-                  ))}
-                  {naming.unmapped.map((one) => (
-                    <li key={one.source}>
-                      <code>{one.source}</code> <span class="dim">{one.why}</span>
-                    </li>
-                  ))}
-                </ul>
-              </details>
-            )}
-          </dd>
-          <dd />
-        </>
-      )}
+      {naming && <NamingRow naming={naming} joints={receipt.joints} />}
       <dt>{w("label.receiptNumbers")}</dt>
       <dd>
         {w("label.receiptNumbersText", { channels: receipt.channels, frames: receipt.frames })}
@@ -147,6 +120,51 @@ function CalibrationRow({ id, said }: { id: string; said: object }) {
             )}
           </span>
         ))}
+      </dd>
+      <dd />
+    </>
+  );
+}
+
+/** How joints got their names, or which landmarks markers stand on. */
+function NamingRow({ naming, joints }: { naming: Naming; joints: number }) {
+  const landmarks = Object.entries(naming.landmarks);
+  const listed = naming.joints.length + landmarks.length + naming.unmapped.length;
+  return (
+    <>
+      <dt>{w(naming.rig === MARKERS ? "label.receiptMarkers" : "label.receiptJoints")}</dt>
+      <dd>
+        {naming.rig === MARKERS
+          ? w("label.markersKnown", { known: landmarks.length, n: joints })
+          : w("label.jointsMapped", {
+              mapped: Object.keys(naming.mapped).length,
+              n: joints,
+              rig: naming.rig,
+              own: naming.unmapped.length,
+            })}
+        {listed > 0 && (
+          <details>
+            <summary>{w("label.show")}</summary>
+            <ul>
+              {naming.joints.map((one) => (
+                <li key={one.source}>
+                  <code>{one.source}</code> {one.name}{" "}
+                  <span class={one.confidence < DOUBTFUL ? "guess" : "dim"}>{number(one.confidence, 2)}</span>
+                </li>
+              ))}
+              {landmarks.map(([marker, landmark]) => (
+                <li key={marker}>
+                  <code>{marker}</code> {landmark}
+                </li>
+              ))}
+              {naming.unmapped.map((one) => (
+                <li key={one.source}>
+                  <code>{one.source}</code> <span class="dim">{one.why}</span>
+                </li>
+              ))}
+            </ul>
+          </details>
+        )}
       </dd>
       <dd />
     </>
