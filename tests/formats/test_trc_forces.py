@@ -182,3 +182,25 @@ def test_forces_of_another_time_are_refused() -> None:
         align(np.arange(10) / 10, frames)
     with pytest.raises(FormatError, match="no row of names"):
         read_table(io.BytesIO(b"no table"))
+
+
+@settings(deadline=None, max_examples=150)
+@given(cut=st.floats(0, 1), flips=st.lists(st.tuples(st.floats(0, 1), st.integers(0, 255)), max_size=4))
+def test_damaged_bytes_are_told_and_leave_the_markers(
+    tmp_path_factory: pytest.TempPathFactory, cut: float, flips: list[tuple[float, int]]
+) -> None:
+    trc, mot = make_trial(21).write(tmp_path_factory.mktemp("damaged"))
+    data = bytearray(mot.read_bytes())
+    for place, value in flips:
+        data[int(place * (len(data) - 1))] = value
+    mot.write_bytes(bytes(data[: int(cut * len(data))]))
+    try:
+        motion = mcml.read([trc, mot])
+    except mcml.Error as error:
+        assert str(error)
+        return
+    assert len(motion) == 12
+    assert any("force" in str(notice) for notice in motion.notices)
+    for item in motion.measurements:
+        if item.function == "force" and item.known and item.name.isdigit():
+            assert columns_of(motion, "force", int(item.name)).shape == (12, 3)
