@@ -103,3 +103,28 @@ def test_an_analysis_runs_and_its_result_is_seen(open_studio: Served, visit_of: 
     assert page.locator(".part-table tbody tr").count() == len(bars) > 4
     page.get_by_role("button", name="Jobs").click()
     expect(page.get_by_role("link", name="Open result")).to_be_visible()
+
+
+@pytest.mark.slow
+def test_the_log_of_jobs_says_how_each_ended_and_runs_them_again(open_studio: Served, visit_of: Any) -> None:
+    clips = [dance_clip("groove", bars=6, seed=seed, name=f"groove {seed}").clip for seed in (1, 2)]
+    add_clips(open_studio.database, Settings(), "dances", clips, (), "")
+    page = visit_of(open_studio).open("/jobs")
+    expect(page.get_by_text("No jobs yet.")).to_be_visible()
+    with open_studio.client() as client:
+        for analysis in ("beats", "reach"):
+            body = {"inputs": {"project": "dances"}, "name": f"{analysis} by another window"}
+            assert client.post(f"/analyses/{analysis}", json=body).status_code == 202
+    page.reload()
+    done = page.locator("tbody tr[data-state=done]")
+    failed = page.locator("tbody tr[data-state=failed]")
+    expect(done).to_have_count(1, timeout=60_000)
+    expect(failed.locator(".reason")).to_contain_text("The clip has no property 'age'", timeout=60_000)
+    page.get_by_label("State").select_option("failed")
+    expect(page.locator("tbody tr")).to_have_count(1)
+    page.get_by_label("State").select_option("")
+    done.get_by_role("button", name="Run again").click()
+    expect(done).to_have_count(2, timeout=60_000)
+    assert [job["name"] for job in open_studio.get("/jobs")["items"]].count("beats by another window") == 2
+    done.first.get_by_role("link").click()
+    page.wait_for_url("**/results/*")

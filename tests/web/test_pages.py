@@ -67,6 +67,7 @@ def filled(sqlite_template: Path, tmp_path_factory: pytest.TempPathFactory) -> I
                 "measure": "/measure?project=Gait&m=speed:left_up_leg|angle:left-knee-flexion",
                 "measure-empty": "/measure",
                 "analyses": "/analyses",
+                "jobs": "/jobs",
                 "analysis": "/analyses/beats?project=Gait",
                 "result": f"/results/{result}",
                 "result-table": f"/results/{result}?part=bars",
@@ -99,7 +100,7 @@ def beats_of(database: Database) -> str:
 PAGES = [
     "library", "list", "nothing", "tree", "graph", "body", "structure", "text", "history", "info", "xpath",
     "xpath-empty",
-    "composer", "composer-empty", "retarget", "retarget-empty", "measure", "measure-empty", "analyses", "analysis",
+    "composer", "composer-empty", "retarget", "retarget-empty", "measure", "measure-empty", "analyses", "analysis", "jobs",
     "result", "result-table", "reach-empty", "reach", "reach-gap", "reach-examples", "reach-fit",
     "faces", "faces-start", "dance-start", "settings",
 ]  # fmt: skip

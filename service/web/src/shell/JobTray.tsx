@@ -1,14 +1,14 @@
 /** Long work: what runs, how far it is, its way back when it has ended. */
 import { entryOf } from "../lists";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { cancelJob, jobs, placeOf, type Job } from "../state/session/jobs";
+import { cancelJob, isOver, jobs, placeOf, type Job } from "../state/session/jobs";
 import { rowOf } from "../pages";
 import { note } from "../state/session/notes";
 import { go, route } from "../state/session/route";
 import { Icon } from "../ui/icons";
 import { w, type Word } from "../words";
 
-const running = (job: Job): boolean => job.state === "running" || job.state === "waiting";
+const running = (job: Job): boolean => !isOver(job);
 
 export function JobTray() {
   const [open, setOpen] = useState(false);
@@ -54,6 +54,11 @@ export function JobTray() {
           {list.map((job) => (
             <Row key={job.id} job={job} onDone={() => setOpen(false)} />
           ))}
+          <li>
+            <a href="/jobs" onClick={() => setOpen(false)}>
+              {w("button.allJobs")}
+            </a>
+          </li>
         </ul>
       )}
     </span>

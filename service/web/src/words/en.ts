@@ -2,7 +2,7 @@
 export const en = {
   "label.reach": "Reach synthesis", "label.matching": "Motion matching", "button.goMatching": "Go to motion matching", "label.dance": "Dance", "label.faces": "Expression space", "label.analyses": "Analyses", "label.measure": "Measure", "button.goMeasure": "Go to measure", "button.measureThese": "Measure", "button.goReach": "Go to reach synthesis",
   "button.addBeat": "Add a beat", "button.acceptTracked": "Accept tracked beats", "label.tapTempo": "Tap the tempo", "label.soundEarlier": "Sound 10 ms earlier", "label.soundLater": "Sound 10 ms later",
-  "button.goAnalyses": "Go to the analyses", "button.goDance": "Go to dance", "button.goFaces": "Go to the expression space", "label.jobs": "Jobs", 
+  "button.goJobs": "Go to the jobs", "button.allJobs": "Show all jobs", "button.goAnalyses": "Go to the analyses", "button.goDance": "Go to dance", "button.goFaces": "Go to the expression space", "label.jobs": "Jobs", 
   "label.reachExamples": "Examples of the model", "label.reachFit": "How well it fits", "label.reachBlend": "Controls", "button.toNearest": "Go to the nearest example",
   "label.jobDone": "done", "label.jobFailed": "failed", "label.jobCancelled": "cancelled", "label.jobWaiting": "waiting", "button.openResult": "Open result", "label.jobEnded": "{name} finished",
   "button.asTable": "Show as table", "label.moreOptions": "1 more option|{n} more options", "error.outOfRange": "Enter a number from {least} to {most}.", "error.noNumber": "Enter a number.",

@@ -4,7 +4,7 @@ import type { en } from "./en";
 export const ja: typeof en = {
   "label.reach": "リーチ動作の合成", "label.matching": "モーションマッチング", "button.goMatching": "モーションマッチングへ移動", "label.dance": "ダンス", "label.faces": "表情空間", "label.analyses": "分析", "label.measure": "測定", "button.goMeasure": "測定へ移動", "button.measureThese": "測定", "button.goReach": "リーチ動作の合成へ移動",
   "button.addBeat": "拍を追加", "button.acceptTracked": "追跡した拍を採用", "label.tapTempo": "テンポをタップ", "label.soundEarlier": "音を 10 ms 早める", "label.soundLater": "音を 10 ms 遅らせる",
-  "button.goAnalyses": "分析へ移動", "button.goDance": "ダンスへ移動", "button.goFaces": "表情空間へ移動", "label.jobs": "ジョブ", 
+  "button.goJobs": "ジョブへ移動", "button.allJobs": "すべてのジョブを表示", "button.goAnalyses": "分析へ移動", "button.goDance": "ダンスへ移動", "button.goFaces": "表情空間へ移動", "label.jobs": "ジョブ", 
   "label.reachExamples": "モデルの例", "label.reachFit": "当てはまり", "label.reachBlend": "コントロール", "button.toNearest": "最も近い例へ移動",
   "label.jobDone": "完了", "label.jobFailed": "失敗", "label.jobCancelled": "キャンセル済み", "label.jobWaiting": "待機中", "button.openResult": "結果を開く", "label.jobEnded": "{name} が完了",
   "button.asTable": "表で表示", "label.moreOptions": "その他のオプション {n} 件", "error.outOfRange": "{least} から {most} までの数値を入力してください。", "error.noNumber": "数値を入力してください。",

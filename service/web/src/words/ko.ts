@@ -4,7 +4,7 @@ import type { en } from "./en";
 export const ko: typeof en = {
   "label.reach": "뻗기 합성", "label.matching": "모션 매칭", "button.goMatching": "모션 매칭으로 가기", "label.dance": "댄스", "label.faces": "표정 공간", "label.analyses": "분석", "label.measure": "측정", "button.goMeasure": "측정으로 가기", "button.measureThese": "측정", "button.goReach": "뻗기 합성으로 가기",
   "button.addBeat": "비트 추가", "button.acceptTracked": "추적한 비트 받아들이기", "label.tapTempo": "템포 두드리기", "label.soundEarlier": "소리 10 ms 앞으로", "label.soundLater": "소리 10 ms 뒤로",
-  "button.goAnalyses": "분석으로 가기", "button.goDance": "댄스로 가기", "button.goFaces": "표정 공간으로 가기", "label.jobs": "작업", 
+  "button.goJobs": "작업으로 가기", "button.allJobs": "모든 작업 보기", "button.goAnalyses": "분석으로 가기", "button.goDance": "댄스로 가기", "button.goFaces": "표정 공간으로 가기", "label.jobs": "작업", 
   "label.reachExamples": "모델의 예제", "label.reachFit": "적합도", "label.reachBlend": "조절", "button.toNearest": "가장 가까운 예제로",
   "label.jobDone": "완료", "label.jobFailed": "실패", "label.jobCancelled": "취소됨", "label.jobWaiting": "대기 중", "button.openResult": "결과 열기", "label.jobEnded": "{name}: 완료했습니다",
   "button.asTable": "표로 보기", "label.moreOptions": "옵션 {n}개 더", "error.outOfRange": "{least}에서 {most}까지의 수를 입력하세요.", "error.noNumber": "수를 입력하세요.",

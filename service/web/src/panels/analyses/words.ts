@@ -9,6 +9,9 @@ export const a = wordsOf(
     "label.madeFrom": "Made from {n} clip|Made from {n} clips", "button.deleteResult": "Delete result", "label.resultDeleted": "Result deleted", "label.storedAs": "Saved as a clip", "label.playIt": "Generated motion",
     "label.moreRows": "and {n} more row|and {n} more rows", "help.noArray": "This part has no values to plot.", "label.keptAs": "Saved as a result", "button.saveClip": "Save as clip", "label.clipName": "Clip name",
     "label.allValues": "Values", "button.download": "Download as {format}", "label.by": "{analysis}, {when}",
+    "label.job": "Job", "label.state": "State", "label.allStates": "All states", "label.waiting": "waiting", "label.running": "running", "label.done": "done", "label.failed": "failed", "label.cancelled": "cancelled",
+    "label.project": "Project", "label.allProjects": "All projects", "label.created": "Created", "label.duration": "Duration", "label.person": "Started by", "button.runAgain": "Run again", "button.moreJobs": "Show more jobs",
+    "help.noJobs": "No jobs yet. Long work, such as an analysis of many clips, is listed here.", "help.noSuchJobs": "No job matches these filters.", "label.attempt": "attempt {n}",
   },
   {
     "help.intro": "클립을 분석하고 그 결과를 사용합니다.",
@@ -18,6 +21,9 @@ export const a = wordsOf(
     "label.madeFrom": "클립 {n}개로 만들었습니다", "button.deleteResult": "결과 삭제", "label.resultDeleted": "결과를 삭제했습니다", "label.storedAs": "클립으로 저장했습니다", "label.playIt": "만든 동작",
     "label.moreRows": "외 {n}행", "help.noArray": "이 부분에는 그릴 값이 없습니다.", "label.keptAs": "결과로 저장했습니다", "button.saveClip": "클립으로 저장", "label.clipName": "클립 이름",
     "label.allValues": "값", "button.download": "{format}(으)로 다운로드", "label.by": "{analysis}, {when}",
+    "label.job": "작업", "label.state": "상태", "label.allStates": "모든 상태", "label.waiting": "대기 중", "label.running": "실행 중", "label.done": "완료", "label.failed": "실패", "label.cancelled": "취소됨",
+    "label.project": "프로젝트", "label.allProjects": "모든 프로젝트", "label.created": "생성", "label.duration": "걸린 시간", "label.person": "시작한 사람", "button.runAgain": "다시 실행", "button.moreJobs": "작업 더 보기",
+    "help.noJobs": "아직 작업이 없습니다. 여러 클립의 분석처럼 오래 걸리는 일이 여기에 나옵니다.", "help.noSuchJobs": "이 조건에 맞는 작업이 없습니다.", "label.attempt": "{n}번째 시도",
   },
   {
     "help.intro": "クリップの分析を実行し、その結果を使います。",
@@ -27,5 +33,8 @@ export const a = wordsOf(
     "label.madeFrom": "{n} クリップから作成", "button.deleteResult": "結果を削除", "label.resultDeleted": "結果を削除しました", "label.storedAs": "クリップとして保存しました", "label.playIt": "生成されたモーション",
     "label.moreRows": "ほか {n} 行", "help.noArray": "この部分には描画できる値がありません。", "label.keptAs": "結果として保存しました", "button.saveClip": "クリップとして保存", "label.clipName": "クリップ名",
     "label.allValues": "値", "button.download": "{format} としてダウンロード", "label.by": "{analysis}、{when}",
+    "label.job": "ジョブ", "label.state": "状態", "label.allStates": "すべての状態", "label.waiting": "待機中", "label.running": "実行中", "label.done": "完了", "label.failed": "失敗", "label.cancelled": "キャンセル済み",
+    "label.project": "プロジェクト", "label.allProjects": "すべてのプロジェクト", "label.created": "作成", "label.duration": "所要時間", "label.person": "開始した人", "button.runAgain": "再実行", "button.moreJobs": "ジョブをさらに表示",
+    "help.noJobs": "ジョブはまだありません。多数のクリップの分析など、時間のかかる処理がここに表示されます。", "help.noSuchJobs": "この条件に合うジョブはありません。", "label.attempt": "{n} 回目の試行",
   },
 );

@@ -13,14 +13,15 @@ export const jobs = signal<Job[]>([]);
 
 const waiting = new Map<string, ((job: Job) => void)[]>();
 const followed = new Map<string, EventSource>();
-const over = (job: Job): boolean => job.state !== "waiting" && job.state !== "running";
+/** Whether a job has ended. */
+export const isOver = (job: Job): boolean => job.state !== "waiting" && job.state !== "running";
 
 function heard(job: Job): void {
   const rest = jobs.peek().filter((one) => one.id !== job.id);
   const place = jobs.peek().findIndex((one) => one.id === job.id);
   jobs.value = place < 0 ? [job, ...rest].slice(0, MOST) : [...rest.slice(0, place), job, ...rest.slice(place)];
   sessionStorage.setItem(KEPT, JSON.stringify(jobs.peek().map((one) => one.id)));
-  if (!over(job)) return;
+  if (!isOver(job)) return;
   followed.get(job.id)?.close();
   followed.delete(job.id);
   for (const tell of waiting.get(job.id) ?? []) tell(job);
@@ -29,7 +30,7 @@ function heard(job: Job): void {
 
 function follow(job: Job): void {
   heard(job);
-  if (over(job) || followed.has(job.id)) return;
+  if (isOver(job) || followed.has(job.id)) return;
   const source = new EventSource(`/api/v1/jobs/${job.id}/events`);
   followed.set(job.id, source);
   const tell = (event: MessageEvent<string>) => heard(JSON.parse(event.data) as Job);
@@ -48,7 +49,7 @@ export async function startAnalysis(analysis: string, body: object): Promise<Job
 export async function ended(job: Job): Promise<Job> {
   const last = await new Promise<Job>((resolve) => {
     const now = jobs.peek().find((one) => one.id === job.id) ?? job;
-    if (over(now)) resolve(now);
+    if (isOver(now)) resolve(now);
     else waiting.set(job.id, [...(waiting.get(job.id) ?? []), resolve]);
   });
   if (last.state === "done") return last;
