@@ -27,9 +27,7 @@ def state_measures(measures: Measures, subject: str = "") -> Iterator[tuple[str,
     knees and ankles (`landmarks.sizes`). Lengths whose unit is not sure are left out. Values have the 7 digits of
     single precision.
     """
-    # Lists of documents take the text before the first colon as the name of a property.
-    whose = "".join(letter if letter.isprintable() and letter != ":" else "_" for letter in subject)
-    before = f"{PREFIX}{whose} " if whose else PREFIX
+    before = _begin_of(subject)
     names = BODY_MEASURES if has_known_lengths(measures) else [_MASS]
     for name in names:
         if (value := measures.get(name)) is not None:
@@ -48,18 +46,28 @@ def leave_out_equal(stated: Mapping[str, float], measures: Measures) -> dict[str
     }
 
 
-def read_properties(properties: Iterable[tuple[str, str, str]]) -> tuple[dict[str, float], FootOption | None]:
+def _begin_of(subject: str) -> str:
+    """How names of the properties of a subject begin."""
+    # Lists of documents take the text before the first colon as the name of a property.
+    whose = "".join(letter if letter.isprintable() and letter != ":" else "_" for letter in subject)
+    return f"{PREFIX}{whose} " if whose else PREFIX
+
+
+def read_properties(
+    properties: Iterable[tuple[str, str, str]], subject: str = ""
+) -> tuple[dict[str, float], FootOption | None]:
     """(measures in millimetres, radians and kilograms, how a standing trial takes the foot) that properties state.
 
-    properties: (name, value, unit). Lengths without a unit are millimetres, angles without "rad" are degrees. Others
-    than known measures and finite numbers are passed over.
+    properties: (name, value, unit). subject: its name, where the clip has several. Lengths without a unit are
+    millimetres, angles without "rad" are degrees. Others than known measures and finite numbers are passed over.
     """
     measures: dict[str, float] = {}
     foot: FootOption | None = None
     known = {name.lower(): name for name in NAMES}
+    begin = _begin_of(subject)
     for name, value, unit in properties:
-        asked = name.removeprefix(PREFIX).strip().lower()
-        if not name.startswith(PREFIX):
+        asked = name.removeprefix(begin).strip().lower()
+        if not name.startswith(begin):
             continue
         if asked == _FOOT:
             foot = _OPTIONS.get(value.strip().lower(), foot)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from mcml.formats.c3d.analog import Channels
 from mcml.formats.c3d.quantities import decode_text
-from mcml.formats.c3d.subjects import read_measures, read_sample
+from mcml.formats.c3d.subjects import read_measures, read_measures_of, read_sample
 from mcml.formats.gait_properties import leave_out_equal, read_properties
 from mcml.laboratory.gait_model.dynamics import Ground
 from mcml.laboratory.gait_model.measures import Measures, clean_measures
@@ -80,13 +80,17 @@ class GaitQuantities:
     """The quantities of the gait model of a clip.
 
     head: of the clip. channels: of its kept file, None without one; those of a file without points tell its frames
-    alone. has_plates: whether force plates can be used.
+    alone. has_plates: whether force plates can be used. person: the prefix of the markers, where there are several
+    people.
     """
 
-    def __init__(self, head: ClipHead, channels: Channels | None, *, has_plates: bool) -> None:
+    def __init__(
+        self, head: ClipHead, channels: Channels | None, *, has_plates: bool, person: str | None = None
+    ) -> None:
         self._head, self._channels, self._has_plates = head, channels, has_plates
         self._file = channels if channels is not None and channels.layout.points else None
-        self._markers = find_model_markers(head.skeleton)
+        self._person = person
+        self._markers = find_model_markers(head.skeleton, person)
         self._bodies: dict[Method, ModelBody] = {}
         self._bodies_of_file: dict[Method, ModelBody] = {}
         self._ids: Ids = []
@@ -315,11 +319,14 @@ class GaitQuantities:
 
     @cached_property
     def _measures_of_file(self) -> Measures:
-        return clean_measures({} if self._file is None else read_measures(self._file.said, self._markers.prefix))
+        if self._file is None:
+            return clean_measures({})
+        said, prefix = self._file.said, self._markers.prefix
+        return clean_measures(read_measures(said, prefix) if self._person is None else read_measures_of(said, prefix))
 
     @cached_property
     def _stated_by_people(self) -> tuple[dict[str, float], FootOption | None]:
-        measures, foot = read_properties(self._head.properties)
+        measures, foot = read_properties(self._head.properties, self._person or "")
         return leave_out_equal(measures, self._measures_of_file), foot
 
 

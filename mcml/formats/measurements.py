@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,8 @@ from mcml.formats.c3d.analog import Channels
 from mcml.formats.c3d.plates import plates_of
 from mcml.formats.c3d.quantities import Quantity, kept_quantities, rate_of, samples_at
 from mcml.formats.gait_properties import is_baseline_asked
-from mcml.formats.gait_quantities import FindPositions, GaitQuantities, Ids
+from mcml.formats.gait_quantities import FindPositions, Ids
+from mcml.formats.people_quantities import PeopleQuantities
 from mcml.formats.quantity_units import are_per_kilogram, explain_unit
 from mcml.laboratory.force_plates import Plate, PlateForces, plate_forces
 from mcml.laboratory.gait_events import SIDES, GaitEvent, Side, WalkerPaths
@@ -30,6 +31,9 @@ from mcml.laboratory.plate_feet import FootForces, find_loads, find_step_events,
 from mcml.motion.bodies.quantities import AXES_OF_FILE, AskedQuantity
 from mcml.motion.clip import ClipHead
 from mcml.motion.skeleton import Array
+
+FindWalker: TypeAlias = Callable[[str | None], WalkerPaths]
+"""The feet of a person, by the prefix of the markers; of the only one without it."""
 
 BEYOND_CAPTURES: Final = 10_000_000
 """Ids of frames that are of no file are larger: 28 hours at 100 Hz."""
@@ -89,15 +93,15 @@ class Measurements:
         self,
         asked: AskedQuantity,
         ids: NDArray[np.int64] | Sequence[str],
-        find_walker: Callable[[], WalkerPaths] | None = None,
+        find_walker: FindWalker | None = None,
         find_positions: FindPositions | None = None,
     ) -> Array:
         """(n,) of the frames with these numbers in the file, NaN where it states none, or is of another frame rate.
 
-        find_walker: returns the feet in these frames, in metres, which forces on "left" and "right" need, and moments
-        and powers that the file lacks. find_positions: returns joints in these frames, for computed quantities. Raises
-        NotFoundError for a measurement that the file does not have, RequestError for an unknown axis, and the errors of
-        find_walker.
+        find_walker: returns the feet in these frames, in metres, for forces on "left" and "right" ("Anna:left" of
+        several people), and for moments and powers that the file lacks. find_positions: returns joints in these
+        frames, for computed quantities. Raises NotFoundError for a measurement that the file does not have,
+        RequestError for an unknown axis, and the errors of find_walker.
         """
         asked.check_joints(())
         name, *rest = asked.arguments
@@ -106,8 +110,9 @@ class Measurements:
             return self._quantity(name, axis, ids, find_walker, find_positions)
         if asked.name == "analog":
             return self._at(self._channel(name), ids)
-        if name in SIDES and self._plates and find_walker is not None:
-            return _component(self._on_foot(name, ids, find_walker()), asked.name, axis)
+        person, _, side = name.rpartition(":")
+        if side in SIDES and self._plates and find_walker is not None:
+            return _component(self._on_foot(side, ids, find_walker(person or None)), asked.name, axis)
         return self._at(_component(self._forces(name), asked.name, axis), ids)
 
     def plates_at(self, ids: NDArray[np.int64] | Sequence[str]) -> dict[int, PlateForces]:
@@ -170,7 +175,7 @@ class Measurements:
         """Values of frames (n, …) from those of all frames of the file."""
         values = np.full((len(ids), *whole.shape[1:]), np.nan)
         numbers = np.asarray(ids)
-        if self.channels is not None and self._has_rate_of_channels and numbers.dtype.kind == "i":
+        if self.channels is not None and not self.rate_difference and numbers.dtype.kind == "i":
             places = numbers - self.channels.first
             inside = (places >= 0) & (places < len(whole))
             values[inside] = whole[places[inside]]
@@ -197,7 +202,7 @@ class Measurements:
         label: str,
         axis: int,
         ids: Ids,
-        find_walker: Callable[[], WalkerPaths] | None,
+        find_walker: FindWalker | None,
         find_positions: FindPositions | None,
     ) -> Array:
         quantity = self._find_stated(label)
@@ -210,7 +215,7 @@ class Measurements:
                 )
             if lacks is None:
                 raise _name_error("quantity", label, list(self._quantities), _OF_MODEL)
-            ground = None if find_walker is None else partial(self._ground, find_walker)
+            ground = None if find_walker is None else partial(partial, self._ground, find_walker)
             return self._gait.values(label, axis, ids, find_positions, ground)
         if not quantity.has_rate(rate_of(self._head)):
             return np.full(len(ids), np.nan)
@@ -226,11 +231,11 @@ class Measurements:
         return same[0] if len(same) == 1 else None
 
     def _ground(
-        self, find_walker: Callable[[], WalkerPaths], letter: str, places: NDArray[np.intp], count: int
+        self, find_walker: FindWalker, person: str | None, letter: str, places: NDArray[np.intp], count: int
     ) -> Ground:
         """The ground's reaction on a foot in all frames of the file, at their instants. places: of the frames asked for
         in the file."""
-        walker = find_walker()
+        walker = find_walker(person)
         known = places >= 0
 
         def spread(path: Array) -> Array:
@@ -286,13 +291,12 @@ class Measurements:
         return items
 
     def _list_computed(self) -> list[Measurement]:
-        stated = [name.rpartition(":")[2] for name in self._quantities]
         return [
             Measurement(
                 "quantity", each.name, AXES_OF_FILE, each.unit, each.group, None, not each.reason, each.reason,
                 each.notes,
             )
-            for each in self._gait.describe(stated)
+            for each in self._gait.describe(list(self._quantities))
         ]  # fmt: skip
 
     def _unit_of(self, quantity: Quantity) -> tuple[str, tuple[str, ...]]:
@@ -309,7 +313,7 @@ class Measurements:
             return []
         rate = channels.rate if math.isfinite(channels.rate) else None
         return [
-            Measurement("analog", label, (), unit, "ANALOG", rate, self._has_rate_of_channels, self.rate_difference)
+            Measurement("analog", label, (), unit, "ANALOG", rate, not self.rate_difference, self.rate_difference)
             for label, unit in zip(channels.labels, channels.units, strict=True)
         ]
 
@@ -327,7 +331,8 @@ class Measurements:
             ]  # fmt: skip
         if any(item.known for item in items):
             items += [
-                Measurement(function, side, axes, unit, "FORCE_PLATFORM by foot", rate)
+                Measurement(function, f"{person}:{side}".lstrip(":"), axes, unit, "FORCE_PLATFORM by foot", rate)
+                for person in self._gait.people or ("",)
                 for side in SIDES
                 for function, (unit, axes) in _OF_PLATES.items()
             ]
@@ -343,9 +348,9 @@ class Measurements:
         return labelled
 
     @cached_property
-    def _gait(self) -> GaitQuantities:
-        has_plates = bool(self._usable_plates) and self._has_rate_of_channels
-        return GaitQuantities(self._head, self._file, has_plates=has_plates)
+    def _gait(self) -> PeopleQuantities:
+        has_plates = bool(self._usable_plates) and not self.rate_difference
+        return PeopleQuantities(self._head, self._file, has_plates=has_plates)
 
     @cached_property
     def _file(self) -> Channels | None:
@@ -365,10 +370,6 @@ class Measurements:
     def _plates(self) -> list[Plate]:
         is_asked = is_baseline_asked(self._head.properties)
         return [] if self.channels is None else plates_of(self.channels, subtract_baseline=is_asked)
-
-    @cached_property
-    def _has_rate_of_channels(self) -> bool:
-        return not self.rate_difference
 
     @cached_property
     def rate_difference(self) -> str:

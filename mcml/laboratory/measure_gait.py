@@ -200,13 +200,15 @@ def measure_gait(
     return Gait(events, strides, measured.incomplete, duty, is_running, belt, walker.points, rate, tuple(warnings))
 
 
-def find_walker(skeleton: Skeleton, read: Callable[[frozenset[str]], Stretch]) -> WalkerPaths:
+def find_walker(
+    skeleton: Skeleton, read: Callable[[frozenset[str]], Stretch], subject: str | None = None
+) -> WalkerPaths:
     """Find feet and pelvis in metres, NaN where the unit is unknown.
 
-    read: returns all frames with the joints or markers of these names. Raises DocumentError without a frame rate, or if
-    heels, toes or hips are unknown.
+    read: returns all frames with the joints or markers of these names. subject: as for `find_gait_points`. Raises
+    DocumentError without a frame rate, or if heels, toes or hips are unknown.
     """
-    points = find_gait_points(skeleton)
+    points = find_gait_points(skeleton, subject)
     stretch = read(points.names)
     if stretch.frame_time is None:
         raise DocumentError("The frame rate is unknown, so gait has no times.", remedy="State the frame time.")

@@ -17,6 +17,7 @@ from mcml.motion.skeleton import Array
 from tests.c3d_writer import texts
 from tests.laboratory.gait_bodies import LENGTHS, LegPose, turn
 from tests.laboratory.gait_files import FRAMES, POSES, gait_file, measures_of, walk
+from tests.laboratory.walkers import Gait, make_c3d, make_steps, true_events
 
 KNEE = POSES["L"].knee
 Read = Callable[[bytes], Motion]
@@ -186,7 +187,7 @@ def test_stored_offsets_tell_whether_medial_markers_were_used(read: Read, is_use
 
 def find_offsets(motion: Motion) -> dict[str, float]:
     """The measures that a standing trial tells, as a laboratory stores them."""
-    values = motion._measurements._gait._subject.measures.values
+    values = motion._measurements._gait.of(None)._subject.measures.values
     return {name: value for name, value in values.items() if name[1:] not in LENGTHS and name not in LENGTHS}
 
 
@@ -240,15 +241,53 @@ def test_moments_are_per_kilogram_if_they_are_small(read: Read, size: float, uni
     assert listed(motion)["LNormalisedGRF"].unit == "N"
 
 
-def test_several_people_are_not_mixed(read: Read) -> None:
-    both = {f"Anna:{name}": place for name, place in walk().items()}
-    both |= {f"Bert:{name}": place + np.array([0.0, 900.0, 0.0]) for name, place in walk().items()}
+def two_people() -> dict[str, tuple[dict[str, Array], dict[str, float]]]:
+    """Markers and measures of two people beside each other, who differ in both."""
+    poses = {side: LegPose(knee=(30.0, 0.0, 0.0)) for side in "LR"}
+    aside = {name: place + np.array([0.0, 900.0, 0.0]) for name, place in walk(poses=poses).items()}
+    wide = measures_of(poses) | {"LKneeWidth": 150.0}
+    return {"Anna": (walk(), measures_of()), "Bert": (aside, wide)}
+
+
+def test_several_people_have_their_own_quantities(read: Read) -> None:
+    people = two_people()
+    markers = {f"{who}:{name}": place for who, (own, _) in people.items() for name, place in own.items()}
+    measures = {f"{who}{name}": value for who, (_, own) in people.items() for name, value in own.items()}
+    both = read(gait_file(markers, measures, subjects=list(people)))
+    for who, (own, own_measures) in people.items():
+        alone = read(gait_file(own, own_measures))
+        for name in ("LKneeAngles", "RHipAngles", "LPelvisAngles", "LHJC", "cgm1:LKneeAngles"):
+            np.testing.assert_array_equal(angles(both, f"{who}:{name}"), angles(alone, name), err_msg=f"{who} {name}")
+        assert listed(both)[f"{who}:LKneeAngles"].notes == listed(alone)["LKneeAngles"].notes
+    assert not np.allclose(angles(both, "Anna:LKneeAngles"), angles(both, "Bert:LKneeAngles"))
+    assert "LKneeAngles" not in listed(both)
+    with pytest.raises(NotFoundError, match="several people: begin the name with one of Anna:, Bert:"):
+        both.quantity("LKneeAngles", "x")
+    with pytest.raises(NotFoundError, match="no quantity 'Carl:LKneeAngles'"):
+        both.quantity("Carl:LKneeAngles", "x")
+
+
+def test_forces_on_the_feet_of_several_people(read: Read) -> None:
+    gait = Gait()
+    strikes = true_events(gait)
+    steps = make_steps(gait, [(side, strikes[side, "strike"][2]) for side in ("left", "right")])
+    alone = read(make_c3d(gait, steps=steps))
+    both = read(make_c3d(gait, steps=steps, people=("Anna:", "Bert:")))
+    for who in ("Anna", "Bert"):
+        for side in ("left", "right"):
+            assert np.isfinite(alone.force(side, "z")).any()
+            np.testing.assert_array_equal(both.force(f"{who}:{side}", "z"), alone.force(side, "z"))
+    assert {"Anna:left", "Bert:right"} <= listed(both).keys()
+    with pytest.raises(mcml.Error, match="several people"):
+        both.force("left", "z")
+
+
+def test_measures_of_nobody_are_of_none_of_several_people(read: Read) -> None:
+    both = {f"{who}:{name}": place for who, (own, _) in two_people().items() for name, place in own.items()}
     motion = read(gait_file(both, measures_of()))
-    knee = listed(motion)["LKneeAngles"]
+    knee = listed(motion)["Anna:LKneeAngles"]
     assert not knee.known
-    assert "several people" in knee.reason
-    with pytest.raises(NotFoundError, match="several people"):
-        motion.quantity("LKneeAngles", "x")
+    assert "missing: " in knee.reason
 
 
 def test_names_that_are_no_quantities(read: Read) -> None:

@@ -196,8 +196,8 @@ def test_damaged_bytes_are_told_and_leave_the_markers(
     mot.write_bytes(bytes(data[: int(cut * len(data))]))
     try:
         motion = mcml.read([trc, mot])
-    except mcml.Error as error:
-        assert str(error)
+    except mcml.Error:
+        # Without its head it is no table of forces.
         return
     assert len(motion) == 12
     assert any("force" in str(notice) for notice in motion.notices)

@@ -121,7 +121,7 @@ def test_moments_and_powers_of_the_file_are_those_expected(lab: Path, expected: 
 
 def test_the_static_trial_tells_its_own_offsets(lab: Path, expected: dict[str, Any]) -> None:
     motion, facts = read(lab / "s4_am_cal_01.c3d"), expected["s4_am_cal_01.c3d"]
-    measures = motion._measurements._gait._subject.measures
+    measures = motion._measurements._gait.of(None)._subject.measures
     for side in "LR":
         names = [f"{side}StaticPlantFlex", f"{side}StaticRotOff"]
         found = [np.degrees(measures.values[name]) for name in names]

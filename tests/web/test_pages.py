@@ -100,8 +100,8 @@ def beats_of(database: Database) -> str:
 PAGES = [
     "library", "list", "nothing", "tree", "graph", "body", "structure", "text", "history", "info", "xpath",
     "xpath-empty",
-    "composer", "composer-empty", "retarget", "retarget-empty", "measure", "measure-empty", "analyses", "analysis", "jobs",
-    "result", "result-table", "reach-empty", "reach", "reach-gap", "reach-examples", "reach-fit",
+    "composer", "composer-empty", "retarget", "retarget-empty", "measure", "measure-empty", "analyses", "analysis",
+    "jobs", "result", "result-table", "reach-empty", "reach", "reach-gap", "reach-examples", "reach-fit",
     "faces", "faces-start", "dance-start", "settings",
 ]  # fmt: skip
 

@@ -63,6 +63,15 @@ def read_measures_by_subject(said: Statements) -> dict[str, dict[str, float]]:
     return measures
 
 
+def read_measures_of(said: Statements, prefix: str) -> dict[str, float]:
+    """Numbers that may be measures of one of several subjects, by name: none of a subject that the file does not name.
+
+    prefix: of its markers.
+    """
+    by_subject = read_measures_by_subject(said)
+    return next((own for subject, own in by_subject.items() if subject and _bare(subject) == _bare(prefix)), {})
+
+
 def subjects_of(said: Statements) -> list[str]:
     """The names of the subjects of a file, each once."""
     names = (decode_text(text) for text in said.texts("SUBJECTS:NAMES"))

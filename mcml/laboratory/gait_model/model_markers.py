@@ -58,18 +58,27 @@ class ModelMarkers:
     problem: str = ""
 
 
-def find_model_markers(skeleton: Skeleton) -> ModelMarkers:
-    """Find the markers: by their own names, else by the landmarks that they are recognised as."""
+def find_people(skeleton: Skeleton) -> tuple[str, ...]:
+    """Return the prefixes of people's markers, where there are several people; () for one or none."""
     bodies = bodies_of(skeleton)
+    return tuple(body.prefix for body in bodies) if len(bodies) > 1 else ()
+
+
+def find_model_markers(skeleton: Skeleton, person: str | None = None) -> ModelMarkers:
+    """Find the markers: by their own names, else by the landmarks that they are recognised as.
+
+    person: the prefix of the markers, where there are several people.
+    """
+    bodies = [body for body in bodies_of(skeleton) if person in (None, body.prefix)]
     if not bodies:
         return ModelMarkers()
     if len(bodies) > 1:
-        listed = ", ".join(repr(body.prefix) for body in bodies)
-        return ModelMarkers(problem=f"the markers are of several people: {listed}")
+        listed = ", ".join(f"{body.prefix}:" for body in bodies)
+        return ModelMarkers(problem=f"the markers are of several people: begin the name with one of {listed}")
     body = bodies[0]
     if body.are_centres:
         return ModelMarkers()
-    own = _by_name(skeleton, body)
+    own = _by_name(skeleton, body, is_alone=person is None)
     landmarks = _by_landmark(body)
     joints: dict[str, int] = {}
     wanted = {**_MIDDLE} | {
@@ -90,10 +99,11 @@ def find_model_markers(skeleton: Skeleton) -> ModelMarkers:
     return ModelMarkers(joints, sources, body.prefix)
 
 
-def _by_name(skeleton: Skeleton, body: MarkerBody) -> dict[str, int]:
+def _by_name(skeleton: Skeleton, body: MarkerBody, *, is_alone: bool) -> dict[str, int]:
     """Index of each name without its prefix. Points that a model computes may lack the prefix of the person."""
     own: dict[str, int] = {}
-    for prefix in dict.fromkeys((body.prefix, "")):
+    # Without a prefix they may be of anybody.
+    for prefix in dict.fromkeys((body.prefix, "")) if is_alone else (body.prefix,):
         for index, label in enumerate(marker_labels(skeleton)):
             before, _, bare = label.rpartition(":")
             if before.strip() == prefix:

@@ -337,8 +337,20 @@ class AskedQuantity:
         if lacking:
             raise NotFoundError(
                 f"There is no bone {lacking[0]!r}, which {self.text} is made from.",
-                remedy=f"There are: {', '.join(names[:60])}.",
+                remedy=_remedy_for(lacking[0], names, is_stated=lacking[0] in self.arguments),
             )
+
+
+def _remedy_for(joint: str, names: Sequence[str], *, is_stated: bool) -> str:
+    """The way to a joint that a skeleton lacks: it may have it of several people. is_stated: whether it was asked for
+    by its name, else as a part of something."""
+    endings = tuple(f":{one}" for one in joint.split("|"))
+    of_people = [name for name in names if name.endswith(endings)]
+    if not of_people:
+        return f"There are: {', '.join(names[:60])}."
+    if is_stated:
+        return f"The markers are of several people. Name one of: {', '.join(of_people)}."
+    return "The markers are of several people. Make a skeleton of each, and ask that: mcml skeletons ID."
 
 
 def asked_quantity(text: str) -> AskedQuantity:

@@ -85,6 +85,7 @@ function Recent({ analysis }: { analysis?: string }) {
           </li>
         ))}
       </ul>
+      <a href="/jobs">{w("button.allJobs")}</a>
     </aside>
   );
 }
