@@ -17,6 +17,9 @@ from mcml.formats.trc.forces import PART
 BESIDE: Final[Mapping[str, tuple[str, ...]]] = {"glb": (BUFFER,), "trc": ENDINGS}
 """How files end that may stand beside those of a format."""
 
+STATES_BESIDE: Final[Mapping[str, tuple[str, ...]]] = {"trc": ("force_plates",)}
+"""Facts of a document that such files hold; see `mcml.formats.format.Reader`."""
+
 COMPANION_ENDINGS: Final = tuple(ending for endings in BESIDE.values() for ending in endings)
 
 _XML: Final = ".xml"

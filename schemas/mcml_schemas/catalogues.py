@@ -74,6 +74,7 @@ class FormatInfo(BaseModel):
     beside: list[str] = Field(
         [], description="How further files of a clip end that are sent with it: buffers of glTF, forces of TRC"
     )
+    states_beside: list[str] = Field([], description="Facts that these further files hold: force_plates")
     skins: bool = Field(False, description="Whether it can hold a body with a skin: `character` of an export")
     writes: bool = Field(True, description="Whether it can be exported: USD where the server has the extra `usd`")
 

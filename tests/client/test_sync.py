@@ -20,6 +20,7 @@ from mcml.errors import ConflictError, DocumentError, UnavailableError
 from mcml.formats.format import SourceFile
 from tests.builders import ASF, amc, bvh, one_kind
 from tests.client.synced_folder import Synced
+from tests.force_trials import make_trial
 from tests.formats.readers.test_gltf import TIMES, TURNS, gltf, model_of
 
 pytestmark = one_kind
@@ -179,6 +180,15 @@ def test_a_gltf_is_sent_with_its_buffer(synced: Synced) -> None:
     synced.put("scene/folder/numbers one.bin", binary)
     synced.put("other.bin", b"of another program")
     assert synced.actions() == [("stored", "scene/walk.gltf")]
+    assert synced.actions() == []
+
+
+def test_a_trc_is_sent_with_its_forces(synced: Synced) -> None:
+    make_trial(1).write(synced.folder)
+    (synced.folder / "walk.loads.xml").write_bytes(b"<OpenSimDocument><ExternalLoads/></OpenSimDocument>")
+    assert synced.actions() == [("stored", "walk.trc")]
+    items = synced.client.call("list_measurements", id=synced.uuid("walk")).items
+    assert {item.name for item in items if item.function == "force"} >= {"1", "2"}
     assert synced.actions() == []
 
 

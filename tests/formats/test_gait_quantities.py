@@ -16,7 +16,7 @@ from mcml.formats.measurements import Measurement
 from mcml.motion.skeleton import Array
 from tests.c3d_writer import texts
 from tests.laboratory.gait_bodies import LENGTHS, LegPose, turn
-from tests.laboratory.gait_files import FRAMES, POSES, gait_file, measures_of, walk
+from tests.laboratory.gait_files import FRAMES, POSES, gait_file, measures_of, two_people, walk
 from tests.laboratory.walkers import Gait, make_c3d, make_steps, true_events
 
 KNEE = POSES["L"].knee
@@ -239,14 +239,6 @@ def test_moments_are_per_kilogram_if_they_are_small(read: Read, size: float, uni
     assert listed(motion)["LAnkleMoment"].unit == unit
     assert any("the file states Nmm" in note for note in listed(motion)["LAnkleMoment"].notes) == ("kg" in unit)
     assert listed(motion)["LNormalisedGRF"].unit == "N"
-
-
-def two_people() -> dict[str, tuple[dict[str, Array], dict[str, float]]]:
-    """Markers and measures of two people beside each other, who differ in both."""
-    poses = {side: LegPose(knee=(30.0, 0.0, 0.0)) for side in "LR"}
-    aside = {name: place + np.array([0.0, 900.0, 0.0]) for name, place in walk(poses=poses).items()}
-    wide = measures_of(poses) | {"LKneeWidth": 150.0}
-    return {"Anna": (walk(), measures_of()), "Bert": (aside, wide)}
 
 
 def test_several_people_have_their_own_quantities(read: Read) -> None:

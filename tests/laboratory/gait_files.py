@@ -56,3 +56,11 @@ def gait_file(
         parameters=parameters,
         first=first,
     )
+
+
+def two_people() -> dict[str, tuple[dict[str, Array], dict[str, float]]]:
+    """Markers and measures of two people beside each other, who differ in both."""
+    poses = {side: LegPose(knee=(30.0, 0.0, 0.0)) for side in "LR"}
+    aside = {name: place + np.array([0.0, 900.0, 0.0]) for name, place in walk(poses=poses).items()}
+    wide = measures_of(poses) | {"LKneeWidth": 150.0}
+    return {"Anna": (walk(), measures_of()), "Bert": (aside, wide)}

@@ -268,6 +268,19 @@ def test_guesses(engine: Queries) -> None:
     assert any("guesses=no" in one for one in warnings)
 
 
+def test_guesses_of_documents_that_are_left_out_do_not_count(database: Database) -> None:
+    """A document without the joint is left out for that; its guessed unit changes nothing."""
+    arms_only = person(2, 6).replace(b"left_foot", b"tail9")
+    store(database, {"whole.bvh": person(1, 6), "part.bvh": arms_only})
+    engine = Queries(database, Settings(cache_dir="none"))
+    try:
+        warnings = engine.answer(QueryRequest(q="//frame[mo:speed('left_foot') >= 0]")).warnings
+        assert any(each.startswith("1 of 2 documents left out: they lack joints") for each in warnings)
+        assert any(each.startswith("1 of 2 documents rest on a guessed unit") for each in warnings)
+    finally:
+        engine.close()
+
+
 def test_guessed_names_of_joints(database: Database) -> None:
     """A knee without a word is a guess; questions that do not ask for it do not rest on it."""
     text = person(1, 6).decode().replace("left_low_leg", "Bone12").replace("torso7", "Chest").replace("_up_", "_upper_")

@@ -49,7 +49,7 @@ class Trc:
     bodies, markers = False, True
     needs = frozenset({"frame_time", "unit"})
     assumes = ""
-    states = frozenset({"unit", "frame_time", "force_plates"})
+    states = frozenset({"unit", "frame_time"})
 
     def sniff(self, name: str, first_bytes: bytes) -> str | None:
         return "trc" if first_bytes.removeprefix(b"\xef\xbb\xbf").lstrip()[:12].lower() == b"pathfiletype" else None

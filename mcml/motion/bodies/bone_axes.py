@@ -212,16 +212,24 @@ def bone_axes(skeleton: Skeleton, reading: Reading, start: Reference, *, chosen:
 
 
 def _of_markers(skeleton: Skeleton) -> dict[str, BoneAxis]:
-    """The bones of the one person whose markers a skeleton has."""
+    """The bones of the people whose markers a skeleton has; names of several begin with the prefix of their markers."""
     bodies = bodies_of(skeleton)
-    if len(bodies) != 1:
-        return {}
-    markers = {landmark: skeleton.names[index] for index, landmark in bodies[0].landmarks.items()}
+    found: dict[str, BoneAxis] = {}
+    for body in bodies:
+        begin = f"{body.prefix}:" if body.prefix and len(bodies) > 1 else ""
+        markers = {landmark: skeleton.names[index] for index, landmark in body.landmarks.items()}
+        found |= {begin + bone: axis for bone, axis in _of_person(skeleton, markers, begin).items()}
+    return found
+
+
+def _of_person(skeleton: Skeleton, markers: Mapping[str, str], begin: str) -> dict[str, BoneAxis]:
+    """The bones of a person. markers: by landmark. begin: of the names of the person's centres."""
     found: dict[str, BoneAxis] = {}
     guesses = {centre.name for centre in centres_of(skeleton) if centre.is_guess}
     for bone, (end, landmark) in BONES.items():
-        centre = end if end in body_names(skeleton) and end not in guesses else None
-        inner = markers.get(f"{landmark}_medial", centre)
+        centre = begin + end
+        known = centre if centre in body_names(skeleton) and centre not in guesses else None
+        inner = markers.get(f"{landmark}_medial", known)
         if inner is not None and f"{landmark}_lateral" in markers:
             outer = markers[f"{landmark}_lateral"]
             found[bone] = BoneAxis("markers", across=(outer, inner) if bone.startswith("left") else (inner, outer))

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -50,6 +50,8 @@ STEPS_OF_A_LEG = 10_000
 
 _UNSET: Final = object()
 
+Value = TypeVar("Value")
+
 PoseAt: TypeAlias = Callable[[int], ReferencePose]
 HingesOf: TypeAlias = Callable[[], Mapping[str, HingeSums]]
 Shared: TypeAlias = Callable[[str | None], Reference | None]
@@ -70,7 +72,8 @@ class Calibration:
     which angles of rotations start. skipped: number of frames at the start with a pose before the motion (a T-pose),
     which are excluded. origins: of each of these except the step, by the names of their settings (reference, leaps).
     zeros: degrees of a standing body, see `standing_zeros`, empty where no pose shows one. bones: where the lines to
-    the left of thighs and shanks come from, by their upper joints.
+    the left of thighs and shanks come from, by their upper joints. With markers of several people, the names of both
+    begin with the prefix of a person and a colon.
     """
 
     metres: float | None
@@ -98,6 +101,15 @@ class Calibration:
     def reference(self) -> int | None:
         """The frame, from 0, of the clip that the reference pose was found in, None for the rest pose or none."""
         return None if self.origins["reference"].kind == "unknown" else self.start.frame
+
+    def of_person(self, person: str) -> Calibration:
+        """The same with the zeros and bones of a person, by the prefix of the markers."""
+        begin = f"{person}:"
+
+        def own(named: Mapping[str, Value]) -> dict[str, Value]:
+            return {name.removeprefix(begin): value for name, value in named.items() if name.startswith(begin)}
+
+        return replace(self, zeros=own(self.zeros), bones=own(self.bones))
 
     def to_json(self) -> dict[str, Any]:
         """Plain values for JSON."""
@@ -221,7 +233,12 @@ def _anatomy(skeleton: Skeleton, reading: Reading, start: Reference, origin: Ori
         zeros = standing_zeros(skeleton, _rest(skeleton, reading)[0], axis_of(start.up))
     bones = bone_axes(skeleton, reading, start, chosen=chosen)
     # Frames of markers do not lean.
-    zeros |= {zero: 0.0 for zero, line in MARKER_ZEROS.items() if line in bones}
+    zeros |= {
+        bone.removesuffix(line) + zero: 0.0
+        for bone in bones
+        for zero, line in MARKER_ZEROS.items()
+        if bone == line or bone.endswith(f":{line}")
+    }
     return {"zeros": zeros, "bones": bones}
 
 

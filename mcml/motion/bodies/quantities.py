@@ -92,8 +92,9 @@ def _distance(stretch: Stretch, arguments: Arguments) -> Array:
 
 def _angle(stretch: Stretch, arguments: Arguments) -> Array:
     if len(arguments) == 1:
-        angle, side = angle_named(arguments[0])
-        return angle.compute(stretch, side)
+        person, _, name = arguments[0].rpartition(":")
+        angle, side = angle_named(name)
+        return angle.compute(stretch.of_person(person), side)
     one, corner, other = arguments
     return angle_between(stretch.between(corner, one), stretch.between(corner, other))
 
@@ -104,9 +105,15 @@ def _joints_of_angle(arguments: Arguments) -> tuple[str, ...]:
     if len(arguments) == 1:
         if (turn := turn_named(arguments[0])) is not None:
             return (joints_of_part(*turn[:2]),)
-        angle, side = angle_named(arguments[0])
-        return angle.joints(side)
+        person, _, name = arguments[0].rpartition(":")
+        angle, side = angle_named(name)
+        return tuple(_of_person(person, joint) for joint in angle.joints(side))
     return tuple(arguments)
+
+
+def _of_person(person: str, joint: str) -> str:
+    """The name of a joint, or several with `|` between them, of one of several people; the same where person is ""."""
+    return "|".join(f"{person}:{name}" for name in joint.split("|")) if person else joint
 
 
 def _tilt(stretch: Stretch, arguments: Arguments) -> Array:
@@ -267,8 +274,9 @@ def joints_of(name: str, arguments: Arguments, joints: Collection[str]) -> tuple
     asked = (*quantity.joints(arguments), *quantity.optional)
     found = dict.fromkeys(found for one in asked if (found := known(one, joints)) is not None)
     if name == "angle" and len(arguments) == 1 and turn_named(arguments[0]) is None:
-        angle, side = angle_named(arguments[0])
-        return (*found, *angle.lines(side))
+        person, _, angle_name = arguments[0].rpartition(":")
+        angle, side = angle_named(angle_name)
+        return (*found, *(_of_person(person, line) for line in angle.lines(side)))
     return tuple(found)
 
 
@@ -337,20 +345,21 @@ class AskedQuantity:
         if lacking:
             raise NotFoundError(
                 f"There is no bone {lacking[0]!r}, which {self.text} is made from.",
-                remedy=_remedy_for(lacking[0], names, is_stated=lacking[0] in self.arguments),
+                remedy=self._find_remedy(lacking[0], names),
             )
 
-
-def _remedy_for(joint: str, names: Sequence[str], *, is_stated: bool) -> str:
-    """The way to a joint that a skeleton lacks: it may have it of several people. is_stated: whether it was asked for
-    by its name, else as a part of something."""
-    endings = tuple(f":{one}" for one in joint.split("|"))
-    of_people = [name for name in names if name.endswith(endings)]
-    if not of_people:
-        return f"There are: {', '.join(names[:60])}."
-    if is_stated:
-        return f"The markers are of several people. Name one of: {', '.join(of_people)}."
-    return "The markers are of several people. Make a skeleton of each, and ask that: mcml skeletons ID."
+    def _find_remedy(self, joint: str, names: Sequence[str]) -> str:
+        """The way to a joint that a skeleton lacks: it may have it of several people."""
+        endings = tuple(f":{one}" for one in joint.split("|"))
+        of_people = [name for name in names if name.endswith(endings)]
+        if not of_people:
+            return f"There are: {', '.join(names[:60])}."
+        if joint in self.arguments:
+            return f"The markers are of several people. Name one of: {', '.join(of_people)}."
+        if self.name != "angle":
+            return "The markers are of several people. Make a skeleton of each, and ask that: mcml skeletons ID."
+        begins = dict.fromkeys(name.rpartition(":")[0] + ":" for name in of_people)
+        return f"The markers are of several people. Begin the name with one of: {', '.join(begins)}."
 
 
 def asked_quantity(text: str) -> AskedQuantity:

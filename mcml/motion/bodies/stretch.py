@@ -7,7 +7,7 @@ rounded positions until they become metres at the end.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, wraps
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
@@ -68,6 +68,18 @@ class Stretch:
     def hold(self, method: Callable[[Stretch], Found], result: Found) -> None:
         """Keep the result of a function under `once_a_stretch` that is known from before."""
         self.kept[method.__name__, ()] = result
+
+    @once_a_stretch
+    def of_person(self, person: str) -> Stretch:
+        """The same frames with the joints, lines and zeros of one of several people, without the prefix of the person.
+
+        person: the prefix; "" for all names as they are.
+        """
+        if not person:
+            return self
+        begin = f"{person}:"
+        own = {name.removeprefix(begin): steps for name, steps in self.places.items() if name.startswith(begin)}
+        return replace(self, places=own, calibration=self.calibration.of_person(person))
 
     @property
     def skipped(self) -> int:

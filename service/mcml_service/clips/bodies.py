@@ -43,7 +43,7 @@ LONG = 65_536
 """Frames of a document from which on some of it is in memory at a time."""
 MOST_LOOKED_AT = 8
 """Clips of a skeleton, where a reference pose is looked for."""
-MADE = 9
+MADE = 10
 """Version of bodies: increased when the computation of positions, calibrations or activities changes, so that stored
 bodies are derived again.
 """

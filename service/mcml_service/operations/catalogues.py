@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from importlib.util import find_spec
 
-from mcml.files.companions import BESIDE
+from mcml.files.companions import BESIDE, STATES_BESIDE
 from mcml.files.presets import PRESETS
 from mcml.formats import NEEDED, READERS, SKINNED, UNSUPPORTED, WRITERS
 from mcml.formats.format import TakesReader
@@ -68,6 +68,7 @@ def _describe_format(name: str) -> FormatInfo:
         reads=reader is not None,
         takes=isinstance(reader, TakesReader),
         beside=list(BESIDE.get(name, ())),
+        states_beside=list(STATES_BESIDE.get(name, ())),
         extensions=endings,
         skins=name in SKINNED,
         writes=writer is not None and find_spec(NEEDED.get(name, "mcml")) is not None,

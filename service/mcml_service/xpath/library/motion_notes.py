@@ -30,6 +30,8 @@ WITH_FLOOR = frozenset({"mo:height", CONTACT})
 WITH_UP = WITH_FLOOR | {ACTIVITY, "mo:tilt", "mo:heading", "mo:pose-distance", "mo:motion-distance"}
 OF_UPRIGHT = frozenset({"trunk", "pelvis"})
 """Parts whose angles are those to the vertical."""
+OF_BODY = frozenset({"up", "front", "left"})
+"""Axes and sides of a body."""
 OF_TIMES = frozenset({"s", "m/s", "m/s2", "per s"})
 WITH_TIMES = frozenset({CONTACT, ACTIVITY})
 """Functions that need times, in addition to those with a unit of time."""
@@ -97,9 +99,7 @@ class BodyScope:
         if facts is None:
             unstated = {call: bodies.find_documents_without(*texts) for call, texts in stated.items()}
             facts = self._facts[group] = GroupFacts(bodies.facts(), unstated)
-        lacks = np.zeros(len(group), bool)
-        for _, _, which in _reasons(facts, self._needed):
-            lacks |= which
+        lacks = _left_out(facts, self._needed)
         if not lacks.any():
             return group
         others = self._caches.listing.group([listed for listed, out in zip(group, lacks, strict=True) if not out])
@@ -153,9 +153,10 @@ def _notes(looked: Mapping[Group, GroupFacts], calls: Sequence[Call], needed: Se
             if count := int(mask.sum()):
                 yield f"{count:,} {many} {what}: {why} ({named(names, mask)}){remedy}."
     guesses = rested_on(calls)
-    if count := sum(int(facts.body.rests_on_guesses(guesses).sum()) for facts in looked.values()):
+    asked = [(facts.body, ~_left_out(facts, needed)) for facts in looked.values()]
+    if count := sum(int((body.rests_on_guesses(guesses) & kept).sum()) for body, kept in asked):
         yield f"{count:,} {many} rest on a guessed {_listed(guesses)}; guesses=no leaves them out."
-    if count := sum(int(_in_doubt(facts.body, calls).sum()) for facts in looked.values()):
+    if count := sum(int((_in_doubt(body, calls) & kept).sum()) for body, kept in asked):
         yield f"{count:,} {many} rest on guessed names of joints; guesses=no leaves them out."
     yield from _notes_of_angles([facts.body for facts in looked.values()], calls, names, many)
 
@@ -187,6 +188,14 @@ def _angle_of(call: Call) -> str:
     name = call.function.removeprefix(PREFIX)
     texts = [each.value for each in call.arguments if isinstance(each, Literal) and isinstance(each.value, str)]
     return texts[0] if name == "angle" and len(texts) == len(call.arguments) == 1 else ""
+
+
+def _left_out(facts: GroupFacts, calls: Sequence[Call]) -> Bools:
+    """Tell which documents are left out, because a value of a call is unknown."""
+    found = np.zeros(len(facts), bool)
+    for _, _, lacks in _reasons(facts, calls):
+        found |= lacks
+    return found
 
 
 def _reasons(known: GroupFacts, calls: Sequence[Call]) -> Iterator[tuple[str, str, Bools]]:
@@ -227,7 +236,8 @@ def rested_on(calls: Sequence[Call]) -> frozenset[str]:
         if MOTION_FUNCTIONS[call.function].unit in OF_LENGTHS:
             found.add("metres")
         texts = [each.value for each in call.arguments if isinstance(each, Literal) and isinstance(each.value, str)]
-        of_body = any(text.split("-")[0] in OF_UPRIGHT or text in ("up", "front", "left") for text in texts)
+        names = {text.rpartition(":")[2] for text in texts}
+        of_body = any(name.split("-")[0] in OF_UPRIGHT for name in names) or not names.isdisjoint(OF_BODY)
         if call.function in WITH_UP or of_body:
             found.add("up")
         if call.function in WITH_FLOOR:

@@ -3474,6 +3474,8 @@ export interface components {
             extensions: string[];
             /** @default [] */
             beside: string[];
+            /** @default [] */
+            states_beside: string[];
             /** @default false */
             skins: boolean;
             /** @default true */

@@ -39,6 +39,7 @@ export function ExportMenu({ clip, reload }: { clip: Clip; reload: () => void })
               up: detail.up ?? null,
               likelyUp: view.likely_up,
               hasRate: Boolean(detail.seconds_per_frame),
+              beside: detail.files.length > 1,
               centres: view.centres,
             },
             clip.pinned === null && mayEdit()

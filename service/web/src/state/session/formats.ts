@@ -60,9 +60,11 @@ export const extensionOf = (format: Format): string =>
 export const labelOf = (name: string): string =>
   formats().find((one) => one.name === name)?.label ?? name.toUpperCase();
 
-/** Whether files of a format hold a fact. */
-export const holds = (name: string, fact: string): boolean =>
-  formats().some((one) => one.name === name && one.states.includes(fact));
+/** Whether files of a format hold a fact. beside: whether there are further files of the clip. */
+export const holds = (name: string, fact: string, beside = false): boolean =>
+  formats().some(
+    (one) => one.name === name && (one.states.includes(fact) || (beside && one.states_beside.includes(fact))),
+  );
 
 const extensionsOf = (some: readonly Format[]): string[] =>
   some.filter((one) => one.reads).flatMap((one) => one.extensions);

@@ -79,9 +79,10 @@ describe("what a document can be exported as", () => {
     expect(items.find((item) => item.text === "ASF/AMC")!.href).toBeTruthy();
     expect(lacking({ ...bare, format: "trc", original: true }, of("trc"))).toBe(null);
     expect(lacking({ ...bare, hasRate: true }, of("trc"))).toMatchObject({ refused: true, text: "needs a unit" });
-    const trial = (format: string) =>
-      exportItems({ ...known, markers: true, format }).find((item) => item.text === "Trial");
-    expect(trial("trc")).toMatchObject({ disabled: true, detail: "needs force plates of a C3D file" });
+    const trial = (format: string, beside = false) =>
+      exportItems({ ...known, markers: true, format, beside }).find((item) => item.text === "Trial");
+    expect(trial("trc")).toMatchObject({ disabled: true, detail: "needs force plates" });
+    expect(trial("trc", true)!.href).toBeTruthy();
     expect(trial("c3d")!.href).toBeTruthy();
     const face = { name: "face", needs: ["blend_shapes"], assumes: "", markers: true };
     expect(lacking(known, face)).toMatchObject({ refused: true, text: "needs blend shapes of a face" });

@@ -17,6 +17,8 @@ export interface Exported {
   up: string | null;
   likelyUp?: string | null;
   hasRate: boolean;
+  /** Whether further files of the clip are kept beside its own, if known. */
+  beside?: boolean;
   /** Joints whose centres markers tell, if known. */
   centres?: readonly string[];
 }
@@ -33,7 +35,7 @@ const METRES: Record<string, number> = { mm: 0.001, cm: 0.01, m: 1, inch: 0.0254
 const factLacking = (one: Exported, { needs, markers }: Pick<Format, "needs" | "markers">): string | null => {
   if (one.markers && !markers && one.centres && !one.centres.includes("left_up_leg")) return w("label.needsPerson");
   if (needs.includes("frame_time") && !one.hasRate) return w("label.needsRate");
-  if (needs.includes("force_plates") && !holds(one.format, "force_plates")) return w("label.needsPlates");
+  if (needs.includes("force_plates") && !holds(one.format, "force_plates", one.beside)) return w("label.needsPlates");
   if (needs.includes("blend_shapes") && !holds(one.format, "blend_shapes")) return w("label.needsShapes");
   return needs.includes("unit") && !one.unit ? w("label.needsUnit") : null;
 };
