@@ -236,7 +236,8 @@ class Motion:
         stated = [str(argument) for argument in arguments if argument is not None]
         asked = asked_quantity(f"{name}:{','.join(stated)}" if stated else name)
         if asked.of_gait:
-            return self.measure_gait().contacts(cast("Side", asked.arguments[0]), len(self))
+            person, _, side = asked.arguments[0].rpartition(":")
+            return self.measure_gait(subject=person or None).contacts(cast("Side", side), len(self))
         if asked.of_file:
             walker = partial(find_walker, self._clip.head.skeleton, lambda names: self._body.stretch(names))
             return self._measurements.values(asked, self._ids, walker, partial(read_marker_positions, self._clip))

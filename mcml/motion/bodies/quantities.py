@@ -31,7 +31,7 @@ AXES_OF_FILE: Final = ("x", "y", "z")
 """Components of the measurements of a file: of its laboratory for forces, of its own model for angles and moments."""
 
 FEET: Final = ("left", "right")
-"""Arguments of contacts that are the feet of a walker, not joints."""
+"""Arguments of contacts that are the feet of a walker, not joints; of several people behind a prefix: "Anna:left"."""
 _GROUND = "_toes"
 """Joints on the ground: the ankle (`*_foot`) stays above it."""
 _THICKEST = 0.15
@@ -199,9 +199,14 @@ def _named(arguments: Arguments) -> tuple[str, ...]:
     return tuple(arguments)
 
 
+def is_foot(argument: str) -> bool:
+    """Whether the argument of a contact is the foot of a walker, not a joint."""
+    return argument.rpartition(":")[2] in FEET
+
+
 def _touching(arguments: Arguments) -> tuple[str, ...]:
     """The joint, none for the foot of a side."""
-    return () if arguments[0] in FEET else tuple(arguments)
+    return () if is_foot(arguments[0]) else tuple(arguments)
 
 
 def _none(arguments: Arguments) -> tuple[str, ...]:
@@ -305,8 +310,9 @@ def found_together(name: str, arguments: Arguments) -> tuple[tuple[str, ...], ..
     """
     if name == "activity" and arguments[0] in ANY_ACTIVITY:
         return tuple((each,) for each in ANY_ACTIVITY)
-    if name == "contact" and arguments[0] in FEET:
-        return tuple((side,) for side in FEET)
+    if name == "contact" and is_foot(arguments[0]):
+        person, colon, _ = arguments[0].rpartition(":")
+        return tuple((person + colon + side,) for side in FEET)
     return (tuple(arguments),)
 
 
@@ -327,7 +333,7 @@ class AskedQuantity:
     @property
     def of_gait(self) -> bool:
         """Whether it is told by the gait events of a walker."""
-        return self.name == "contact" and self.arguments[0] in FEET
+        return self.name == "contact" and is_foot(self.arguments[0])
 
     @property
     def of_file(self) -> bool:

@@ -46,6 +46,7 @@ class FrameQuantities:
         self, tx: Transaction, stored: StoredDocument | Listed, body: Body, skeletons: Skeletons | None = None
     ) -> None:
         self._tx, self._stored, self.body, self._skeletons = tx, stored, body, skeletons
+        self._events: dict[str | None, GaitEvents] = {}
 
     def read(self, asked: AskedQuantity) -> Array:
         """(n,) of all frames, NaN where unknown.
@@ -54,8 +55,9 @@ class FrameQuantities:
         are unknown.
         """
         if asked.of_gait:
-            found = self._events
-            return find_contacts(found.events, cast("Side", asked.arguments[0]), found.rate, self._stored.frames)
+            person, _, side = asked.arguments[0].rpartition(":")
+            found = self._find_events(person or None)
+            return find_contacts(found.events, cast("Side", side), found.rate, self._stored.frames)
         if not asked.of_file:
             return read_turned(self._tx, self._stored, asked.arguments[0], self.body)
         walker = partial(find_walker, self._head.skeleton, self.body.stretch)
@@ -93,9 +95,10 @@ class FrameQuantities:
     def _find_plate_events(self, walker: WalkerPaths) -> list[GaitEvent]:
         return self.measurements.find_events(self._ids, walker)
 
-    @cached_property
-    def _events(self) -> GaitEvents:
-        return find_gait_events(*self._walker(None), "auto", self._find_plate_events)
+    def _find_events(self, subject: str | None) -> GaitEvents:
+        if subject not in self._events:
+            self._events[subject] = find_gait_events(*self._walker(subject), "auto", self._find_plate_events)
+        return self._events[subject]
 
     @cached_property
     def _spans(self) -> list[StoredSpan]:

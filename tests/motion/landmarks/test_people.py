@@ -17,6 +17,7 @@ from mcml_service.storage.database import Database
 from mcml_service.xpath.queries import Queries
 from tests.builders import store
 from tests.laboratory.gait_files import gait_file, two_people
+from tests.laboratory.walkers import Gait, make_c3d
 
 NAMES = [name for name in angle_names() if turn_named(name) is None]
 
@@ -63,6 +64,29 @@ def test_refusals_name_the_people(tmp_path: Path) -> None:
         with pytest.raises(NotFoundError) as refused:
             call()
         assert remedy in str(refused.value.remedy)
+
+
+def test_contacts_are_those_of_the_person_alone(database: Database, tmp_path: Path) -> None:
+    alone = read(tmp_path / "alone.c3d", make_c3d(Gait()))
+    content = make_c3d(Gait(), people=("Anna:", "Bert:"))
+    both = read(tmp_path / "both.c3d", content)
+    (uuid,) = store(database, {"both.c3d": content})
+    queries = Queries(database, Settings())
+    try:
+        for who in ("Anna", "Bert"):
+            for side in ("left", "right"):
+                expected = alone.contact(side)
+                assert 0 < np.nansum(expected) < len(expected)
+                np.testing.assert_array_equal(both.contact(f"{who}:{side}"), expected)
+                answer = queries.answer(QueryRequest(q=f"count(//frame[mo:contact('{who}:{side}')])"))
+                assert answer.value == np.nansum(expected)
+                computed = f"count(for $who in '{who}' return //frame[mo:contact(concat($who, ':{side}'))])"
+                assert queries.answer(QueryRequest(q=computed)).value == np.nansum(expected)
+        none = queries.answer(QueryRequest(q="count(//frame[mo:contact('Carl:left')])"))
+        assert none.value == 0
+        assert any("left out" in warning for warning in none.warnings), uuid
+    finally:
+        queries.close()
 
 
 def test_questions_find_frames_of_a_person(database: Database) -> None:

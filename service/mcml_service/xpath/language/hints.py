@@ -8,7 +8,7 @@ from typing import Literal
 
 from mcml.language.content import declarations
 from mcml.language.vocabulary import FRAME, FRAME_BONE, MOTION_NAME, NAME, ROOT
-from mcml.motion.bodies.quantities import FEET
+from mcml.motion.bodies.quantities import is_foot
 from mcml_service.xpath.language.motion_functions import (
     ANGLE,
     JOINT_OR_SIDE,
@@ -106,7 +106,7 @@ def _joints_named(call: Call) -> Iterator[str]:
     for parameter, argument in zip(parameters, call.arguments, strict=False):
         if not isinstance(argument, Text) or not isinstance(argument.value, str) or parameter.rstrip("?") not in JOINTS:
             continue
-        if parameter != JOINT_OR_SIDE or argument.value not in FEET:
+        if parameter != JOINT_OR_SIDE or not is_foot(argument.value):
             yield argument.value
 
 

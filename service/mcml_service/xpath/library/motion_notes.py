@@ -11,7 +11,7 @@ import numpy as np
 
 from mcml.errors import McmlError, QueryError
 from mcml.motion.bodies.limb_angles import anatomy_of, clinical_name
-from mcml.motion.bodies.quantities import FEET, QUANTITIES, joints_of
+from mcml.motion.bodies.quantities import QUANTITIES, is_foot, joints_of
 from mcml.motion.bodies.stretch import known
 from mcml_service.storage.documents.columns import Listed
 from mcml_service.storage.transaction import Transaction
@@ -290,7 +290,8 @@ def _measurement(call: Call) -> tuple[str, tuple[str, ...]] | None:
 
 def _is_of_gait(call: Call) -> bool:
     """Whether it asks for a foot of a walker, not for a joint."""
-    return call.function == CONTACT and any(isinstance(each, Literal) and each.value in FEET for each in call.arguments)
+    texts = [each.value for each in call.arguments if isinstance(each, Literal) and isinstance(each.value, str)]
+    return call.function == CONTACT and any(map(is_foot, texts))
 
 
 def _written(call: Call) -> str:

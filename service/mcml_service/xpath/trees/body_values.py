@@ -248,8 +248,11 @@ class _Asked:
 
     def _joints(self, call: Call, place: int) -> list[str]:
         """Return the joints of the documents, and an empty name for all others."""
-        feet = FEET if MOTION_FUNCTIONS[call.function].parameters[place] == JOINT_OR_SIDE else ()
-        return ["", *feet, *dict.fromkeys(chain.from_iterable(self._motions.bodies.facts().names))]
+        names = dict.fromkeys(chain.from_iterable(self._motions.bodies.facts().names))
+        if MOTION_FUNCTIONS[call.function].parameters[place] != JOINT_OR_SIDE:
+            return ["", *names]
+        people = dict.fromkeys(["", *(name[: name.rfind(":") + 1] for name in names)])
+        return ["", *(person + side for person in people for side in FEET), *names]
 
     def _name(self, found: WrittenCall, place: int) -> str:
         said = f"({self._rewritten(found.arguments[place])})"
