@@ -66,6 +66,9 @@ def find_gait_points(skeleton: Skeleton, subject: str | None = None) -> GaitPoin
         body = _choose_body(bodies, subject)
         names = {landmark: skeleton.names[index] for index, landmark in body.landmarks.items()}
         known = _LANDMARKS
+    elif subject:
+        what = f"No markers have the prefix {subject!r}."
+        raise NotFoundError(what, remedy="Leave out the person: the clip has no markers.")
     else:
         names, known = {name: name for name in skeleton.names}, _JOINTS
     choices = {
@@ -123,7 +126,8 @@ def _choose_body(bodies: Sequence[MarkerBody], subject: str | None) -> MarkerBod
             raise NotFoundError(f"No markers have the prefix {subject!r}.", remedy=f"Choose one of: {listed}.")
         return found
     if len(bodies) > 1:
-        raise DocumentError(f"The markers are of several people: {listed}.", remedy="Choose one with `subject`.")
+        remedy = f"Choose one with `subject`, or begin the name with it: {prefixes[0]}:left."
+        raise DocumentError(f"The markers are of several people: {listed}.", remedy=remedy)
     return bodies[0]
 
 

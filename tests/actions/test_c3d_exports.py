@@ -56,7 +56,7 @@ def test_samples_stay_at_their_frames(database: Database) -> None:
     whole = samples_of(walkway())
     assert channels_of(content).first == FIRST + 10
     assert samples_of(content).tobytes() == whole[10:].tobytes()
-    assert "7 analog channels and 1 force plate are written from the C3D file, without later edits" in told
+    assert "7 analog channels and 1 force plate are written from the source file, without later edits" in told
     content, _ = export(database, uuid, first=3, last=7)
     assert samples_of(content).tobytes() == whole[12:17].tobytes()
     edit(
@@ -71,7 +71,7 @@ def test_samples_stay_at_their_frames(database: Database) -> None:
     assert np.isnan(values[6:9]).all()
     kept = [*range(6), *range(9, len(rows))]
     assert values[kept].tobytes() == whole[rows][kept].tobytes()
-    assert "3 frames are not of the C3D file: their analog samples are missing (NaN)" in told
+    assert "3 frames are not of the source file: their analog samples are missing (NaN)" in told
 
 
 def test_forces_of_an_export_that_is_imported_again(database: Database) -> None:

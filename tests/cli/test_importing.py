@@ -18,6 +18,7 @@ from mcml_service.cli.terminal import bar as bars
 from tests.builders import ASF, amc, bvh, read_by
 from tests.cli.test_access import library as server  # noqa: F401
 from tests.cli.test_cli import Mcml, environment, mcml  # noqa: F401
+from tests.force_trials import make_trial
 
 
 @pytest.fixture
@@ -193,3 +194,12 @@ def test_a_new_file_replaces_the_frames_of_a_document(mcml: Mcml, tmp_path: Path
     assert "revision 2: frames" in told
     assert "25 in all" in told
     assert json.loads(mcml("import", str(old), "--as", uuid, "--json")[1])["frames"] == 20
+
+
+def test_a_trial_in_two_files_tells_its_markers(mcml: Mcml, tmp_path: Path) -> None:  # noqa: F811
+    files = make_trial(1).write(tmp_path)
+    code, output, _ = mcml("import", *map(str, files))
+    assert code == 0
+    assert "1 stored, 0 failed" in output
+    assert "12 frames, 100 Hz, mm, 0 of 1 markers on known landmarks" in output
+    assert "Fx1" in mcml("measurements", "walk")[1]

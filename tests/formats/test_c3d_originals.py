@@ -174,7 +174,7 @@ def test_frames_that_are_not_of_the_file_have_nan() -> None:
         if numbers:
             assert np.array_equal(values[[0, 2]], whole[[1, 11]])
         unknown = 2 if numbers else 4
-        assert f"{unknown} frames are not of the C3D file: their analog samples are missing (NaN)" in told
+        assert f"{unknown} frames are not of the source file: their analog samples are missing (NaN)" in told
 
 
 def test_plates_and_parameters_after_a_trim() -> None:
@@ -195,7 +195,7 @@ def test_plates_and_parameters_after_a_trim() -> None:
     assert new.long("TRIAL:ACTUAL_START_FIELD") == 94
     assert new.long("TRIAL:ACTUAL_END_FIELD") == 99
     assert any("FORCE_PLATFORM:ZERO is written as 0" in words for words in told)
-    assert "7 analog channels and 1 force plate are written from the C3D file, without later edits" in told
+    assert "7 analog channels and 1 force plate are written from the source file, without later edits" in told
     whole, told = convert(data)
     assert read_statements(io.BytesIO(whole), []).numbers("FORCE_PLATFORM:ZERO") == [1.0, 10.0]
     assert not any("ZERO" in words for words in told)
@@ -248,8 +248,8 @@ def test_turns_follow_each_other() -> None:
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"fps": 50}, "7 analog channels and 1 force plate of the C3D file are left out: the frames were resampled"),
-        ({"scale": 1.5}, "1 force plate of the C3D file is left out: the size of the clip was changed"),
+        ({"fps": 50}, "7 analog channels and 1 force plate of the source file are left out: the frames were resampled"),
+        ({"scale": 1.5}, "1 force plate of the source file is left out: the size of the clip was changed"),
     ],
 )
 def test_data_that_cannot_follow_are_left_out_with_a_notice(options: dict[str, object], words: str) -> None:
@@ -274,7 +274,7 @@ def test_moments_of_unknown_units_do_not_change_their_meaning() -> None:
     data = trial(ANALOG__UNITS=None)
     content, told = as_after(0.001, data)
     assert not plates_of(channels_of(content))
-    assert any("force plate of the C3D file is left out" in words for words in told)
+    assert any("force plate of the source file is left out" in words for words in told)
     content, _ = as_after(1.0, data)
     assert len(plates_of(channels_of(content))) == 1
 
@@ -300,8 +300,8 @@ def test_parameters_that_do_not_fit(blocks: int, descriptions: int, others: int,
     assert ("ANALOG:DESCRIPTIONS" in said.parameters, "OTHER:NOTES" in said.parameters) == (descriptions, others)
     assert len(channels_of(content)) == channels
     told = " ".join(notice.what for notice in stream.notices)
-    assert ("descriptions of the C3D file are left out" in told) == (not descriptions)
-    assert ("groups of the C3D file are left out" in told) == (not others)
+    assert ("descriptions of the source file are left out" in told) == (not descriptions)
+    assert ("groups of the source file are left out" in told) == (not others)
     assert ("7 analog channels are left out" in told) == (not channels)
 
 
@@ -309,7 +309,7 @@ def test_an_original_that_cannot_be_read_is_told() -> None:
     clip = read(C3D, {"c3d": trial()})
     clip.original = kept_c3d(b"C3D")
     assert not len(channels_of(b"".join(C3D.write(clip, "c3d"))))
-    assert any("analog channels and groups of the C3D file are left out" in notice.what for notice in clip.notices)
+    assert any("analog channels and groups of the source file are left out" in notice.what for notice in clip.notices)
 
 
 def test_nameless_parameters_do_not_end_the_others() -> None:

@@ -126,7 +126,7 @@ class OriginalData:
         """Return the data, then less and less of them, each time with a notice: parameters have little room."""
         yield self
         if any(_DESCRIPTIONS.fullmatch(name) for group in self.groups.values() for name in group):
-            note(notices, "warning", "descriptions of the C3D file are left out: the parameters have no room for them")
+            note(notices, "warning", "descriptions of the source file are left out: parameters have no room for them")
             data = replace(self, groups=_select(self.groups, lambda _, name: not _DESCRIPTIONS.fullmatch(name)))
             yield data
         else:
@@ -134,7 +134,7 @@ class OriginalData:
         others = [name for name in data.groups if name not in _OWN]
         if others:
             named = ", ".join(others)[:200]
-            note(notices, "warning", f"groups of the C3D file are left out ({named}): the parameters have no room")
+            note(notices, "warning", f"groups of the source file are left out ({named}): the parameters have no room")
             data = replace(data, groups=_select(data.groups, lambda group, _: group in _OWN))
             yield data
         if data.channels is not None:
@@ -182,11 +182,11 @@ def read_original(original: Original | None, rate: float, unit: str, notices: li
     try:
         channels: Channels = original.read_channels()
     except (FormatError, LimitError) as error:
-        note(notices, "warning", f"analog channels and groups of the C3D file are left out: {error}")
+        note(notices, "warning", f"analog channels and groups of the source file are left out: {error}")
         return OriginalData()
     groups = _groups(channels, notices)
     if count := count_rotations(channels.said):
-        note(notices, "warning", f"{count} rotations of the C3D file are left out")
+        note(notices, "warning", f"{count} rotations of the source file are left out")
     if original.is_turned and TRIAL in groups:
         # They say which way the axes of the laboratory point.
         groups = _select(groups, lambda group, name: not (group == TRIAL and name.endswith("_DIRECTION")))
@@ -195,7 +195,7 @@ def read_original(original: Original | None, rate: float, unit: str, notices: li
     plates = plates_of(channels)
     reason = _reason_against_samples(channels, original, rate) if len(channels) else ""
     if reason:
-        note(notices, "warning", f"{_count(channels, len(plates))} of the C3D file are left out: {reason}")
+        note(notices, "warning", f"{_count(channels, len(plates))} of the source file are left out: {reason}")
     if reason or not len(channels):
         return OriginalData(None, _without(groups, ANALOG, PLATES))
     data = _with_usual_offsets(OriginalData(channels, groups))
@@ -204,7 +204,7 @@ def read_original(original: Original | None, rate: float, unit: str, notices: li
         reason = _reason_against_plates(channels, moved, original, unit)
         if reason:
             told = (
-                "1 force plate of the C3D file is"
+                "1 force plate of the source file is"
                 if len(plates) == 1
                 else f"{len(plates)} force plates of the file are"
             )
@@ -213,7 +213,7 @@ def read_original(original: Original | None, rate: float, unit: str, notices: li
         else:
             data = replace(data, groups=data.groups | {PLATES: moved})
     count = len(plates) if PLATES in data.groups else 0
-    note(notices, "note", f"{_count(channels, count)} are written from the C3D file, without later edits")
+    note(notices, "note", f"{_count(channels, count)} are written from the source file, without later edits")
     return data
 
 
@@ -228,7 +228,7 @@ def clear_baseline(data: OriginalData, notices: list[Notice]) -> OriginalData:
     zero = plates.get("ZERO")
     if zero is None or not all(number > 0 for number in zero.numbers()):
         return data
-    what = "FORCE_PLATFORM:ZERO is written as 0: its frames of the C3D file for a baseline are not the same here"
+    what = "FORCE_PLATFORM:ZERO is written as 0: its frames of the source file for a baseline are not the same here"
     note(notices, "note", what)
     cleared = replace(zero, data=bytes(len(zero.data)))
     return replace(data, groups=data.groups | {PLATES: plates | {"ZERO": cleared}})
@@ -253,7 +253,7 @@ def _groups(channels: Channels, notices: list[Notice]) -> Groups:
         else:
             too_long.append(key)
     if too_long:
-        note(notices, "warning", f"parameters of the C3D file are too long to be written: {', '.join(too_long)[:200]}")
+        note(notices, "warning", f"parameters of the source file are too long to write: {', '.join(too_long)[:200]}")
     return {name: group for name, group in groups.items() if group or name in _OWN}
 
 

@@ -96,7 +96,7 @@ def _original(clip: ClipStream, rate: float, ids: list[Ids]) -> OriginalData:
         return data
     unknown = sum(map(data.count_unknown, ids))
     if unknown:
-        what = f"{unknown} frames are not of the C3D file: their analog samples are missing (NaN)"
+        what = f"{unknown} frames are not of the source file: their analog samples are missing (NaN)"
         note(notices, "warning", what)
     place = data.channels.first
     for some in ids:

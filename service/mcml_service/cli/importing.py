@@ -14,7 +14,7 @@ from mcml.client.client import Client
 from mcml.client.folders import import_paths
 from mcml.errors import RequestError
 from mcml.files.on_disk import opened_files
-from mcml_schemas.documents import ImportedDocument
+from mcml_schemas.documents import ImportedDocument, Receipt
 from mcml_schemas.revisions import FileReplaced
 from mcml_service.cli.deriving import FEW, derive_stored, tell_calibrations, tell_origins
 from mcml_service.cli.terminal.bar import Bar
@@ -186,15 +186,24 @@ def _derive(client: Client, documents: list[ImportedDocument], *, no_derive: boo
         tell_origins(client.repository.database, {document.id for document in stored})
 
 
+def _say_names(facts: Receipt) -> str:
+    """How many joints have a name of MCML's, or how many markers are on a known landmark."""
+    if facts.naming is None:
+        return ""
+    if facts.markers:
+        return f", {len(facts.naming.landmarks)} of {facts.joints} markers on known landmarks"
+    return f", {len(facts.naming.mapped)} of {facts.joints} joints mapped"
+
+
 def _print_imported(document: ImportedDocument) -> None:
     if document.skipped:
         console.print(f"skipped  {document.name}  {document.id} (stored already)")
         return
     facts = document.receipt
     rate = f"{facts.frame_rate.frames_per_second:.6g} Hz" if facts.frame_rate.frames_per_second else "rate unknown"
-    mapped = "" if facts.naming is None else f", {len(facts.naming.mapped)} of {facts.joints} joints mapped"
     unit = facts.unit.value or "unit unknown"
-    console.print(f"stored   {document.name}  {document.id}\n         {facts.frames:,} frames, {rate}, {unit}{mapped}")
+    known = f"{facts.frames:,} frames, {rate}, {unit}{_say_names(facts)}"
+    console.print(f"stored   {document.name}  {document.id}\n         {known}")
     if document.movements is not None:
         console.print(f"         {document.movements} movements named")
     for notice in facts.notices:
