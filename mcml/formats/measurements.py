@@ -215,8 +215,8 @@ class Measurements:
                 )
             if lacks is None:
                 raise _name_error("quantity", label, list(self._quantities), _OF_MODEL)
-            ground = None if find_walker is None else partial(partial, self._ground, find_walker)
-            return self._gait.values(label, axis, ids, find_positions, ground)
+            find_ground = None if find_walker is None else lambda person: partial(self._ground, find_walker, person)
+            return self._gait.values(label, axis, ids, find_positions, find_ground)
         if not quantity.has_rate(rate_of(self._head)):
             return np.full(len(ids), np.nan)
         samples = samples_at(quantity, ids)
