@@ -13,7 +13,7 @@ from tests.drills.patched_copy import PatchedCopy, count_named_files
 
 ROW = (
     ',\n  { "name": "juggling", "path": "/juggling", "about": "any", "title": "label.juggling", '
-    '"go": "button.goJuggling", "key": "J", "icon": "chart", "rail": "top", "file": "juggling/JugglingPage" }'
+    '"go": "button.goJuggling", "key": "U", "icon": "chart", "rail": "top", "file": "juggling/JugglingPage" }'
 )
 COMPONENT = """/** A page about juggling. */
 import { w } from "../../words";
