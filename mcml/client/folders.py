@@ -122,13 +122,14 @@ def find_buffers(file: Path) -> list[Path]:
 
 
 def find_of_trials(files: Iterable[Path]) -> dict[Path, str]:
-    """Return those of some files that stand beside a TRC: tables of forces and external loads, each with its part."""
+    """Return the tables of forces and the external loads among files, each with its part of a TRC clip."""
     parts: dict[Path, str] = {}
     for file in files:
         if file.suffix.lower() in OF_TRIALS and file.is_file():
             with file.open("rb") as stream:
                 part = part_beside(file.name, stream.read(HEAD_BYTES))
-            parts |= {} if part is None else {file: part}
+            if part is not None:
+                parts[file] = part
     return parts
 
 

@@ -1,4 +1,4 @@
-"""The files of one document to be, and those of a request."""
+"""Files grouped by the documents that an import makes of them."""
 
 from __future__ import annotations
 

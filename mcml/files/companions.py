@@ -15,7 +15,7 @@ from mcml.formats.trc.force_table import ENDINGS, HEAD_BYTES, has_forces
 from mcml.formats.trc.forces import PART
 
 BESIDE: Final[Mapping[str, tuple[str, ...]]] = {"glb": (BUFFER,), "trc": ENDINGS}
-"""How files end that may stand beside those of a format."""
+"""Endings of files that may stand beside those of a format."""
 
 STATES_BESIDE: Final[Mapping[str, tuple[str, ...]]] = {"trc": ("force_plates",)}
 """Facts of a document that such files hold; see `mcml.formats.format.Reader`."""
@@ -24,7 +24,7 @@ COMPANION_ENDINGS: Final = tuple(ending for endings in BESIDE.values() for endin
 
 _XML: Final = ".xml"
 OF_TRIALS: Final = (*ENDINGS, _XML)
-"""How files end that may stand beside a TRC."""
+"""Endings of files that may stand beside a TRC."""
 
 LOADS: Final = "loads"
 """The part of a TRC clip that says which columns of its forces load which body. It is kept, not read."""
@@ -97,7 +97,7 @@ def _head(file: SourceFile) -> bytes:
 
 
 def _of_trial(file: SourceFile, files: Sequence[SourceFile], trials: Sequence[Clip]) -> list[Clip]:
-    """The trials that a file may belong to: those of its name, near ones first, else the only one in its folder."""
+    """The trials with the name of a file, near ones first; else the only trial in its folder, or at all."""
     named = [trial for trial in trials if trial_name(trial.name) == trial_name(file.name)]
     for chosen, others in ((named, ()), (trials, files)):
         folder = posixpath.dirname(file.name)

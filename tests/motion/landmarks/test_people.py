@@ -104,3 +104,21 @@ def test_questions_find_frames_of_a_person(database: Database) -> None:
             assert found == [uuid] * len(expected.items)
     finally:
         queries.close()
+
+
+def test_warnings_of_angles_name_the_person(database: Database) -> None:
+    """A foot of Bert has no line from heel to toe; the facts of a document are those of all its people."""
+    markers = {f"{who}:{name}": place for who, (own, _) in two_people().items() for name, place in own.items()}
+    del markers["Bert:LHEE"]
+    store(database, {"both.c3d": gait_file(markers, {}, subjects=["Anna", "Bert"])}, up="Z")
+    store(database, {"whole.c3d": trial()}, up="Z")
+    queries = Queries(database, Settings())
+    try:
+        for name, warning in (
+            ("Bert:left-ankle-dorsiflexion", "1 of 2 documents may have Bert:left-ankle-dorsiflexion in the frame of"),
+            ("Anna:left-leg-flexion", "Anna:left-hip-flexion is the clinical angle of the same movement"),
+        ):
+            warnings = queries.answer(QueryRequest(q=f"count(//frame[mo:angle('{name}') > 0])")).warnings
+            assert any(warning in each for each in warnings), warnings
+    finally:
+        queries.close()

@@ -90,8 +90,9 @@ class BodyFacts:
         origins = [body.calibration.origins for body in bodies]
         guessed = np.array([[each[name].kind == "guessed" for each in origins] for name in GUESSES], bool)
         calibrations = [body.calibration for body in bodies]
-        bones = [[name in each.bones for each in calibrations] for name in BONES]
-        zeros = [[name in each.zeros for each in calibrations] for name in ZEROS]
+        people = [_people_in(body.names) for body in bodies]
+        bones = [[_is_known(name, b.bones, who) for b, who in zip(calibrations, people, strict=True)] for name in BONES]
+        zeros = [[_is_known(name, b.zeros, who) for b, who in zip(calibrations, people, strict=True)] for name in ZEROS]
         names, doubtful = [list(each) for each, _ in kinds], [list(each) for _, each in kinds]
         anatomy = np.array([*bones, *zeros], bool)
         return cls(names, doubtful, np.array(kind, np.int64), unit, times, floor, guessed, anatomy)
@@ -114,3 +115,14 @@ class BodyFacts:
         empty = np.empty((len(BONES) + len(ZEROS), 0), bool)
         anatomy = np.concatenate([empty, *(part.anatomy for part in parts)], axis=1)
         return cls(names, doubtful, np.concatenate(kind), unit, times, floor, guessed, anatomy)
+
+
+def _people_in(names: Sequence[str]) -> list[str]:
+    """How the names of the joints of several people begin; [""] for one."""
+    hip = BONES[0]
+    return [name.removesuffix(hip) for name in names if name.endswith(f":{hip}")] or [""]
+
+
+def _is_known(name: str, of: Collection[str], people: Sequence[str]) -> bool:
+    """Whether everybody in a document has a bone or a zero."""
+    return all(person + name in of for person in people)

@@ -167,19 +167,23 @@ def _notes_of_angles(
     """Yield warnings of angles as with a goniometer, and of clinical angles whose sign or zero is unknown."""
     for call in dict.fromkeys(calls):
         angle = _angle_of(call)
-        if (clinical := clinical_name(angle)) is not None:
-            yield f"{angle} is measured as with a goniometer; {clinical} is the clinical angle of the same movement."
-        anatomy = anatomy_of(angle)
+        person, colon, bare = angle.rpartition(":")
+        if (clinical := clinical_name(bare)) is not None:
+            of_person = person + colon + clinical
+            yield f"{angle} is measured as with a goniometer; {of_person} is the clinical angle of the same movement."
+        anatomy = anatomy_of(bare)
+        # Of several people, only one may lack it.
+        have = "may have" if person else "have"
         if not anatomy or not looked:
             continue
         mask = np.concatenate([facts.lacks_anatomy(anatomy) & ~_lacking(facts, call) for facts in looked])
         if count := int(mask.sum()):
             if angle.endswith(("-knee-flexion", "-knee-extension")):
-                what = f"have {angle} without its sign, because no rotation or marker tells where the thigh's left is"
+                what = f"{have} {angle} without its sign, because no rotation or marker tells where the thigh's left is"
             elif set(anatomy) <= set(BONES):
-                what = f"have no value: no rotation or marker tells where the left of {' and '.join(anatomy)} is"
+                what = f"{have} no value: no rotation or marker tells where the left of {' and '.join(anatomy)} is"
             else:
-                what = f"have {angle} in the frame of their joints, because no rest pose shows how they stand"
+                what = f"{have} {angle} in the frame of their joints, because no rest pose shows how they stand"
             yield f"{count:,} {many} {what} ({named(names, mask)})."
 
 

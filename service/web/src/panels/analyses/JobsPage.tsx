@@ -1,4 +1,5 @@
 /** The log of jobs, the newest first: state, duration and reason of each, also of other people; cancelled and run again here. */
+import type { ComponentChildren } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { get, type Schemas } from "../../api/client";
 import { param, setParams } from "../../state/session/route";
@@ -56,31 +57,42 @@ function Filters({ state, project }: { state: State | undefined; project: string
   const projects = useAsync((signal) => get("/projects", { signal }), []);
   return (
     <>
-      <select
-        class="field"
-        aria-label={a("label.state")}
-        value={state ?? ""}
-        onChange={(event) => setParams({ state: event.currentTarget.value || null })}
-      >
-        <option value="">{a("label.allStates")}</option>
+      <Filter name="state" label={a("label.state")} all={a("label.allStates")} value={state}>
         {STATES.map((one) => (
           <option key={one} value={one}>
             {a(`label.${one}`)}
           </option>
         ))}
-      </select>
-      <select
-        class="field"
-        aria-label={a("label.project")}
-        value={project ?? ""}
-        onChange={(event) => setParams({ project: event.currentTarget.value || null })}
-      >
-        <option value="">{a("label.allProjects")}</option>
+      </Filter>
+      <Filter name="project" label={a("label.project")} all={a("label.allProjects")} value={project}>
         {(projects.value?.items ?? []).map((one) => (
           <option key={one}>{one}</option>
         ))}
-      </select>
+      </Filter>
     </>
+  );
+}
+
+interface FilterProps {
+  /** The parameter of the address. */
+  name: string;
+  label: string;
+  all: string;
+  value: string | undefined;
+  children: ComponentChildren;
+}
+
+function Filter({ name, label, all, value, children }: FilterProps) {
+  return (
+    <select
+      class="field"
+      aria-label={label}
+      value={value ?? ""}
+      onChange={(event) => setParams({ [name]: event.currentTarget.value || null })}
+    >
+      <option value="">{all}</option>
+      {children}
+    </select>
   );
 }
 
