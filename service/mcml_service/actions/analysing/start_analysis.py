@@ -115,4 +115,4 @@ def check_parameters(model: Any, parameters: dict[str, Any]) -> dict[str, Any]:
 
 
 def _words(selection: Selection, count: int) -> str:
-    return selection.project or selection.motion_name or f"{count} clips"
+    return selection.project or selection.motion_name or ("1 clip" if count == 1 else f"{count} clips")

@@ -42,6 +42,7 @@ export function when(iso: string): string {
   const then = new Date(iso);
   const minutes = (Date.now() - then.getTime()) / 60_000;
   const relative = new Intl.RelativeTimeFormat(language.value, { numeric: "auto", style: "short" });
+  if (minutes < 1) return relative.format(0, "second");
   if (minutes < 60) return relative.format(-Math.round(minutes), "minute");
   if (minutes < 24 * 60) return relative.format(-Math.round(minutes / 60), "hour");
   if (minutes < 7 * 24 * 60) return relative.format(-Math.round(minutes / 60 / 24), "day");

@@ -2,7 +2,7 @@
 import { entryOf, itemAt } from "../lists";
 import { describe, expect, it } from "vitest";
 import { type Language, language, languages } from "../state/session/settings";
-import { duration, rate, w } from ".";
+import { duration, rate, w, when } from ".";
 import { en } from "./en";
 import { ja } from "./ja";
 import { ko } from "./ko";
@@ -102,6 +102,12 @@ describe("the words of all languages", () => {
 });
 
 describe("durations and rates", () => {
+  it("are now within the first minute, then of minutes", () => {
+    const ago = (seconds: number) => when(new Date(Date.now() - 1000 * seconds).toISOString());
+    expect(ago(5)).toBe("now");
+    expect(ago(125)).toBe("2 min. ago");
+  });
+
   it("are short, and a minute has sixty seconds", () => {
     language.value = "en";
     expect(duration(null)).toBe("–");
