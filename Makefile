@@ -78,10 +78,15 @@ docs: $(STAMP) ## Make again what comes from catalogues: tables in docs/, types 
 	$(BIN)/python -m tests.web.types
 	$(BIN)/python service/web/build.py
 
-lock: $(STAMP) ## Lock the versions that make install and Docker take (UPGRADE=1: the newest)
+lock: $(STAMP) ## Lock the versions that make install and Docker take (UPGRADE=1: the newest); each needs wheels for Python 3.11 to 3.14
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group lock
 	$(LOCK) --all-extras --group dev --output-file requirements-dev.lock
 	$(LOCK) --extra server --extra cluster --extra plots --extra openid --constraint requirements-dev.lock --output-file requirements.lock
+	@# A package without a wheel would need a compiler on the user's machine.
+	@for version in 3.11 3.12 3.13 3.14; do \
+		echo "Wheels for Python $$version"; \
+		$(BIN)/uv pip install --quiet --dry-run --target $(VENV)/wheels --only-binary :all: --python-version $$version -r requirements-dev.lock || exit 1; \
+	done
 
 migration: $(STAMP) ## Make a migration from the difference of tables.py and a fresh store: make migration NAME=what_changed
 	@$(BIN)/python -m tests.drills.migration "$(NAME)"

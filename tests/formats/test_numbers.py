@@ -10,7 +10,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcml.formats.text.number_text import detect_style, number_tokens, rows_of_text
-from mcml.formats.text.numbers import bad_token, is_number, parse_numbers, token_bounds, what_is_wrong
+from mcml.formats.text.numbers import (
+    PARSER,
+    Orjson,
+    Parser,
+    bad_token,
+    is_number,
+    parse_numbers,
+    token_bounds,
+    what_is_wrong,
+)
 
 doubles = st.floats(allow_nan=False, allow_infinity=False)
 spellings = st.sampled_from(["{!r}", "{:.6f}", "{:g}", "{:.17g}", "{:.25e}", "{:+}", "{:E}"])
@@ -20,14 +29,18 @@ odd = st.sampled_from(["-0", "0", "-0.0", "+0", ".5", "-.5", "5.", "007", "1e-0"
 tokens = st.one_of(odd, st.builds(lambda value, form: form.format(value), doubles, spellings))
 
 
+each_parser = pytest.mark.parametrize("parser", [PARSER, Orjson()], ids=["fastest", "orjson"])
+
+
 def bits(values: object) -> list[int]:
     return np.asarray(values, dtype=np.float64).view(np.int64).tolist()  # type: ignore[no-any-return]
 
 
-@given(st.lists(st.tuples(tokens, separators)))
-def test_parses_as_float_does(pairs: list[tuple[str, str]]) -> None:
+@each_parser
+@given(pairs=st.lists(st.tuples(tokens, separators)))
+def test_parses_as_float_does(parser: Parser, pairs: list[tuple[str, str]]) -> None:
     text = "".join(token + separator for token, separator in pairs).encode()
-    found = parse_numbers(text)
+    found = parse_numbers(text, parser)
     assert found is not None
     assert bits(found) == bits([float(token) for token, _ in pairs])
 
@@ -38,9 +51,12 @@ def test_bounds_are_those_of_the_words(text: str) -> None:
     assert [data[start:end] for start, end in token_bounds(data).tolist()] == data.split()
 
 
-@given(st.text('0123456789+-.eE,_ infaxy[]"{}:\n\t\0', max_size=20))
-def test_accepts_numbers_and_nothing_else(text: str) -> None:
-    found = parse_numbers(text.encode())
+@each_parser
+@given(
+    text=st.lists(st.sampled_from([*'0123456789+-.eE,_ infaxy[]"{}:\n\t\0', "true", "null"]), max_size=20).map("".join)
+)
+def test_accepts_numbers_and_nothing_else(parser: Parser, text: str) -> None:
+    found = parse_numbers(text.encode(), parser)
     words = [word for word in text.replace("\n", " ").replace("\t", " ").split(" ") if word]
     if all(is_number(word) for word in words):
         assert found is not None
@@ -61,11 +77,12 @@ def test_every_style_reads_back_as_the_same_double(values: list[float], style: s
     assert rows[0].count(b"\t") == len(values) - 1
 
 
-@given(st.lists(st.integers(0, 2**64 - 1), min_size=1, max_size=20))
-def test_any_finite_bit_pattern_survives(patterns: list[int]) -> None:
+@each_parser
+@given(patterns=st.lists(st.integers(0, 2**64 - 1), min_size=1, max_size=20))
+def test_any_finite_bit_pattern_survives(parser: Parser, patterns: list[int]) -> None:
     values = np.array([struct.unpack("<d", struct.pack("<Q", pattern))[0] for pattern in patterns])
     values = values[np.isfinite(values)]
-    assert bits(parse_numbers(b" ".join(number_tokens(values)))) == bits(values)
+    assert bits(parse_numbers(b" ".join(number_tokens(values)), parser)) == bits(values)
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 
 import pytest
 
@@ -197,14 +198,17 @@ def test_documents_together_are_limited(database: Database) -> None:
     held.close()
 
 
-DEEP = [
-    "xs:integer(count(reverse(//" + "/".join(["*"] * 400) + "))) + xs:integer(1)",
-    "for $a in //frame, $z in 1 order by xs:integer(1) return " + "for $a in ($a) return " * 400 + "xs:string($a)",
+TOO_DEEP = [
+    "xs:integer(count(reverse(//" + "/".join(["*"] * 1000) + "))) + xs:integer(1)",
     "xs:integer(1) = 1 and (" + " or ".join(["//frame = 1"] * 400) + ")",
-    "fold-left(//frame, 0, function($a, $b) { $a }) + xs:integer(" + " + ".join(["1"] * 400) + ")",
-    "(//frame)" + "[xs:boolean(1)]" * 400,
-    "//frame" + " ! (.)" * 400 + " ! xs:string(@id)",
+    "fold-left(//frame, 0, function($a, $b) { $a }) + xs:integer(" + " + ".join(["1"] * 1000) + ")",
+    "//frame" + " ! (.)" * 1000 + " ! xs:string(@id)",
 ]
+DEEP = [
+    "for $a in //frame, $z in 1 order by xs:integer(1) return " + "for $a in ($a) return " * 400 + "xs:string($a)",
+    "(//frame)" + "[xs:boolean(1)]" * 400,
+]
+"""Python 3.11 counts calls of C as well and refuses these; later versions answer."""
 
 
 @pytest.mark.parametrize(
@@ -222,11 +226,21 @@ def test_the_plan_says_how_documents_are_read(engine: tuple[Queries, Oracle], as
     assert (explained.plan, explained.documents) == ([f"the documents as trees, {plan}"], 4)
 
 
-@pytest.mark.parametrize("asked", DEEP)
+@pytest.mark.parametrize("asked", TOO_DEEP)
 @pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
 def test_depth_is_limited(engine: tuple[Queries, Oracle], asked: str) -> None:  # noqa: F811
     with pytest.raises(LimitError, match="too deeply"):
         engine[0].answer(QueryRequest(q=asked))
+
+
+@pytest.mark.parametrize("asked", DEEP)
+@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+def test_deep_expressions_are_answered_or_refused(engine: tuple[Queries, Oracle], asked: str) -> None:  # noqa: F811
+    if sys.version_info >= (3, 12):
+        assert shown(engine[0].answer(QueryRequest(q=asked)))
+    else:
+        with pytest.raises(LimitError, match="too deeply"):
+            engine[0].answer(QueryRequest(q=asked))
 
 
 @pytest.mark.parametrize(

@@ -214,7 +214,7 @@ def doctor(
         line("environment", f"{name} {told.partition('. ')[0]}", False, told.partition(". ")[2])
     line("mcml.dtd", str(dtd_path()))
     line("migrations", str(migrations_path()))
-    for module, need in (("pcodec", True), ("simdjson", True), ("psycopg", False)):
+    for module, need in (("pcodec", True), ("simdjson", False), ("psycopg", False)):
         is_installed = importlib.util.find_spec(module) is not None
         line(module, "installed" if is_installed else "not installed", is_installed or not need)
     for extra, module in EXTRAS.items():
