@@ -140,6 +140,33 @@ class LockFrames(_Range):
     sides: list[Literal["left", "right"]] = Field(["left", "right"], min_length=1)
 
 
+Handle: TypeAlias = Literal["hips", "head", "left_hand", "right_hand", "left_foot", "right_foot"]
+Vector: TypeAlias = tuple[
+    Annotated[float, Field(ge=-1e9, le=1e9)],
+    Annotated[float, Field(ge=-1e9, le=1e9)],
+    Annotated[float, Field(ge=-1e9, le=1e9)],
+]
+
+
+class MovedHandle(RequestBody):
+    """A part of the body, how far it is moved and how it is turned, in the axes of the document."""
+
+    handle: Handle
+    move: Vector = Field((0.0, 0.0, 0.0), description="x, y, z, in the document's unit of length")
+    turn: Vector = Field((0.0, 0.0, 0.0), description="Rotation vector: its axis, with the angle in degrees as length")
+
+
+class PoseFrames(_Range):
+    """Move hands, feet, head and hips on top of the motion, by inverse kinematics; ends keep their orientation."""
+
+    do: Literal["pose"]
+    handles: list[MovedHandle] = Field(min_length=1, max_length=6, description="Each handle at most once")
+    hold: list[Handle] = Field(
+        ["left_foot", "right_foot"], max_length=6, description="Handles that stay in place while others move"
+    )
+    ease: Ease = 0
+
+
 class SpeedFrames(_Range):
     """Play frames faster or slower, at the same frame rate: there are fewer or more of them afterwards."""
 
@@ -184,6 +211,7 @@ FrameEdit = Annotated[
     | DespikeFrames
     | UnrollFrames
     | LockFrames
+    | PoseFrames
     | SpeedFrames
     | InPlaceFrames
     | LoopFrames,

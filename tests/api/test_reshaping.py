@@ -267,3 +267,46 @@ def test_in_place_the_body_stays_and_later_frames_go_on(client: TestClient, uuid
     assert np.allclose(np.diff(after[180:], axis=0), np.diff(positions[180:], axis=0), atol=1e-6)
     assert edit(client, uuid, do="in-place", first=1, last=180)["notes"] == ["the body does not travel in these frames"]
     assert values(client, uuid).shape == before.shape
+
+
+def test_a_hand_is_moved_on_top_of_the_motion(client: TestClient, uuid: str) -> None:
+    before, course = values(client, uuid), values(client, uuid, space="positions")
+    names = [bone["name"] for bone in client.get(f"{API}/documents/{uuid}").json()["bones"]]
+    handles = [{"handle": "left_hand", "move": [0, 8, 3]}, {"handle": "hips", "move": [0, -4, 0]}]
+    assert edit(client, uuid, do="pose", first=101, last=161, ease=20, handles=handles)["notes"] == []
+    moved = values(client, uuid, space="positions") - course
+    hand, foot, hips = (names.index(name) for name in ("left_hand", "left_foot", "Root"))
+    assert moved[130, hand] == pytest.approx([0, 8, 3], abs=1e-3)
+    assert moved[130, hips] == pytest.approx([0, -4, 0], abs=1e-3)
+    assert np.abs(moved[:, foot]).max() < 1e-3
+    assert 0 < moved[101, hand, 1] < moved[110, hand, 1] < 8
+    after = values(client, uuid)
+    changed = np.flatnonzero((after != before).any(axis=1))
+    assert (changed.min(), changed.max()) == (100, 160)
+    client.post(f"{API}/documents/{uuid}/undo", headers=ANY)
+    assert np.array_equal(values(client, uuid), before)
+    (note,) = edit(client, uuid, do="pose", first=1, last=9, handles=[{"handle": "head", "move": [0, 90, 0]}])["notes"]
+    assert re.fullmatch(r"head: up to [\d.]+ units from its goal", note)
+
+
+@pytest.mark.parametrize(
+    ("handles", "reason"),
+    [
+        ([{"handle": "left_hand", "move": [0, 1, 0]}, {"handle": "left_hand", "turn": [0, 9, 0]}], "moved twice"),
+        ([{"handle": "left_ear", "move": [0, 1, 0]}], "left_ear|hips"),
+        ([{"handle": "hips", "move": [0, 1e12, 0]}], "less than or equal"),
+        ([], "at least 1"),
+    ],
+)
+def test_handles_that_mean_nothing_are_refused(client: TestClient, uuid: str, handles: object, reason: str) -> None:
+    body = {"edits": [{"do": "pose", "first": 1, "last": 9, "handles": handles}]}
+    refused = client.post(f"{API}/documents/{uuid}/frames", json=body, headers=ANY)
+    assert refused.status_code == 422
+    assert re.search(reason, refused.text)
+
+
+def test_markers_have_no_handles(client: TestClient, trial: str) -> None:
+    body = {"edits": [{"do": "pose", "first": 1, "last": 9, "handles": [{"handle": "head", "move": [0, 1, 0]}]}]}
+    refused = client.post(f"{API}/documents/{trial}/frames", json=body, headers=ANY)
+    assert refused.status_code == 422
+    assert refused.json()["detail"].startswith("the skeleton has no handle head")

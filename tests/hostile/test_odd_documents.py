@@ -45,6 +45,8 @@ EDITS = (
     {"do": "fill", "first": 1, "last": 1}, {"do": "low-pass", "first": 1, "last": 1, "hertz": 6}, {"do": "unroll"},
     {"do": "despike", "first": 1, "last": 1},
     {"do": "lock-feet", "first": 1, "last": 1}, {"do": "loop", "first": 1, "last": 1},
+    {"do": "pose", "first": 1, "last": 1, "handles": [{"handle": "hips", "turn": [0, 9, 0]}]},
+    {"do": "pose", "first": 1, "last": 1, "handles": [{"handle": "head", "move": [0, 1, 0]}]},
 )  # fmt: skip
 
 

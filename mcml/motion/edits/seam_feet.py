@@ -10,7 +10,8 @@ import numpy as np
 from mcml.motion.edits.splicing import Placement, Poses
 from mcml.motion.feet.contacts import contact_flags, standing_height
 from mcml.motion.feet.legs import Leg, Side, legs_of
-from mcml.motion.feet.locking import knee_hinge, move_feet
+from mcml.motion.feet.limbs import limb_hinge
+from mcml.motion.feet.locking import move_feet
 from mcml.motion.feet.seams import Stance, pivot_shift, seam_moves, slide_of
 from mcml.motion.hub import walked
 from mcml.motion.hub_writer import HubWriter
@@ -44,7 +45,7 @@ class SeamFeet:
         size = float(np.mean([leg.length(places) for leg in legs]))
         points = _points(places, legs)
         floors = [min(standing_height(points[:, leg, place], up) for leg in range(len(legs))) for place in (0, 1)]
-        hinges = tuple(knee_hinge(places, world, leg) for leg in legs)
+        hinges = tuple(limb_hinge(places, world, leg.joints) for leg in legs)
         return SeamFeet(skeleton, legs, size, np.array(floors), hinges, frame_time, up) if 0 < size < np.inf else None
 
     def stance(self, poses: Poses) -> Stance:

@@ -23,6 +23,11 @@ class Leg:
     ankle: int
     toe: int
 
+    @property
+    def joints(self) -> tuple[int, int, int, int]:
+        """The leg as a limb (`mcml.motion.feet.limbs`): hip, knee, ankle, toe."""
+        return self.hip, self.knee, self.ankle, self.toe
+
     def length(self, positions: Array) -> float:
         """From hip to ankle along the bones, the median over frames of positions (n, J, 3)."""
         bones = np.linalg.norm(np.diff(positions[:, [self.hip, self.knee, self.ankle]], axis=1), axis=2)

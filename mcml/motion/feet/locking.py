@@ -15,11 +15,12 @@ import scipy
 from mcml.motion.carriers import carriers
 from mcml.motion.feet.contacts import contact_flags, sliding
 from mcml.motion.feet.legs import Leg, is_below
+from mcml.motion.feet.limbs import bend_limb, limb_hinge
 from mcml.motion.feet.moves import hold_moves, spread_moves
-from mcml.motion.feet.two_bones import STRETCHED, hinge_of, two_bones
+from mcml.motion.feet.two_bones import STRETCHED
 from mcml.motion.hub import walked
 from mcml.motion.hub_writer import Flags, HubWriter
-from mcml.motion.rotations import inverse, multiply, rotate
+from mcml.motion.rotations import inverse, rotate
 from mcml.motion.skeleton import TRANSLATIONS, Array, Skeleton
 from mcml.numerics.runs import find_true
 
@@ -33,8 +34,6 @@ _LOWEST = 0.08
 """Leg lengths: the most that the body is lowered."""
 _CALM = 0.2
 """Seconds over which the body is lowered and lifted."""
-_ROUNDS = 4
-"""Of bending a leg whose joints cannot turn freely."""
 
 
 @dataclass(frozen=True)
@@ -148,7 +147,7 @@ def move_feet(
 
     Feet keep their orientation in the world. The body is lowered where a leg is too short, by a twelfth of the leg at
     most. Frames without moves keep their bits. fixed_ends: the frames continue others that stay as they are, where the
-    body is not lowered. hinges: axes of knees in their thighs; default those of these frames (`knee_hinge`).
+    body is not lowered. hinges: axes of knees in their thighs; default those of these frames (`limb_hinge`).
     """
     missed = np.zeros(len(legs))
     if not len(translations) or not any(move.any() for move in moves):
@@ -156,24 +155,17 @@ def move_feet(
     places, world = walked(skeleton, translations, rotations)
     goals = [places[:, leg.toe] + move for leg, move in zip(legs, moves, strict=True)]
     if hinges is None:
-        hinges = [knee_hinge(places, world, leg) for leg in legs]
+        hinges = [limb_hinge(places, world, leg.joints) for leg in legs]
     translations, lowered = _lower(skeleton, legs, moves, (places, world), translations, frame_time, up, fixed_ends)
     for index, (leg, goal, move, hinge) in enumerate(zip(legs, goals, moves, hinges, strict=True)):
         rows = np.flatnonzero(lowered | move.any(axis=1))
         if len(rows):
-            bent = _bend(skeleton, leg, translations, rotations, goal, world[:, leg.ankle], hinge, writer)
+            bent = bend_limb(skeleton, leg.joints, translations, rotations, goal, world[:, leg.ankle], hinge, writer)
             rotations = rotations.copy()
             rotations[rows] = bent[rows]
             at = walked(skeleton, translations[rows], rotations[rows])[0][:, leg.toe]
             missed[index] = np.linalg.norm(at - goal[rows], axis=1).max()
     return translations, rotations, missed
-
-
-def knee_hinge(places: Array, world: Array, leg: Leg) -> Array | None:
-    """(3,) unit axis of a knee in the frame of its hip joint, over frames (n, J, 3), (n, J, 4) in the world."""
-    back = inverse(world[:, leg.hip])
-    upper, lower = places[:, leg.knee] - places[:, leg.hip], places[:, leg.ankle] - places[:, leg.knee]
-    return hinge_of(rotate(back, upper), rotate(back, lower))
 
 
 def _lower(
@@ -227,45 +219,3 @@ def _missing_height(joints: Array, move: Array, up: Array) -> Array:
     depth = height - np.sqrt(np.maximum(reach**2 - across**2, 0.0))
     short = move.any(axis=1) & (np.linalg.norm(line, axis=1) > reach)
     return np.where(short, np.clip(depth, 0.0, _LOWEST * bones), 0.0)
-
-
-def _bend(
-    skeleton: Skeleton,
-    leg: Leg,
-    translations: Array,
-    rotations: Array,
-    goals: Array,
-    faces: Array,
-    hinge: Array | None,
-    writer: HubWriter,
-) -> Array:
-    """Rotations with the toe at its goal (n, 3) as nearly as the leg can, the foot turned in the world as `faces`."""
-    places, world = walked(skeleton, translations, rotations)
-    rotations = rotations.copy()
-    targets = places[:, leg.ankle] + goals - places[:, leg.toe]
-    size = max(1.0, float(np.abs(goals).max()))
-    for _ in range(_ROUNDS):
-        axes = None if hinge is None else rotate(world[:, leg.hip], hinge)
-        hip, knee = two_bones(places[:, leg.hip], places[:, leg.knee], places[:, leg.ankle], targets, axes)
-        both = multiply(hip, knee)
-        above, last = None, -1
-        for joint, wanted in (
-            (leg.hip, multiply(hip, world[:, leg.hip])),
-            (leg.knee, multiply(both, world[:, leg.knee])),
-            (leg.ankle, faces),
-        ):
-            parent = skeleton.joints[joint].parent
-            before = world[:, parent] if parent >= 0 else _UNTURNED
-            # Joints between the two turn with the upper one.
-            above = before if above is None else multiply(multiply(above, inverse(world[:, last])), before)
-            rotations[:, joint] = writer.nearest(joint, multiply(inverse(above), wanted))
-            above, last = multiply(above, rotations[:, joint]), joint
-        places, world = walked(skeleton, translations, rotations)
-        missed = goals - places[:, leg.toe]
-        if float(np.abs(missed).max()) < 1e-9 * size:
-            break
-        targets = places[:, leg.ankle] + missed
-    return rotations
-
-
-_UNTURNED = np.array([[0.0, 0.0, 0.0, 1.0]])

@@ -2,7 +2,8 @@
 Jacobian transpose, pseudoinverse and damped least squares methods", 2004).
 
 A chain has C joints in n frames, from one that is given in the world to the end, which is the last joint: places of
-the first (n, 3), local rotations (n, C, 4), offsets (C, 3) of each joint in its parent (the first is not used).
+the first (n, 3), local rotations (n, C, 4), offsets (C, 3) of each joint in its parent (the first is not used), or
+(C, n, 3) if they differ by frame.
 """
 
 from __future__ import annotations

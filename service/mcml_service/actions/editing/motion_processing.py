@@ -1,5 +1,5 @@
-"""Recompute samples of frames: mirror, smooth, filter, fill, unroll, lock feet, offset and scale, resample, keep in
-place, change speed."""
+"""Recompute samples of frames: mirror, smooth, filter, fill, unroll, lock feet, pose, offset and scale, resample, keep
+in place, change speed."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ from mcml.motion.edits.unrolling import unroll
 from mcml.motion.floor_plates import kept_plates
 from mcml.motion.frames import adjusted, eased, joined, rows_of
 from mcml.motion.skeleton import CHANNEL_INDEX, Array
+from mcml.motion.solving.posing import Handle, HandleMove, pose_frames
 from mcml.motion.units import Reading, reading_of
 from mcml_schemas.frames import (
     AdjustFrames,
@@ -34,6 +35,7 @@ from mcml_schemas.frames import (
     LockFrames,
     LowPassFrames,
     MirrorFrames,
+    PoseFrames,
     ResampleFrames,
     SmoothFrames,
     SpeedFrames,
@@ -48,6 +50,10 @@ from mcml_service.clips.read_clip import read_clip
 from mcml_service.storage.documents.documents import StoredDocument
 from mcml_service.storage.transaction import Transaction
 
+_SECONDS_AROUND = 2.0
+_MISSED = 1e-3
+"""Of the size of the body: a handle that misses its goal by more is told."""
+
 Reshaping = (
     MirrorFrames
     | SmoothFrames
@@ -58,6 +64,7 @@ Reshaping = (
     | DespikeFrames
     | UnrollFrames
     | LockFrames
+    | PoseFrames
     | SpeedFrames
     | InPlaceFrames
 )
@@ -110,6 +117,8 @@ def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping, report: Ed
             report.notes += _despike(tx, stored, edit, report)
         elif isinstance(edit, LockFrames):
             report.notes += _lock_feet(tx, stored, edit)
+        elif isinstance(edit, PoseFrames):
+            report.notes += _pose(tx, stored, edit)
         elif isinstance(edit, SpeedFrames):
             report.notes += _change_speed(tx, stored, edit)
         elif isinstance(edit, InPlaceFrames):
@@ -233,6 +242,30 @@ def _lock_feet(tx: Transaction, stored: StoredDocument, edit: LockFrames) -> lis
     ]
     notes += [notice.what for notice in made.edited.shortfall.notices(whole.head.skeleton)]
     return notes if contacts else ["no foot stands in these frames"]
+
+
+def _pose(tx: Transaction, stored: StoredDocument, edit: PoseFrames) -> list[str]:
+    moves: dict[Handle, HandleMove] = {
+        each.handle: HandleMove(np.array(each.move), np.radians(each.turn)) for each in edit.handles
+    }
+    if len(moves) < len(edit.handles):
+        raise DocumentError("A handle is moved twice.", remedy="Give each handle once, with its whole way and turn.")
+    # Frames around them tell how knees and elbows bend.
+    around = round(_SECONDS_AROUND * _rate(stored))
+    start, end = max(1, edit.first - around), min(stored.frames, edit.last + around)
+    whole = read_whole(tx, stored, start, end)
+    strength = eased(stored.frames, edit.first - 1, edit.last - 1, edit.ease)[start - 1 : end]
+    made = pose_frames(whole.head.skeleton, whole.block, moves, strength, edit.hold, whole.reading)
+    block = rows_of(made.edited.block, edit.first - start, edit.last - start + 1)
+    blocks = [number_bones(tx, stored, whole, block)]
+    splice_frames(tx, stored, edit.first, edit.last - edit.first + 1, blocks, renumber=False, same_instants=True)
+    unit = whole.head.fields.get("calibration_unit", "").strip() or "units"
+    notes = [
+        f"{handle.replace('_', ' ')}: up to {missed:.3g} {unit} from its goal"
+        for handle, missed in made.missed.items()
+        if missed > _MISSED * made.size
+    ]
+    return notes + [notice.what for notice in made.edited.shortfall.notices(whole.head.skeleton)]
 
 
 def _unroll(tx: Transaction, stored: StoredDocument, edit: UnrollFrames) -> list[str]:

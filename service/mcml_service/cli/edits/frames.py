@@ -27,8 +27,24 @@ _EDITS = {get_args(kind.model_fields["do"].annotation)[0]: kind for kind in get_
 """Edits of frames, by name."""
 _NAMES = {"insert": {"to": "at", "source": "document"}}
 """Options that the API calls otherwise."""
-_OPTIONS = {"first": "FIRST-LAST", "last": "FIRST-LAST", "factors": "--speed"}
+_OPTIONS = {"first": "FIRST-LAST", "last": "FIRST-LAST", "factors": "--speed", "handles": "--pull or --turn"}
 """The reverse for fields that an edit needs."""
+
+
+def _handles(options: dict[str, list[str]]) -> list[dict[str, Any]]:
+    """The handles of `pose`, from HANDLE=X,Y,Z by the field of `MovedHandle`."""
+    handles: dict[str, dict[str, Any]] = {}
+    for field, texts in options.items():
+        for text in texts:
+            handle, _, vector = text.partition("=")
+            try:
+                numbers = [float(number) for number in vector.split(",")]
+            except ValueError:
+                numbers = []
+            if len(numbers) != 3:
+                raise typer.BadParameter("write HANDLE=X,Y,Z, such as left_hand=0,10,0", param_hint=text)
+            handles.setdefault(handle, {"handle": handle})[field] = numbers
+    return list(handles.values())
 
 
 def frames(
@@ -60,6 +76,19 @@ def frames(
         list[float] | None,
         typer.Option("--speed", help="speed: 2 is twice as fast; several change over the range at even distances"),
     ] = None,
+    pulls: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--pull", metavar="HANDLE=X,Y,Z", help="pose: move hips, head, left_hand … by so much; repeatable"
+        ),
+    ] = None,
+    turns: Annotated[
+        list[str] | None,
+        typer.Option("--turn", metavar="HANDLE=X,Y,Z", help="pose: turn by a rotation vector in degrees; repeatable"),
+    ] = None,
+    hold: Annotated[
+        list[str] | None, typer.Option(help="pose: handle that stays in place; default both feet; may be repeated")
+    ] = None,
     factor: Annotated[float | None, typer.Option(help="adjust: multiply by this")] = None,
     offset: Annotated[float | None, typer.Option(help="adjust: then add this")] = None,
     bones: Annotated[
@@ -88,7 +117,7 @@ def frames(
     as_json: JsonOption = False,
 ) -> None:
     """Delete, keep, move, insert, reverse, loop, mirror, fill, despike, filter or resample frames, lock feet, change
-    speed, keep in place."""
+    speed, keep in place, pose."""
     kind = _EDITS.get(do)
     if kind is None:
         raise typer.BadParameter(f"say one of {', '.join(_EDITS)}", param_hint="DO")
@@ -106,6 +135,8 @@ def frames(
         "hertz": hertz,
         "channels": channels,
         "factors": speeds,
+        "handles": _handles({"move": pulls or [], "turn": turns or []}),
+        "hold": hold,
         "factor": factor,
         "offset": offset,
         "bones": bones,

@@ -3498,7 +3498,7 @@ export interface components {
             data?: string | null;
         };
         FrameEdits: {
-            edits: (components["schemas"]["DeleteFrames"] | components["schemas"]["KeepFrames"] | components["schemas"]["ReverseFrames"] | components["schemas"]["MoveFrames"] | components["schemas"]["InsertFrames"] | components["schemas"]["MirrorFrames"] | components["schemas"]["SmoothFrames"] | components["schemas"]["AdjustFrames"] | components["schemas"]["ResampleFrames"] | components["schemas"]["FillFrames"] | components["schemas"]["LowPassFrames"] | components["schemas"]["DespikeFrames"] | components["schemas"]["UnrollFrames"] | components["schemas"]["LockFrames"] | components["schemas"]["SpeedFrames"] | components["schemas"]["InPlaceFrames"] | components["schemas"]["LoopFrames"])[];
+            edits: (components["schemas"]["DeleteFrames"] | components["schemas"]["KeepFrames"] | components["schemas"]["ReverseFrames"] | components["schemas"]["MoveFrames"] | components["schemas"]["InsertFrames"] | components["schemas"]["MirrorFrames"] | components["schemas"]["SmoothFrames"] | components["schemas"]["AdjustFrames"] | components["schemas"]["ResampleFrames"] | components["schemas"]["FillFrames"] | components["schemas"]["LowPassFrames"] | components["schemas"]["DespikeFrames"] | components["schemas"]["UnrollFrames"] | components["schemas"]["LockFrames"] | components["schemas"]["PoseFrames"] | components["schemas"]["SpeedFrames"] | components["schemas"]["InPlaceFrames"] | components["schemas"]["LoopFrames"])[];
             /** @default true */
             renumber: boolean;
             /** @default  */
@@ -4303,6 +4303,34 @@ export interface components {
             do: "move";
             to: number;
         };
+        MovedHandle: {
+            /** @enum {string} */
+            handle: "hips" | "head" | "left_hand" | "right_hand" | "left_foot" | "right_foot";
+            /**
+             * @default [
+             *       0,
+             *       0,
+             *       0
+             *     ]
+             */
+            move: [
+                number,
+                number,
+                number
+            ];
+            /**
+             * @default [
+             *       0,
+             *       0,
+             *       0
+             *     ]
+             */
+            turn: [
+                number,
+                number,
+                number
+            ];
+        };
         Music: {
             beats: number[];
             /** @default 1 */
@@ -4498,6 +4526,25 @@ export interface components {
             name?: string | null;
             project?: string | null;
             parameters?: components["schemas"]["ExpressionStride"];
+        };
+        PoseFrames: {
+            first: number;
+            last: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            do: "pose";
+            handles: components["schemas"]["MovedHandle"][];
+            /**
+             * @default [
+             *       "left_foot",
+             *       "right_foot"
+             *     ]
+             */
+            hold: ("hips" | "head" | "left_hand" | "right_hand" | "left_foot" | "right_foot")[];
+            /** @default 0 */
+            ease: number;
         };
         PresenceRequest: {
             /**
