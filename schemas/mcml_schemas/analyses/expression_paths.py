@@ -90,7 +90,7 @@ class ExpressionRefinement(RequestBody):
         examples=[[_OTHER]],
     )
     auto: bool = Field(False, description="Take those of small detour", examples=[True])
-    rule: Literal["paper", "robust"] | None = Field(
+    rule: Literal["robust", "paper"] | None = Field(
         None,
         description="Offered are candidates near the walk on the map (paper) or of small detour (robust); as the space "
         "was built if left out",

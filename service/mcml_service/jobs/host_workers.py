@@ -87,15 +87,17 @@ class HostWorkers(Workers):
     def _settle(self, future: Future[Any], inner: Future[Any]) -> None:
         """Free the process, then notify its waiter, which may have work for it at once."""
         error = BrokenExecutor() if inner.cancelled() else inner.exception()
+        is_broken = isinstance(error, BrokenExecutor)
         # Cached data of a process may be incomplete after it ran out of memory.
-        is_over = isinstance(error, (BrokenExecutor, MemoryError))
+        is_over = is_broken or isinstance(error, MemoryError)
         with self._lock:
             worker = self._busy.pop(future)
             self._running.value = len(self._busy)
             is_over = is_over or self._is_closed
             if not is_over:
                 self._idle.append(worker)
-        if is_over:
+        # An executor that broke ends itself. From Python 3.12 on it calls this with the lock that `shutdown` waits for.
+        if is_over and not is_broken:
             worker.shutdown(wait=False)
         if error is None:
             future.set_result(inner.result())

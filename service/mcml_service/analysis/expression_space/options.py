@@ -27,7 +27,7 @@ class Options:
     joined to. landmarks: of large spaces.
     """
 
-    method: Literal["paper", "robust"]
+    method: Literal["robust", "paper"]
     smooth_s: float
     tau_rule: TauRule
     on_disconnected: Literal["bridge", "largest", "error"]
@@ -55,7 +55,7 @@ _ROBUST = Options("robust", 1 / 30, "unbroken", "bridge", 10, "fcm", "voronoi")
 _PAPER = Options("paper", 0.0, "published", "largest", 2, "fcm", "paper")
 
 
-def options_of(method: Literal["paper", "robust"] = "robust", **stated: Any) -> Options:
+def options_of(method: Literal["robust", "paper"] = "robust", **stated: Any) -> Options:
     """Return the values of a method, overridden by the stated ones (not None)."""
     base = _ROBUST if method == "robust" else _PAPER
     return replace(base, **{name: value for name, value in stated.items() if value is not None})

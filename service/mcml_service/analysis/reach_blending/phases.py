@@ -15,7 +15,7 @@ from mcml.motion.rotations import inverse, multiply
 from mcml.motion.skeleton import Array
 from mcml_service.analysis.interface import AnalysisError
 
-Method = Literal["paper", "robust"]
+Method = Literal["robust", "paper"]
 
 FEWEST_FRAMES = 8
 SLOWEST_PEAK = 0.5

@@ -18,6 +18,7 @@ from mcml_service.xpath.language.reach import Projection, projection
 from mcml_service.xpath.language.tree import Atomic, Call, Literal, Written
 from mcml_service.xpath.language.types import type_of
 from mcml_service.xpath.language.unparse import unparse
+from mcml_service.xpath.language.xpath31.numeric import add_up
 from mcml_service.xpath.language.xpath31.scope import Scope
 from mcml_service.xpath.language.xpath31.written import find_projection, find_scope
 from mcml_service.xpath.library.caches import Caches
@@ -97,12 +98,12 @@ class Sequences:
         if function in ("count", "sum", "exists", "empty"):
             each = [self._one(stored, self.text) for stored in self.asked]
             if function in ("count", "sum"):
-                return function, float(sum(float(value) for value in each))
+                return function, float(add_up(float(value) for value in each))
             return function, any(each) if function == "exists" else all(each)
         if function == "avg":
             pairs = [self._all(stored, f"(sum({arguments[0]}), count({arguments[0]}))") for stored in self.asked]
             count = sum(float(pair[1]) for pair in pairs)
-            return function, sum(float(pair[0]) for pair in pairs) / count if count else None
+            return function, add_up(float(pair[0]) for pair in pairs) / count if count else None
         if function in ("min", "max"):
             values = [value for stored in self.asked for value in self._all(stored, self.text)]
             return function, _extreme(function, values)

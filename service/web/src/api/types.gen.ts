@@ -3327,7 +3327,7 @@ export interface components {
             keys: (number | components["schemas"]["ExpressionKey"])[];
             /** @default false */
             auto: boolean;
-            rule?: ("paper" | "robust") | null;
+            rule?: ("robust" | "paper") | null;
             /** @default 0.1 */
             delta: number;
             radius_mm?: number | null;
@@ -4860,7 +4860,7 @@ export interface components {
             /** @default right_up_arm */
             phase_joint: string;
             hand_joint?: string | null;
-            phase_method?: ("paper" | "robust") | null;
+            phase_method?: ("robust" | "paper") | null;
             /** @default {} */
             times: {
                 [key: string]: components["schemas"]["ReachTimes"];
