@@ -1,21 +1,20 @@
 /**
- * The stage: bodies on a ground, seen by a camera that is orbited. The only part that knows three.js; takes typed arrays,
- * never fetches. Draws when something changed, and only then.
- *
- * World: metres, Y up. Clips whose up axis is Z are turned by the group they stand in.
+ * The stage: bodies on a ground, seen by a camera that is orbited. Takes typed arrays, never fetches. Draws when something
+ * changed, and only then. World: metres, Y up. Clips whose up axis is Z are turned by the group they stand in.
  */
 import { itemAt, numberAt } from "../lists";
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { actorOf, dispose, dress, pose, recolour, type Actor, type Pose } from "./actor";
 import { Ground } from "./ground";
-import { arrowAt, drawHandle, reachOf, type Handle, type Surroundings } from "./handle";
+import { arrowAt, drawHandle, pullOf, type Handle, type Surroundings } from "./handle";
 import { middleOf } from "../motion/body/middle";
 import { drawAxes } from "./axes";
 import { cleared, drawJoints, pictureOf } from "./overlay";
 import { seeAsFarAs, viewOf, type CameraView } from "./framing";
 import { lamps } from "./lamps";
 import { isSoftware, Sharpness } from "./sharpness";
+import type { Vector } from "../motion/body/quaternions";
 import type { Skeleton } from "../motion/body/skeleton";
 import type { Skin } from "../motion/body/skin";
 
@@ -293,6 +292,7 @@ export class Stage {
       world: (at) => this.placed(actor, at),
       screen: (at) => this.projected(at),
       camera: this.camera,
+      zUp: actor.skeleton.zUp,
       metres: actor.skeleton.metres,
       length: 0.13 * actor.skeleton.height,
     };
@@ -303,9 +303,9 @@ export class Stage {
     return this.handle && arrowAt(this.handle, this.around(this.handle), x, y);
   }
 
-  /** How far from the handle along one of its arrows a place on the canvas is, in the actor's unit. */
-  reachOf(handle: Handle, name: string, x: number, y: number): number {
-    return reachOf(handle, this.around(handle), name, x, y, this.host.clientWidth, this.host.clientHeight);
+  /** How far a place on the canvas pulls one of a handle's arrows, in the actor's unit and axes. */
+  pullOf(handle: Handle, name: string, x: number, y: number): Vector {
+    return pullOf(handle, this.around(handle), name, x, y, this.host.clientWidth, this.host.clientHeight);
   }
 
   /** Whether the hand turns the camera; not while it pulls an arrow. */

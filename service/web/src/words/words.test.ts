@@ -43,7 +43,7 @@ const VERBS = new Set(
   (
     "Accept Add Align Apply Approve Archive Build Cancel Change Choose Clear Close Collect Comment Compare Compose Confirm Copy Create " +
     "Delete Discard Do Download Duplicate Edit Exclude Export Extend Extract Find Fit Go Hide Hold Import Invite Keep Label Make Measure Merge Mirror " +
-    "Move New Open Pause Play Preview Propose Rebase Rebuild Record Redo Refine Reload Remove Reopen Repair Replace Resend Reset Resolve Restore " +
+    "Move New Open Pause Play Pose Preview Propose Rebase Rebuild Record Redo Refine Reload Remove Reopen Repair Replace Resend Reset Resolve Restore " +
     "Retarget Retry Revoke Run Save Search Select Send Set Share Show Sign Split Start Stop Suggest Take Tap Toggle Trim " +
     "Try Undo Use Validate Zoom"
   ).split(" "),

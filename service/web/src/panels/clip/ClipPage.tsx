@@ -16,6 +16,7 @@ import { w } from "../../words";
 import { ClipBar } from "./ClipBar";
 import { ReplaceMotion } from "./replacing/ReplaceMotion";
 import { Dock } from "./Dock";
+import { PosePanel } from "./posing/PosePanel";
 import { Similar } from "./similar/Similar";
 import { Timeline } from "./timeline/Timeline";
 import { Transport } from "./timeline/Transport";
@@ -129,6 +130,7 @@ function OpenClip({ clip, coming, reload }: { clip: Clip; coming: { readonly cur
         <div class="viewer-row">
           <ViewerPane clip={clip} />
           <Similar clip={clip} reload={reload} />
+          <PosePanel clip={clip} reload={reload} />
         </div>
         <Transport clip={clip} reload={reload} />
         <Splitter size={timelineTall} least={96} most={420} initial={190} axis="y" label={w("label.timeline")} />

@@ -14,7 +14,7 @@ export class TargetHandle implements Puller {
   private stage: Stage | null = null;
   /** Where the origin of the motion's world is in the picture, in the actor's unit: bodies are shown on one spot. */
   private base: readonly number[] = [0, 0, 0];
-  private held: { name: string; handle: Handle; start: number; place: Place } | null = null;
+  private held: { name: string; handle: Handle; start: Place; place: Place } | null = null;
 
   constructor(private readonly blending: Blending) {}
 
@@ -47,7 +47,7 @@ export class TargetHandle implements Puller {
     const place = blending.place.peek();
     if (!stage?.handle || name === null || !place) return false;
     blending.player.pause();
-    this.held = { name, handle: stage.handle, start: stage.reachOf(stage.handle, name, x, y), place };
+    this.held = { name, handle: stage.handle, start: stage.pullOf(stage.handle, name, x, y), place };
     stage.orbits = false;
     return true;
   }
@@ -55,8 +55,13 @@ export class TargetHandle implements Puller {
   pull(x: number, y: number): void {
     if (!this.held || !this.stage) return;
     const { name, handle, start, place } = this.held;
-    const by = (this.stage.reachOf(handle, name, x, y) - start) * this.metres();
-    this.blending.aim(place.map((one, axis) => Number((one + (AXES[axis] === name ? by : 0)).toFixed(3))) as Place);
+    const by = this.stage.pullOf(handle, name, x, y);
+    const metres = this.metres();
+    this.blending.aim(
+      place.map((one, axis) =>
+        Number((one + (numberAt(by, axis) - numberAt(start, axis)) * metres).toFixed(3)),
+      ) as Place,
+    );
   }
 
   drop(): void {

@@ -194,12 +194,14 @@ function Result({
   return (
     <>
       <Trouble error={preview.error} />
-      <ul class="clean-notes" role="status" aria-busy={preview.busy} aria-label={w("label.preview")}>
-        {made?.notes.map((one) => (
-          <li key={one}>{one}</li>
-        ))}
-        {preview.busy && <li class="busy" />}
-      </ul>
+      <div role="status" aria-busy={preview.busy} aria-label={w("label.preview")}>
+        <ul class="clean-notes">
+          {made?.notes.map((one) => (
+            <li key={one}>{one}</li>
+          ))}
+          {preview.busy && <li class="busy" />}
+        </ul>
+      </div>
       {seen && <EditedMotion motion={made?.motion} step={seen.step} />}
       {!seen && curve && !preview.error && (
         <CurvePreview clip={clip} made={made} busy={preview.busy} chosen={curve} choose={choose} />

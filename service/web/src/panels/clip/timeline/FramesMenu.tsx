@@ -9,6 +9,9 @@ import { Icon } from "../../../ui/icons";
 import { Menu } from "../../../ui/Menu";
 import { number, w } from "../../../words";
 import { clipActions } from "../actions";
+import { handlesOf } from "../posing/handles";
+import { startPosing } from "../posing/posing";
+import { p } from "../posing/words";
 import { chooseMotion } from "../replacing/asked";
 import { r } from "../words";
 import { CleanUp } from "./CleanUp";
@@ -71,6 +74,9 @@ export function FramesMenu({
           ]
         : [{ text: w("button.chooseRange"), disabled: true }]),
       { text: w("button.holdFrame", { n: here }), run: () => setHolds(here) },
+      ...(handlesOf(clip.skeleton).length
+        ? [{ text: p("button.poseBody"), disabled: clip.changed.value, run: () => startPosing(clip) }]
+        : []),
       ...CHANGES.map((kind) => ({ text: w(CHANGE_WORDS[kind]), run: () => setEdit(kind) })),
       { text: w("button.repairFrames"), run: () => setEdit("repair") },
       ...(terms.value.edits && !terms.value.review

@@ -21,7 +21,8 @@ import { floorOf, metresText, niceStep } from "./ground";
 import { Reference } from "../media/InStep";
 import { NothingSeen } from "./NothingSeen";
 import { poseAt, positionsThen, skinOfBody, wearBody } from "./poses";
-import { restPose, type RestPose } from "./restPose";
+import { poseHandle } from "../posing/poseHandle";
+import { restPose, type HeldHandle } from "./restPose";
 import { forcesOf } from "./forces";
 import { Toggles } from "./Toggles";
 import { WhySticks } from "./WhySticks";
@@ -29,7 +30,7 @@ import { WhySticks } from "./WhySticks";
 export function ViewerPane({ clip }: { clip: Clip }) {
   const host = useRef<HTMLDivElement>(null);
   const stage = useRef<Stage | null>(null);
-  const rest = useRef<RestPose | null>(null);
+  const handles = useRef<HeldHandle[]>([]);
   const words = useRef<HTMLParagraphElement>(null);
   const [noWebgl, setNoWebgl] = useState<unknown>(null);
   const [grid, setGrid] = useState(0.5);
@@ -120,19 +121,19 @@ export function ViewerPane({ clip }: { clip: Clip }) {
           });
       }),
     ];
-    rest.current = restPose(clip, made);
+    handles.current = [restPose(clip, made), poseHandle(clip, made)];
     stops.push(bodiesBeside(clip, made, actor));
     made.onCamera = () => framed && noteParams({ cam: made.cameraText });
     return () => {
       for (const stop of stops) stop();
       forces.close();
-      rest.current?.stop();
+      for (const handle of handles.current.splice(0)) handle.stop();
       made.close();
       stage.current = null;
     };
   }, [clip]);
 
-  const pulling = useRef(false);
+  const pulled = useRef<HeldHandle | null>(null);
   const press = useRef<[number, number] | null>(null);
   const place = (event: PointerEvent): [number, number] => {
     const box = host.current!.getBoundingClientRect();
@@ -200,12 +201,13 @@ export function ViewerPane({ clip }: { clip: Clip }) {
         tabIndex={0}
         onPointerDownCapture={(event) => {
           press.current = place(event);
-          pulling.current = !event.button && Boolean(rest.current?.grab(...press.current));
-          if (pulling.current) event.currentTarget.setPointerCapture(event.pointerId);
+          const at = press.current;
+          pulled.current = (!event.button && handles.current.find((handle) => handle.grab(...at))) || null;
+          if (pulled.current) event.currentTarget.setPointerCapture(event.pointerId);
         }}
         onPointerMove={(event) => {
-          if (pulling.current) {
-            rest.current!.pull(...place(event));
+          if (pulled.current) {
+            pulled.current.pull(...place(event));
             return;
           }
           const made = stage.current;
@@ -218,13 +220,13 @@ export function ViewerPane({ clip }: { clip: Clip }) {
           }
         }}
         onPointerCancel={() => {
-          pulling.current = false;
-          rest.current?.drop();
+          pulled.current?.drop();
+          pulled.current = null;
         }}
         onPointerUp={(event) => {
-          if (pulling.current) {
-            pulling.current = false;
-            rest.current!.drop();
+          if (pulled.current) {
+            pulled.current.drop();
+            pulled.current = null;
             return;
           }
           const [x, y] = place(event);

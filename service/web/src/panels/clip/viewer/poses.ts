@@ -9,6 +9,7 @@ import type { Clip } from "../../../state/clip/clip";
 import type { Compared as Earlier } from "../../../state/clip/compared";
 import { touched } from "../../../state/editing/draft";
 import { shown } from "../actions";
+import { posing } from "../posing/posing";
 
 const GHOST_SECONDS = [-0.2, -0.1, 0.1, 0.2];
 const TRAIL_SECONDS = 1;
@@ -20,7 +21,7 @@ export function wearBody(clip: Clip): Character | null {
   const found = shown.value.body
     ? characterOf({ id: clip.id, revision: detail.revision, skeleton }, chosenCharacter.value).value
     : null;
-  const worn = found?.skin && !(found.frames && isRedrawn(clip)) ? found : null;
+  const worn = found?.skin && !posing.value && !(found.frames && isRedrawn(clip)) ? found : null;
   clip.turning.value = Boolean(worn && !worn.frames);
   if (worn?.frames) {
     const direction = player.playing.value ? Math.sign(player.speed.value) : 0;
@@ -42,7 +43,7 @@ export function poseAt(clip: Clip, frame: number, show: Shown, selected: number[
   const ghosts = show.ghosts ? ghostFrames(clip, frame) : [];
   const turned = clip.turning.peek();
   return {
-    positions: clip.positions(frame),
+    positions: posing.value?.positions(frame) ?? clip.positions(frame),
     turns: turned ? clip.turns(frame) : null,
     before: ghosts.map((at) => (at === null ? null : clip.positions(at, false))),
     turnsBefore: turned ? ghosts.map((at) => (at === null ? null : clip.turns(at, false))) : [],

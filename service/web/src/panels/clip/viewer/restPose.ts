@@ -8,31 +8,33 @@ import type { Stage } from "../../../scene/stage";
 import type { Clip } from "../../../state/clip/clip";
 import type { Draft } from "../../../state/editing/draft";
 import { param } from "../../../state/session/route";
+import type { Puller } from "../../../ui/playing/MotionView";
 import { number } from "../../../words";
 import { cameraView, shown } from "../actions";
+import { posing } from "../posing/posing";
 
 const BESIDE = -0.65; // body heights; clips that are compared stand on the other side
 const ALONG = "along";
 
-export const restShown = (): boolean => Boolean(shown.value.rest) || param("tab") === "structure";
+export const restShown = (): boolean => !posing.value && (Boolean(shown.value.rest) || param("tab") === "structure");
 
-export interface RestPose {
-  /** Take hold of an arrow at a place on the canvas; false where none is. */
-  grab: (x: number, y: number) => boolean;
-  pull: (x: number, y: number) => void;
-  drop: () => void;
+/** Arrows on the stage that a hand pulls. */
+export interface HeldHandle extends Puller {
   stop: () => void;
 }
 
-export function restPose(clip: Clip, stage: Stage): RestPose {
+export function restPose(clip: Clip, stage: Stage): HeldHandle {
   const { skeleton } = clip;
   let actor = -1;
   let wasShown = false;
-  let held: { name: string; handle: Handle; bone: number; vector: Vector; start: number; before: Draft } | null = null;
+  let own: Handle | null = null;
+  let held: { name: string; handle: Handle; bone: number; vector: Vector; start: Vector; before: Draft } | null = null;
 
   const hide = () => {
     if (actor >= 0) stage.pose(actor, { positions: null, before: [], trail: [] });
-    stage.handle = null;
+    // A pose in the making has arrows of its own.
+    if (stage.handle === own) stage.handle = null;
+    own = null;
     wasShown = false;
     stage.ask();
   };
@@ -50,7 +52,7 @@ export function restPose(clip: Clip, stage: Stage): RestPose {
     stage.pose(actor, { positions, before: [], trail: [] });
     const name = clip.selection.value.bones[0];
     const bone = name === undefined ? undefined : skeleton.byName.get(name);
-    stage.handle =
+    stage.handle = own =
       bone === undefined || clip.pinned !== null ? null : handleOf(clip, bone, positions, actor, held?.name ?? null);
     if (!wasShown && !stage.sees(actor)) stage.frame(cameraView.peek());
     wasShown = true;
@@ -58,17 +60,17 @@ export function restPose(clip: Clip, stage: Stage): RestPose {
   return {
     stop,
     grab(x, y) {
-      const name = stage.arrowAt(x, y);
+      const name = own && stage.handle === own ? stage.arrowAt(x, y) : null;
       const bone = skeleton.byName.get(clip.selection.peek().bones[0] ?? "");
-      if (name === null || bone === undefined || !stage.handle) return false;
+      if (name === null || bone === undefined || !own) return false;
       clip.player.pause();
-      const handle = stage.handle;
+      const handle = own;
       held = {
         name,
         handle,
         bone,
         vector: vectorOf(clip.shape.peek().view, bone)!,
-        start: stage.reachOf(handle, name, x, y),
+        start: stage.pullOf(handle, name, x, y),
         before: clip.draft.peek(),
       };
       stage.orbits = false;
@@ -76,10 +78,10 @@ export function restPose(clip: Clip, stage: Stage): RestPose {
     },
     pull(x, y) {
       if (!held) return;
-      const { handle, name, vector } = held;
+      const { handle, name, vector, start } = held;
       const { direction } = handle.arrows.find((one) => one.name === name)!;
-      const by = stage.reachOf(handle, name, x, y) - held.start;
-      const next = vector.map((one, axis) => one + numberAt(direction, axis) * by) as Vector;
+      const by = stage.pullOf(handle, name, x, y);
+      const next = vector.map((one, axis) => one + numberAt(by, axis) - numberAt(start, axis)) as Vector;
       // A bone keeps some length and does not turn over by being pulled through its joint.
       if (
         name === ALONG &&
@@ -91,7 +93,7 @@ export function restPose(clip: Clip, stage: Stage): RestPose {
     drop() {
       held = null;
       stage.orbits = true;
-      if (stage.handle) stage.handle = { ...stage.handle, held: null };
+      if (own) stage.handle = own = { ...own, held: null };
       stage.ask();
     },
   };
