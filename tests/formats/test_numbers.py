@@ -78,6 +78,13 @@ def test_every_style_reads_back_as_the_same_double(values: list[float], style: s
 
 
 @each_parser
+@pytest.mark.parametrize("word", ["true", "false", "null", '"1"', "[1]", "{}", '{"a":1}', "NaN", "Infinity", "1e999"])
+def test_other_words_of_json_are_no_numbers(parser: Parser, word: str) -> None:
+    for text in (word, f"{word} 2", f"1 {word}", f"1 {word} 2"):
+        assert parse_numbers(text.encode(), parser) is None
+
+
+@each_parser
 @given(patterns=st.lists(st.integers(0, 2**64 - 1), min_size=1, max_size=20))
 def test_any_finite_bit_pattern_survives(parser: Parser, patterns: list[int]) -> None:
     values = np.array([struct.unpack("<d", struct.pack("<Q", pattern))[0] for pattern in patterns])

@@ -89,7 +89,7 @@ class Orjson:
 
     def doubles(self, text: bytes | memoryview) -> Array | None:
         text = bytes(text)
-        if any(mark in text for mark in (b"t", b"f", b'"')):  # true and "1" would be numbers
+        if any(mark in text for mark in (b"u", b"l", b'"')):  # true, false, null and "1" would be numbers
             return None
         try:
             values = orjson.loads(text)
