@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from tests.formats.scenes.reading import read_glb
 from tests.motion.solving.trials import pair, trial, with_gaps
 from tests.web.conftest import Served, Visit, one_door, walk
 from tests.web.test_journeys import ready
+from tests.web.test_pages import faults
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect
 
@@ -111,3 +113,35 @@ def test_markers_of_two_people_become_two_skeletons(visit: Visit, studio: Served
     ready(page)
     assert "/clips/" in page.url
     assert uuid not in page.url
+
+
+@pytest.mark.slow
+def test_several_clips_are_exported_with_options(visit: Visit, studio: Served, tmp_path: Path) -> None:
+    for name, height in (("short.bvh", 150.0), ("tall.bvh", 190.0)):
+        clip = body.clip("walk", height, *body.walk(height, 1.0, 1.0, 6.0))
+        studio.upload(name, b"".join(FORMATS["bvh"].write(clip, "bvh")), unit="cm", up="Y")
+    studio.upload("unknown.bvh", walk(5))
+    page = visit.open("/library?sort=name")
+    expect(page.get_by_role("gridcell")).to_have_count(3)
+    page.get_by_role("gridcell").nth(0).click(modifiers=["Control"])
+    page.get_by_role("gridcell").nth(2).click(modifiers=["Shift"])
+    page.get_by_role("toolbar", name="3 selected").get_by_role("button", name="Export").click()
+    page.get_by_role("menuitem", name="Export with options").click()
+    dialog = page.get_by_role("dialog", name="Export with options")
+    expect(dialog.get_by_text("3 clips in a zip.")).to_be_visible()
+    assert faults(page) == []
+    dialog.get_by_label("Program or format").select_option(label="For MotionBuilder")
+    dialog.get_by_label("Standing height (m)").fill("1.75")
+    dialog.get_by_label("Standing height (m)").blur()
+    expect(
+        dialog.get_by_text(re.compile(r"^mcml export \S+ \S+ \S+ --for motionbuilder --height 1.75"))
+    ).to_be_visible()
+    with page.expect_download() as saved:
+        dialog.get_by_role("button", name="Export").click()
+    expect(dialog).to_have_count(0)
+    saved.value.save_as(tmp_path / "clips.zip")
+    with zipfile.ZipFile(tmp_path / "clips.zip") as archive:
+        assert sorted(archive.namelist()) == ["refused.txt", "short.bvh", "tall.bvh"]
+        archive.extractall(tmp_path)
+    short, tall = (mcml.read(tmp_path / name).position("Head", "y") for name in ("short.bvh", "tall.bvh"))
+    assert np.median(short) == pytest.approx(np.median(tall), rel=0.02)

@@ -11,6 +11,7 @@ import { Dialog } from "../../ui/Dialog";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
 import { ArraysDialog } from "../../ui/exporting/ArraysDialog";
+import { ExportClipsDialog } from "../../ui/exporting/ExportClipsDialog";
 import { exportClipsItems } from "../../ui/exporting/exportClips";
 import { ShareDialog } from "../../ui/exporting/ShareDialog";
 import { w } from "../../words";
@@ -20,6 +21,7 @@ export function PickedBar() {
   const [naming, setNaming] = useState(false);
   const [collecting, setCollecting] = useState(false);
   const [sharing, setSharing] = useState(false);
+  const [exporting, setExporting] = useState(false);
   const [numbers, setNumbers] = useState(false);
   const [going, setGoing] = useState<"" | "copy" | "move">("");
   useEffect(() => void askMe(), []);
@@ -47,7 +49,10 @@ export function PickedBar() {
       <Menu
         label={w("button.exportWord")}
         className="button dense"
-        items={() => [...exportClipsItems(ids), { text: w("label.arraysFile"), run: () => setNumbers(true) }]}
+        items={() => [
+          ...exportClipsItems(ids, () => setExporting(true)),
+          { text: w("label.arraysFile"), run: () => setNumbers(true) },
+        ]}
       >
         <Icon name="export" />
         {w("button.exportWord")}
@@ -95,6 +100,7 @@ export function PickedBar() {
         {w("button.pickNone")}
       </button>
       {going && <ToProject ids={ids} move={going === "move"} onClose={() => setGoing("")} />}
+      {exporting && <ExportClipsDialog ids={ids} onClose={() => setExporting(false)} />}
       {numbers && (
         <ArraysDialog
           source={{ selection: { documents: ids } }}

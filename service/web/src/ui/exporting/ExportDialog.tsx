@@ -1,14 +1,12 @@
 /** A clip exported for a program or in a format, in a size, at a rate, in place; its height in the file is drawn. */
 import { useEffect, useState } from "preact/hooks";
 import { fetched, get, type Schemas } from "../../api/client";
-import { characters, loadCharacters } from "../../state/clip/characters";
+import { loadCharacters } from "../../state/clip/characters";
 import type { Clip } from "../../state/clip/clip";
-import { LANGUAGE, presets, writtenFormats } from "../../state/session/formats";
 import { needsToken } from "../../state/session/me";
 import { refuse } from "../../state/session/notes";
 import { number, w } from "../../words";
 import { Dialog } from "../Dialog";
-import { NumberField } from "../forms/NumberField";
 import { useAsync } from "../useAsync";
 import {
   exportAddress,
@@ -19,48 +17,11 @@ import {
   UNITS,
   type ExportOptions,
 } from "./exportOptions";
+import { ExportFields, START, TargetChoice, targetOf, targetsOf, type Given, type Known } from "./ExportFields";
 import { RuledFigure } from "./RuledFigure";
 import { saveBlob } from "./saveBlob";
 import { ScriptLines } from "./ScriptLines";
 import "../../styles/shared.css";
-
-const AXES = ["X", "Y", "Z"];
-const TALLEST = 100; // metres
-
-/** skins: whether it can have a body with a skin. */
-interface Target {
-  key: string;
-  text: string;
-  unit: string | null;
-  skins: boolean;
-}
-
-/** Programs and formats that hold the clip; their names are "for:…" and "format:…". */
-function targetsOf(markers: boolean): Target[] {
-  const holds = markers ? "markers" : "bodies";
-  const skinned = new Set(writtenFormats("bodies").flatMap(({ name, skins }) => (skins ? [name] : [])));
-  return [
-    ...presets(holds).map(({ preset }) => ({
-      key: `for:${preset.name}`,
-      text: w("label.exportFor", { program: preset.title }),
-      unit: preset[holds].unit ?? null,
-      skins: [preset.bodies, preset.markers].some((shape) => skinned.has(shape.format)),
-    })),
-    ...writtenFormats(holds)
-      .filter(({ name }) => name !== LANGUAGE)
-      .map(({ name, label, assumes }) => ({
-        key: `format:${name}`,
-        text: label,
-        unit: assumes,
-        skins: skinned.has(name),
-      })),
-  ];
-}
-
-const targetOf = (key: string): ExportOptions["target"] => {
-  const [kind, name] = [key.slice(0, key.indexOf(":")), key.slice(key.indexOf(":") + 1)];
-  return kind === "for" ? { for: name } : { format: name };
-};
 
 export function ExportDialog({
   clip,
@@ -72,17 +33,9 @@ export function ExportDialog({
   range: [number, number] | null;
   onClose: () => void;
 }) {
-  const targets = targetsOf(clip.skeleton.view.markers);
+  const targets = targetsOf(clip.skeleton.view.markers ? "markers" : "bodies");
   const [key, setKey] = useState<string | null>(null);
-  const [given, setGiven] = useState<Omit<ExportOptions, "target">>({
-    unit: "",
-    up: "",
-    fps: null,
-    height: null,
-    inPlace: false,
-    character: "",
-    range,
-  });
+  const [given, setGiven] = useState<Given>({ ...START, range });
   useEffect(() => void loadCharacters(), []);
   const [busy, setBusy] = useState(false);
   const [told, setTold] = useState<{ name: string; notices: string } | null>(null);
@@ -116,24 +69,15 @@ export function ExportDialog({
     <Dialog title={w("button.exportOptions")} onClose={onClose} wide>
       <form class="export-form" onSubmit={(event) => void download(event)}>
         <div class="export-fields">
-          <label>
-            {w("label.exportTarget")}
-            <select
-              class="field"
-              value={chosen.key}
-              onChange={(event) => {
-                setTold(null);
-                setKey(event.currentTarget.value);
-              }}
-            >
-              {targets.map((one) => (
-                <option key={one.key} value={one.key}>
-                  {one.text}
-                </option>
-              ))}
-            </select>
-          </label>
-          <Fields clip={clip} loop={range} given={given} target={chosen} onChange={change} />
+          <TargetChoice
+            targets={targets}
+            chosen={chosen}
+            onChoose={(next) => {
+              setTold(null);
+              setKey(next);
+            }}
+          />
+          <ExportFields known={knownOf(clip)} loop={range} given={given} target={chosen} onChange={change} />
         </div>
         <Measured clip={clip} given={given} unit={given.unit || chosen.unit || clip.detail.unit || ""} />
         <Lines id={clip.id} options={options} />
@@ -150,6 +94,12 @@ export function ExportDialog({
   );
 }
 
+const knownOf = ({ detail, player }: Clip): Known => ({
+  unit: detail.unit !== null && detail.unit !== undefined,
+  up: Boolean(detail.up),
+  rate: player.perSecond,
+});
+
 /** notices: of the answer, with bars between them. */
 function Done({ name, notices }: { name: string; notices: string }) {
   return (
@@ -163,114 +113,6 @@ function Done({ name, notices }: { name: string; notices: string }) {
             <li key={one}>{one}</li>
           ))}
       </ul>
-    </>
-  );
-}
-
-type Given = Omit<ExportOptions, "target">;
-
-function Fields({
-  clip,
-  loop,
-  given,
-  target,
-  onChange,
-}: {
-  clip: Clip;
-  loop: [number, number] | null;
-  given: Given;
-  target: Target;
-  onChange: (more: Partial<Given>) => void;
-}) {
-  const { unit } = target;
-  const known = clip.detail.unit !== null && clip.detail.unit !== undefined;
-  return (
-    <>
-      <label>
-        {w("label.unit")}
-        <select
-          class="field"
-          value={given.unit}
-          disabled={!known}
-          title={known ? undefined : w("label.needsUnit")}
-          onChange={(event) => onChange({ unit: event.currentTarget.value })}
-        >
-          <option value="">{unit ? w("label.asTarget", { value: unit }) : w("label.asInClip")}</option>
-          {Object.keys(UNITS).map((one) => (
-            <option key={one}>{one}</option>
-          ))}
-        </select>
-      </label>
-      <label>
-        {w("label.up")}
-        <select
-          class="field"
-          value={given.up}
-          disabled={!clip.detail.up}
-          onChange={(event) => onChange({ up: event.currentTarget.value })}
-        >
-          <option value="">{w("label.automaticChoice")}</option>
-          {AXES.map((one) => (
-            <option key={one}>{one}</option>
-          ))}
-        </select>
-      </label>
-      <label>
-        {w("label.frameRate")}
-        <NumberField
-          value={given.fps}
-          least={0.001}
-          placeholder={number(clip.player.perSecond, 2)}
-          onChange={(fps) => onChange({ fps: fps && fps > 0 ? fps : null })}
-        />
-      </label>
-      <label>
-        {w("label.standsTall")}
-        <NumberField
-          value={given.height}
-          least={0.01}
-          most={TALLEST}
-          step={0.01}
-          placeholder={w("label.asInClip")}
-          onChange={(height) => onChange({ height: height && height > 0 && height <= TALLEST ? height : null })}
-        />
-      </label>
-      <label class="row check">
-        <input
-          type="checkbox"
-          checked={given.inPlace}
-          onChange={(event) => onChange({ inPlace: event.currentTarget.checked })}
-        />
-        {w("label.exportInPlace")}
-      </label>
-      {target.skins && (
-        <label>
-          {w("label.exportBody")}
-          <select
-            class="field"
-            value={given.character}
-            onChange={(event) => onChange({ character: event.currentTarget.value })}
-          >
-            <option value="">{w("label.exportBones")}</option>
-            <option value="own">{w("label.ownBody")}</option>
-            {characters.value.map((one) => (
-              <option key={one.document} value={one.document}>
-                {one.name}
-              </option>
-            ))}
-          </select>
-        </label>
-      )}
-      {loop && (
-        <label class="row check">
-          <input
-            type="checkbox"
-            checked={given.range !== null}
-            onChange={(event) => onChange({ range: event.currentTarget.checked ? loop : null })}
-          />
-          {w("label.onlyLoop", { first: loop[0], last: loop[1] })}
-        </label>
-      )}
     </>
   );
 }

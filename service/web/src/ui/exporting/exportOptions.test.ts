@@ -1,5 +1,15 @@
 import { describe, expect, it } from "vitest";
-import { exportByCommand, exportByCurl, fileNameOf, queryOf, rulerOf, type ExportOptions } from "./exportOptions";
+import {
+  exportByCommand,
+  exportByCurl,
+  exportClipsBody,
+  exportClipsByCommand,
+  exportClipsByCurl,
+  fileNameOf,
+  queryOf,
+  rulerOf,
+  type ExportOptions,
+} from "./exportOptions";
 
 const PLAIN: ExportOptions = {
   target: { for: "unreal" },
@@ -41,6 +51,18 @@ describe("options of an export", () => {
       "mcml export abc --format bvh --unit cm --up Z --fps 30 --height 1.75 --in-place --character own --first 11 --last 40 --server http://x",
     );
     expect(exportByCurl("abc", PLAIN, "http://x", true)).toContain("MCML_TOKEN");
+  });
+
+  it("asks for several clips at once", () => {
+    expect(exportClipsBody(["a", "b"], { ...PLAIN, height: 1.75 })).toEqual({
+      selection: { documents: ["a", "b"] },
+      for: "unreal",
+      height: 1.75,
+    });
+    expect(exportClipsByCommand(["a", "b"], PLAIN, "http://x")).toBe("mcml export a b --for unreal --server http://x");
+    expect(exportClipsByCurl(["a"], PLAIN, "http://x", false)).toBe(
+      `curl -H "Content-Type: application/json" -d '{"selection":{"documents":["a"]},"for":"unreal"}' -o clips.zip 'http://x/api/v1/exports'`,
+    );
   });
 
   it("marks round numbers up to the height", () => {

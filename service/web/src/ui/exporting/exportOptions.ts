@@ -36,21 +36,42 @@ export function queryOf(options: ExportOptions, revision?: number): Record<strin
   };
 }
 
+/** The body of a request for several clips. */
+export const exportClipsBody = (ids: readonly string[], options: ExportOptions) => ({
+  selection: { documents: ids },
+  ...queryOf(options),
+});
+
 export const exportAddress = (id: string, options: ExportOptions, revision?: number): string =>
   address("/documents/{id}/export", { id }, queryOf(options, revision));
 
 const optionOf = (name: string): string => `--${name.replaceAll("_", "-")}`;
 
 /** token: the server needs one, which stands in MCML_TOKEN, and which the command reads. */
-export function exportByCommand(id: string, options: ExportOptions, origin: string): string {
+export const exportByCommand = (id: string, options: ExportOptions, origin: string): string =>
+  exportClipsByCommand([id], options, origin);
+
+export function exportClipsByCommand(ids: readonly string[], options: ExportOptions, origin: string): string {
   const stated = Object.entries(queryOf(options)).map(([name, value]) =>
     value === true ? optionOf(name) : `${optionOf(name)} ${value}`,
   );
-  return ["mcml export", id, ...stated, `--server ${origin}`].join(" ");
+  return ["mcml export", ...ids, ...stated, `--server ${origin}`].join(" ");
+}
+
+const tokenHeader = (token: boolean): string => (token ? '-H "Authorization: Bearer $MCML_TOKEN" ' : "");
+
+export function exportClipsByCurl(
+  ids: readonly string[],
+  options: ExportOptions,
+  origin: string,
+  token: boolean,
+): string {
+  const body = quoted(JSON.stringify(exportClipsBody(ids, options)));
+  return `curl ${tokenHeader(token)}-H "Content-Type: application/json" -d ${body} -o clips.zip ${quoted(origin + address("/exports"))}`;
 }
 
 export function exportByCurl(id: string, options: ExportOptions, origin: string, token: boolean): string {
-  const header = token ? '-H "Authorization: Bearer $MCML_TOKEN" ' : "";
+  const header = tokenHeader(token);
   return `curl ${header}-OJ ${quoted(origin + exportAddress(id, options))}`;
 }
 

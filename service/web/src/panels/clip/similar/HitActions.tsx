@@ -6,6 +6,7 @@ import { askMe, mayEdit } from "../../../state/session/me";
 import { note, refuse } from "../../../state/session/notes";
 import { go } from "../../../state/session/route";
 import { CollectClips } from "../../../ui/clips/CollectClips";
+import { ExportClipsDialog } from "../../../ui/exporting/ExportClipsDialog";
 import { exportClipsItems } from "../../../ui/exporting/exportClips";
 import { AskName } from "../../../ui/forms/AskName";
 import { Icon } from "../../../ui/icons";
@@ -26,7 +27,7 @@ export function HitActions({
   poses: boolean;
   onChanged: (documents: string[]) => void;
 }) {
-  const [asks, setAsks] = useState<"label" | "collect" | null>(null);
+  const [asks, setAsks] = useState<"label" | "collect" | "export" | null>(null);
   useEffect(() => void askMe(), []);
   const none = !hits.length;
   return (
@@ -50,13 +51,18 @@ export function HitActions({
         </button>
       )}
       {!none && (
-        <Menu label={w("button.exportWord")} className="button dense" items={() => exportClipsItems(documentsOf(hits))}>
+        <Menu
+          label={w("button.exportWord")}
+          className="button dense"
+          items={() => exportClipsItems(documentsOf(hits), () => setAsks("export"))}
+        >
           <Icon name="export" />
           {w("button.exportWord")}
           <Icon name="down" />
         </Menu>
       )}
       {asks === "collect" && <CollectClips ids={documentsOf(hits)} onClose={() => setAsks(null)} />}
+      {asks === "export" && <ExportClipsDialog ids={documentsOf(hits)} onClose={() => setAsks(null)} />}
       {asks === "label" && <LabelHits hits={hits} onChanged={onChanged} onClose={() => setAsks(null)} />}
     </div>
   );
