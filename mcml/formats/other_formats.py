@@ -6,6 +6,7 @@ import re
 from typing import Final
 
 from mcml.errors import Place, UnsupportedError
+from mcml.patterns import end_of_matches
 
 TO_BVH: Final = "Convert it to BVH, for example in Blender: import it, then File > Export > Motion Capture (.bvh)."
 _UNPACK: Final = "Unpack it, and send the files or a zip of them."
@@ -42,10 +43,7 @@ _BY_ROOT: Final = (
 )
 """Roots of XML that is no MCML, likewise."""
 
-_BEFORE_ROOT: Final = re.compile(
-    rb"\A\s*+(?:<\?(?>.*?\?>)\s*+|<!--(?>.*?-->)\s*+|<!doctype\s++(?!html)(?>[^>]*>)\s*+)*+<",
-    re.DOTALL | re.IGNORECASE,
-)
+_BEFORE_ROOT: Final = re.compile(rb"\s+|<\?.*?\?>|<!--.*?-->|<!doctype\s+(?!\s|html)[^>]*>", re.DOTALL | re.IGNORECASE)
 
 
 def other_format(first_bytes: bytes) -> tuple[str, str] | None:
@@ -58,20 +56,15 @@ def other_format(first_bytes: bytes) -> tuple[str, str] | None:
 
 def root_of(first_bytes: bytes) -> bytes | None:
     """The name of the root element of XML in UTF-8, without its prefix; None for anything else."""
-    start = _BEFORE_ROOT.match(first_bytes.removeprefix(b"\xef\xbb\xbf"))
-    if start is None:
-        return None
     text = first_bytes.removeprefix(b"\xef\xbb\xbf")
-    root = re.compile(rb"(?:[\w.-]+:)?([\w.-]+)[\s/>]").match(text, start.end())
+    root = re.compile(rb"<(?:[\w.-]+:)?([\w.-]+)[\s/>]").match(text, end_of_matches(_BEFORE_ROOT, text))
     return root[1] if root else None
 
 
 def refuse_other_xml(file_name: str, first_bytes: bytes) -> None:
     """Raises UnsupportedError for XML that is no MCML, by its root element. first_bytes: in UTF-8."""
-    start = _BEFORE_ROOT.match(first_bytes)
-    if start is None:
-        return
+    start = end_of_matches(_BEFORE_ROOT, first_bytes)
     for pattern, title, remedy in _BY_ROOT:
-        root = re.compile(rb"(?:[\w.-]+:)?(?:%b)[\s/>]" % pattern, re.IGNORECASE)
-        if root.match(first_bytes, start.end()):
+        root = re.compile(rb"<(?:[\w.-]+:)?(?:%b)[\s/>]" % pattern, re.IGNORECASE)
+        if root.match(first_bytes, start):
             raise UnsupportedError(f"{title} files are not read", at=Place(file=file_name), remedy=remedy)

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from typing import BinaryIO
 
 from mcml.errors import DocumentError, LimitError, Place
+from mcml.patterns import end_of_matches
 
 CHUNK = 1 << 16
 PROLOGUE_LIMIT = 1 << 16
@@ -28,11 +29,8 @@ _DECLARED = re.compile(rb"""<\?xml\s[^>]*?encoding\s*=\s*["']([A-Za-z][A-Za-z0-9
 _READABLE = re.compile(
     r"utf-(8|16|32)(-[bl]e)?|ascii|iso8859-\d+|cp\d+|euc_\w+|shift_jis\w*|gb\w+|big5\w*|koi8-\w|johab"
 )
-# Possessive: white space, a comment or an instruction is never matched another way, or a long run of white space would
-# take for ever.
-_MISC = rb"(?:\s++|<!--(?>.*?-->)|<\?(?>.*?\?>))*+"
-_DOCTYPE = re.compile(rb"\A(" + _MISC + rb")(<!DOCTYPE\s+mcml\s+SYSTEM\s+(?:\"mcml\.dtd\"|'mcml\.dtd')\s*>)", re.DOTALL)
-_ANY_DOCTYPE = re.compile(rb"\A" + _MISC + rb"<!DOCTYPE", re.DOTALL)
+_MISC = re.compile(rb"\s+|<!--.*?-->|<\?.*?\?>", re.DOTALL)
+_DOCTYPE = re.compile(rb"<!DOCTYPE\s+mcml\s+SYSTEM\s+(?:\"mcml\.dtd\"|'mcml\.dtd')\s*>")
 _ROOT = re.compile(rb"<[A-Za-z_:\x80-\xff]")
 
 
@@ -67,7 +65,7 @@ def utf8_chunks(stream: BinaryIO, max_bytes: int, encoding: str | None = None) -
 
 def has_doctype(document: bytes) -> bool:
     """Whether a document, as `utf8_chunks` gives it, still has a DOCTYPE: one that is not allowed."""
-    return _ANY_DOCTYPE.match(document) is not None
+    return document.startswith(b"<!DOCTYPE", end_of_matches(_MISC, document))
 
 
 def refused_doctype(line: int | None, why: str) -> DocumentError:
@@ -112,9 +110,9 @@ def _limited(stream: BinaryIO, max_bytes: int) -> Iterator[bytes]:
 
 
 def _without_doctype(head: bytes) -> bytes:
-    found = _DOCTYPE.match(head)
+    found = _DOCTYPE.match(head, end_of_matches(_MISC, head))
     if not found:
         return head
     # Line feeds stay, so that the parser's line numbers are the document's.
-    blank = re.sub(rb"[^\n]", b" ", found.group(2))
-    return found.group(1) + blank + head[found.end() :]
+    blank = re.sub(rb"[^\n]", b" ", found.group())
+    return head[: found.start()] + blank + head[found.end() :]
