@@ -70,10 +70,8 @@ def _poses(scene: Any, stacks: list[Any], takes: list[WrittenTake], joints: list
         animation, begin = stack.anim, stack.time_begin
         for number in range(take.frames):
             posed = ufbx.evaluate_scene(scene, animation, begin + number / take.rate)
-            # Held until all are read, and released before their scene.
-            nodes, channels = list_once(posed.nodes), list_once(posed.blend_channels)
-            numbers = _pose(nodes, channels, joints)
-            del nodes, channels
+            numbers = _pose(list_once(posed.nodes), list_once(posed.blend_channels), joints)
+            posed.free()
             yield numbers
 
 

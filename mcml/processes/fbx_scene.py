@@ -1,12 +1,14 @@
 """The shared part of programs that read FBX files with ufbx: the scene, its joints, and numbers of its transforms.
 
-The Python layer of ufbx gives an element without taking a reference where it was given before, and an element that
-outlives its scene crashes. So each list is read once, by index, elements that are given again are held (`hold`), and
-one process reads one file.
+The Python layer of ufbx 0.0.5 gives the elements of a list without taking a reference, and a scene that is released
+without `free` leaves its elements dangling. So each list is read once, by index, with a reference for each element
+(`list_once`), scenes of frames are freed, elements that are given again are held (`hold`), and one process reads one
+file.
 """
 
 from __future__ import annotations
 
+import ctypes
 from typing import Any, BinaryIO
 
 import ufbx
@@ -81,8 +83,16 @@ def hold(element: Any) -> Any:
 
 
 def list_once(elements: Any) -> list[Any]:
-    """The elements of a list of ufbx, each read once."""
-    return [elements[index] for index in range(len(elements))]
+    """The elements or values of a list of ufbx, each read once."""
+    items = [elements[index] for index in range(len(elements))]
+    for item in items:
+        if isinstance(item, ufbx.Element):
+            _take_reference(item)
+    return items
+
+
+_take_reference = ctypes.pythonapi.Py_IncRef
+_take_reference.argtypes, _take_reference.restype = [ctypes.py_object], None
 
 
 def rows_of(matrix: Any) -> list[float]:

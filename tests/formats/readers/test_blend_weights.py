@@ -145,6 +145,16 @@ def test_fbx_weights_are_those_of_the_curves(takes: tuple[str, ...]) -> None:
         np.testing.assert_array_equal(places_of(clip)[:, :2], places_of(bare))
 
 
+def test_no_memory_of_an_fbx_scene_is_used_after_its_release(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The debug allocator overwrites released memory, in the program that reads the file too."""
+    pytest.importorskip("ufbx")
+    monkeypatch.setenv("PYTHONMALLOC", "debug")
+    clip = read_clip(
+        "fbx", fbx_text(("One", "Two"), shapes={"smile": [10.0 * frame for frame in range(11)]}), take="Two"
+    )
+    np.testing.assert_allclose(weights_of(clip)["smile"], np.linspace(0, 1, 11), atol=1e-6)
+
+
 USD = """#usda 1.0
 (
     timeCodesPerSecond = 24
