@@ -99,7 +99,7 @@ def pose_frames(
     frames = np.arange(len(block), dtype=np.intp)
     return Posed(
         Edited(remade(block, skeleton.columns(), values, frames, block.ids), writer.shortfall),
-        layer.missed(),
+        layer.find_misses(),
         layer.size,
     )
 
@@ -150,7 +150,7 @@ class _Layer:
         """The longest side of the body along an axis, in the first frame."""
         return float(np.ptp(self._places[:1], axis=1).max(initial=0.0))
 
-    def missed(self) -> dict[Handle, float]:
+    def find_misses(self) -> dict[Handle, float]:
         """Of each handle the farthest distance from its goal."""
         places = walked(self.skeleton, self.translations, self.rotations)[0]
         ends = {handle: (_joints_of(self.skeleton, handle) or (0,))[-1] for handle in self._goals}

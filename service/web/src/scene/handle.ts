@@ -28,6 +28,15 @@ export interface Handle {
 
 export const FREE = "free";
 
+/** Arrows along the axes of the actor, called X, Y and Z. */
+export const axisArrows = (): Arrow[] =>
+  ["X", "Y", "Z"].map((name, axis) => ({
+    name,
+    direction: [0, 1, 2].map((one) => Number(one === axis)) as Vector,
+    token: name.toLowerCase(),
+    reach: 1,
+  }));
+
 /** The scene that a handle is in: places of the actor in the world (metres) and on the screen. */
 export interface Surroundings {
   world: (at: readonly [number, number, number]) => THREE.Vector3;

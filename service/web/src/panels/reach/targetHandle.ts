@@ -1,14 +1,12 @@
 /** Arrows at the hand's target, which a pointer drags along X, Y and Z; the fields of the target follow. */
 import { effect } from "@preact/signals";
 import { numberAt } from "../../lists";
-import type { Handle } from "../../scene/handle";
+import { axisArrows, type Handle } from "../../scene/handle";
 import type { Stage } from "../../scene/stage";
 import type { Puller } from "../../ui/playing/MotionView";
 import { number } from "../../words";
 import type { Blending, Place } from "./blending";
 import { b } from "./words";
-
-const AXES = ["X", "Y", "Z"] as const;
 
 export class TargetHandle implements Puller {
   private stage: Stage | null = null;
@@ -85,12 +83,7 @@ export class TargetHandle implements Puller {
     return {
       actor: 0,
       at,
-      arrows: AXES.map((name, axis) => ({
-        name,
-        direction: [0, 1, 2].map((one) => Number(one === axis)) as Place,
-        token: name.toLowerCase(),
-        reach: 1,
-      })),
+      arrows: axisArrows(),
       held: this.held?.name ?? null,
       words: missed
         ? `${where} m   ${b("label.outOfReach", { size: number(missed.distance * 100, 1) })}`

@@ -14,6 +14,7 @@ import { r } from "../words";
 import { fadedRange, isStill, STILL, type HandleName } from "./handles";
 import { posing, stopPosing, type Posing } from "./posing";
 import { p } from "./words";
+import "../../../styles/side-panel.css";
 import "../../../styles/posing.css";
 
 const AXES = ["X", "Y", "Z"] as const;
@@ -24,7 +25,7 @@ export function PosePanel({ clip, reload }: { clip: Clip; reload: () => void }) 
   if (pose?.clip !== clip) return null;
   const part = pose.chosen.value;
   return (
-    <aside class="pose-panel" aria-label={p("label.pose")}>
+    <aside class="side-panel pose-panel" aria-label={p("label.pose")}>
       <header class="row">
         <h2 class="grow">{p("label.pose")}</h2>
         <button

@@ -2,7 +2,7 @@
 import { effect } from "@preact/signals";
 import { numberAt } from "../../../lists";
 import type { Vector } from "../../../motion/body/quaternions";
-import type { Handle } from "../../../scene/handle";
+import { axisArrows, type Handle } from "../../../scene/handle";
 import type { Stage } from "../../../scene/stage";
 import type { Clip } from "../../../state/clip/clip";
 import { number } from "../../../words";
@@ -10,7 +10,6 @@ import type { HeldHandle } from "../viewer/restPose";
 import { JOINTS, type HandleName, type Moved } from "./handles";
 import { posing, type Posing } from "./posing";
 
-const AXES = ["X", "Y", "Z"] as const;
 const DIGITS = 4;
 
 export function poseHandle(clip: Clip, stage: Stage): HeldHandle {
@@ -73,12 +72,7 @@ function handleAt(made: Posing, before: Float32Array, held: string | null): Hand
   return {
     actor: 0,
     at,
-    arrows: AXES.map((name, axis) => ({
-      name,
-      direction: [0, 1, 2].map((one) => Number(one === axis)) as Vector,
-      token: name.toLowerCase(),
-      reach: 1,
-    })),
+    arrows: axisArrows(),
     free: true,
     held,
     words: move.some(Boolean) ? move.map((one) => number(one, 2)).join("  ") : "",

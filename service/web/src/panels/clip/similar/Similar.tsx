@@ -14,6 +14,7 @@ import { similarAsked } from "../actions";
 import { parseExample, within, type Example, type Hit } from "./asked";
 import { HitActions } from "./HitActions";
 import { HitCard } from "./HitCard";
+import "../../../styles/side-panel.css";
 import "../../../styles/similar.css";
 
 const HITS = 120;
@@ -58,7 +59,7 @@ function Found({ clip, example, reload }: { clip: Clip; example: Example; reload
   }, [document, first, last]);
   const title = titleOf(example, found.value?.name ?? (own ? clip.detail.name : ""));
   return (
-    <aside class="similar" aria-label={title}>
+    <aside class="side-panel similar" aria-label={title}>
       <header class="row">
         <h2 class="grow" ref={heading} tabIndex={-1}>
           {title}

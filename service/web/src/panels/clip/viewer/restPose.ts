@@ -3,7 +3,7 @@ import { numberAt } from "../../../lists";
 import { effect } from "@preact/signals";
 import type { Vector } from "../../../motion/body/quaternions";
 import { baseOf, restOf, vectorOf } from "../../../motion/body/shape";
-import type { Handle } from "../../../scene/handle";
+import { axisArrows, type Handle } from "../../../scene/handle";
 import type { Stage } from "../../../scene/stage";
 import type { Clip } from "../../../state/clip/clip";
 import type { Draft } from "../../../state/editing/draft";
@@ -127,13 +127,7 @@ function handleOf(
   const base = baseOf(shape.view, bone);
   const at = [0, 1, 2].map((axis) => numberAt(positions, base * 3 + axis) + numberAt(vector, axis)) as Vector;
   const length = Math.hypot(...vector);
-  const unit = (axis: number): Vector => [0, 1, 2].map((one) => Number(one === axis)) as Vector;
-  const arrows = ["X", "Y", "Z"].map((name, axis) => ({
-    name,
-    direction: unit(axis),
-    token: name.toLowerCase(),
-    reach: 1,
-  }));
+  const arrows = axisArrows();
   if (length)
     arrows.push({ name: ALONG, direction: vector.map((one) => one / length) as Vector, token: "select", reach: 1.45 });
   const words = `${vector.map((one) => number(one, 2)).join("  ")}   ${number(length * clip.skeleton.metres * 100, 1)} cm`;
