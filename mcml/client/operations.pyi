@@ -36,7 +36,7 @@ from mcml_schemas.documents import (
 from mcml_schemas.elements import ChildPage, ElementChange, ElementEdited, ElementEdits, TextFound
 from mcml_schemas.exports import ExportRequest
 from mcml_schemas.frames import FrameEdits, FramesEdited
-from mcml_schemas.gait import GaitComparison, GaitMeasures
+from mcml_schemas.gait import CalibratedTrials, GaitComparison, GaitMeasures, StandingTrial, StandingTrialUse
 from mcml_schemas.jobs import (
     AnalysisInfo,
     AnalysisList,
@@ -502,6 +502,24 @@ class Operations:
         progress: FileProgress | None = None,
     ) -> Content:
         """Get a gait report of several trials to print, or all of their cycles as a table."""
+    def get_standing_trial(
+        self,
+        *,
+        id: str,
+        foot: Literal["flat", "as it stands"] | None = ...,
+        subject: str | None = ...,
+        revision: int | None = ...,
+        progress: FileProgress | None = None,
+    ) -> StandingTrial:
+        """Get the measures that a standing trial gives to walking trials: offsets and lengths, with sources."""
+    def use_standing_trial(
+        self,
+        *,
+        id: str,
+        use: StandingTrialUse | dict[str, Any],
+        progress: FileProgress | None = None,
+    ) -> CalibratedTrials:
+        """Use a standing trial: give its offsets and lengths to walking trials of the same person."""
     def put_media(
         self,
         *,

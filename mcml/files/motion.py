@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from contextlib import ExitStack
+from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property, partial
 from os import PathLike
@@ -27,6 +28,8 @@ from mcml.formats.format import SourceFile
 from mcml.formats.measurements import Measurement, Measurements
 from mcml.frames import Frames
 from mcml.laboratory.gait_events import Side
+from mcml.laboratory.gait_model.standing_trial import STANDING_REMEDY, StandingTrial
+from mcml.laboratory.gait_model.static_pass import FootOption
 from mcml.laboratory.gait_points import find_gait_points
 from mcml.laboratory.measure_gait import EventSource, Gait, find_walker, measure_gait
 from mcml.language.elements import to_head
@@ -51,7 +54,8 @@ class Motion:
 
     name: of the file. format: such as "bvh". bones: MCML's names, in the order of the skeleton; source_names: those of
     the file. roles: of bones without a name of MCML's, such as "jaw" or "left_finger_one_2". parents: of each bone, -1
-    at the root. frame_time: seconds a frame, None if the files do not state it. notices: guesses and repairs.
+    at the root. frame_time: seconds a frame, None if the files do not state it. properties: (name, value, unit).
+    notices: guesses and repairs.
     """
 
     def __init__(self, name: str, clip: ClipStream, original: bytes | None = None) -> None:
@@ -65,6 +69,7 @@ class Motion:
         self.roles = {joint.name: joint.role for joint in head.skeleton.joints if joint.role is not None}
         self.parents = [joint.parent for joint in head.skeleton.joints]
         self.frame_time = head.seconds_per_frame()
+        self.properties = list(head.properties)
         self.notices = [notice.what for notice in clip.notices]
 
     def __repr__(self) -> str:
@@ -211,6 +216,35 @@ class Motion:
         exclusions = find_exclusions(read_spans(self._clip.blocks()))
         find_plates = partial(self._measurements.find_events, self._ids)
         return measure_gait(points, self._body.stretch(points.names), labels, events, find_plates, exclusions)
+
+    def measure_standing(self, foot: FootOption | None = None, subject: str | None = None) -> StandingTrial:
+        """Measure the offsets and lengths that a standing trial gives to walking trials.
+
+        foot: "foot flat" sets the heel to the height of the toe; None tells it by the offsets that the file states.
+        subject: as for `measure_gait`. `lacks` says why there are no measures (docs/analyses/gait_model.md).
+        """
+        return self._measurements.gait.of(subject).measure_standing(partial(read_marker_positions, self._clip), foot)
+
+    def with_standing_trial(
+        self, standing: Motion, foot: FootOption | None = None, subject: str | None = None
+    ) -> Motion:
+        """Return the motion with the measures of a standing trial of the same person, as properties.
+
+        Its own measures of the body stay. Raises ConversionError if nobody stands in that trial, or if it lacks markers
+        or measures.
+
+        >>> read("walk.c3d").with_standing_trial(read("static.c3d")).quantity("LKneeAngles", "x").shape
+        (215,)
+        """
+        trial = standing.measure_standing(foot, subject)
+        if trial.lacks:
+            raise ConversionError(f"{standing.name!r} is no standing trial: {trial.lacks}.", remedy=STANDING_REMEDY)
+        own = self._measurements
+        properties, notes = own.gait.of(subject).use_standing_trial(trial, standing.name, own.quantities)
+        head = replace(self._clip.head, properties=tuple(properties))
+        made = Motion(self.name, self._clip.with_head(head), self._original)
+        made.notices += notes
+        return made
 
     def skeletons(self) -> list[Motion]:
         """Return the motion of every person of a marker trial with a skeleton, named by the prefix of its markers.

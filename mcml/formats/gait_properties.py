@@ -4,18 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Final
+from typing import Final, Literal, TypeAlias
 
 from mcml.formats.text.numbers import is_number
 from mcml.laboratory.gait_model.measures import ANGLES, BODY_MEASURES, NAMES, Measures, has_known_lengths
+from mcml.laboratory.gait_model.standing_trial import StandingTrial
 from mcml.laboratory.gait_model.static_pass import FootOption
 from mcml.motion.landmarks.sizes import PREFIX, to_metres, to_radians
 
+Property: TypeAlias = tuple[str, str, str]
+"""Name, value and unit."""
+
 _FOOT: Final = "foot"
-_OPTIONS: Final[dict[str, FootOption]] = {"flat": "foot flat", "as it stands": "as it stands"}
+FOOT_OPTIONS: Final[dict[str, FootOption]] = {"flat": "foot flat", "as it stands": "as it stands"}
 _MILLIMETRES: Final = 1000.0
 _WANDS: Final = ("LThighRotation", "RThighRotation", "LShankRotation", "RShankRotation")
 """Angles of wands, with which the body of the clip places knees and ankles."""
+_STANDING: Final = "standing trial"
+"""The property that names the standing trial from which others come."""
+_SAME: Final = 0.005
+"""Relative difference of two measures that are told apart."""
 _MASS: Final = "Bodymass"
 _DIGITS: Final = 1e-6
 
@@ -31,7 +39,7 @@ def state_measures(measures: Measures, subject: str = "") -> Iterator[tuple[str,
     names = BODY_MEASURES if has_known_lengths(measures) else [_MASS]
     for name in names:
         if (value := measures.get(name)) is not None:
-            yield before + name, f"{value:.7g}", "kg" if name == _MASS else "mm"
+            yield before + name, f"{value:.7g}", unit_of_measure(name)
     for name in _WANDS:
         if value := measures.of(name):
             yield before + name, f"{value:.7g}", "rad"
@@ -44,6 +52,47 @@ def leave_out_equal(stated: Mapping[str, float], measures: Measures) -> dict[str
         for name, value in stated.items()
         if not math.isclose(value, measures.of(name, math.nan), rel_tol=_DIGITS)
     }
+
+
+def use_standing_trial(
+    properties: Iterable[Property], trial: StandingTrial, title: str, of_file: Measures, subject: str = ""
+) -> tuple[list[Property], list[str]]:
+    """(properties of a walking trial with the measures of a standing one, notes).
+
+    properties: of the walking trial; those of an earlier standing trial, and all offsets among them, are replaced.
+    title: the name of the standing trial. of_file: measures in the walking trial's file. subject: its name, where the
+    clip has several. Measures of the body that the walking trial states itself stay, and a note tells of a difference.
+    """
+    begin, kept = _begin_of(subject), list(properties)
+    is_again = any(name == begin + _STANDING for name, _, _ in kept)
+    stated = read_properties(kept, subject)[0]
+    gone = {begin + _STANDING, *(begin + name for name in NAMES if name.endswith(ANGLES))}
+    used: dict[str, Property] = {}
+    notes = []
+    for measure in trial.measures:
+        name = measure.name
+        own = of_file.get(name) if is_again else stated.get(name, of_file.get(name))
+        if measure.is_offset or own is None:
+            used[name] = (begin + name, f"{measure.value:.9g}", unit_of_measure(name))
+        elif not math.isclose(own, measure.value, rel_tol=_SAME):
+            unit = unit_of_measure(name)
+            notes.append(f"{name} stays {own:.4g} {unit}; the standing trial has {measure.value:.4g} {unit}")
+    wands = [item for item in state_measures(of_file, subject) if item[0] in {begin + name for name in _WANDS}]
+    gone |= {begin + name for name in used}
+    items = [item for item in kept if item[0] not in gone]
+    items += [item for item in wands if item[0].removeprefix(begin) not in used]
+    return [*items, *used.values(), (begin + _STANDING, title, "")], notes
+
+
+def standing_trial_of(properties: Iterable[Property], subject: str = "") -> str:
+    """The name of the standing trial that properties name, "" for none."""
+    named = _begin_of(subject) + _STANDING
+    return next((value for name, value, _ in properties if name == named), "")
+
+
+def unit_of_measure(name: str) -> Literal["mm", "rad", "kg"]:
+    """The unit in which properties state a measure."""
+    return "rad" if name.endswith(ANGLES) else "kg" if name == _MASS else "mm"
 
 
 def _begin_of(subject: str) -> str:
@@ -70,7 +119,7 @@ def read_properties(
         if not name.startswith(begin):
             continue
         if asked == _FOOT:
-            foot = _OPTIONS.get(value.strip().lower(), foot)
+            foot = FOOT_OPTIONS.get(value.strip().lower(), foot)
         elif asked in known and is_number(value.strip()) and math.isfinite(float(value)):
             measures[known[asked]] = _to_own_unit(known[asked], float(value), unit.strip().lower())
     return measures, foot

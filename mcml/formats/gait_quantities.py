@@ -7,7 +7,7 @@ that edits of them count.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, TypeAlias
@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from mcml.formats.c3d.analog import Channels
 from mcml.formats.c3d.quantities import decode_text
 from mcml.formats.c3d.subjects import read_measures, read_measures_of, read_sample
-from mcml.formats.gait_properties import leave_out_equal, read_properties
+from mcml.formats.gait_properties import Property, leave_out_equal, read_properties, standing_trial_of
+from mcml.formats.gait_properties import use_standing_trial as properties_with
 from mcml.laboratory.gait_model.dynamics import Ground
 from mcml.laboratory.gait_model.measures import Measures, clean_measures
 from mcml.laboratory.gait_model.model_body import (
@@ -32,6 +33,7 @@ from mcml.laboratory.gait_model.model_body import (
 )
 from mcml.laboratory.gait_model.model_markers import find_model_markers
 from mcml.laboratory.gait_model.segment_frames import make_continuous
+from mcml.laboratory.gait_model.standing_trial import StandingTrial, measure_standing
 from mcml.laboratory.gait_model.static_pass import FootOption
 from mcml.laboratory.gait_model.subject import Subject, find_subject, has_pelvis
 from mcml.laboratory.gait_model.upper_body import ARM, HEAD, TRUNK
@@ -120,6 +122,40 @@ class GaitQuantities:
             return None
         return self._describe(name).reason
 
+    def measure_standing(self, find_positions: FindPositions, foot: FootOption | None = None) -> StandingTrial:
+        """Measure the clip as a standing trial. foot: how it takes the foot; None as properties state, or to tell it by
+        stored offsets."""
+        if self._markers.problem or not self._markers.joints:
+            return StandingTrial(lacks=self._markers.problem or "it has no markers of a person")
+        markers, up = self._sample, None
+        if self._file is None:
+            names = list(self._markers.joints)
+            positions = find_positions([self._markers.joints[name] for name in names])
+            markers = self._name_markers(positions)
+            up = self._subject_of_clip(names, markers, positions).up
+        foot = foot or self._stated_by_people[1]
+        return measure_standing(self._measures, markers, self._subject.up if up is None else up, foot)
+
+    def use_standing_trial(
+        self, trial: StandingTrial, title: str, stated: Collection[str]
+    ) -> tuple[list[Property], list[str]]:
+        """(properties of the clip with the measures of a standing trial, notes).
+
+        title: the name of that trial. stated: names of quantities in the file of the clip.
+        """
+        properties, notes = properties_with(
+            self._head.properties, trial, title, self._measures_of_file, self._person or ""
+        )
+        markers = {"ThighRotation": "THI", "ShankRotation": "TIB", "StaticPlantFlex": "TOE"}
+        for measure in trial.measures:
+            marker = measure.name[0] + markers.get(measure.name[1:], "")
+            if measure.name[1:] in markers and marker not in self._markers.joints:
+                notes.append(f"{measure.name} is not used: there is no marker {marker}")
+        if any(name.endswith(f"{side}KneeAngles") for name in stated for side in "LR"):
+            notes.append("the file has angles of its laboratory, which come first; those of this trial are computed "
+                         "beside them, such as cgm1:LKneeAngles")  # fmt: skip
+        return properties, notes
+
     def values(
         self, name: str, axis: int, ids: Ids, find_positions: FindPositions, find_ground: FindGround | None
     ) -> Array:
@@ -169,14 +205,19 @@ class GaitQuantities:
     ) -> ModelBody:
         names = list(self._markers.joints)
         positions = find_positions([self._markers.joints[name] for name in names])
-        metres = metres_of(self._head)
         whole = np.full((count, len(names), 3), np.nan)
         known = places >= 0
-        whole[places[known]] = positions[known] * (1.0 if metres is None else metres * _MILLIMETRES)
-        markers = {name: np.ascontiguousarray(whole[:, place]) for place, name in enumerate(names)}
+        whole[places[known]] = positions[known]
+        markers = self._name_markers(whole)
         subject = self._subject if self._file is not None else self._subject_of_clip(names, markers, positions)
         ground = None if find_ground is None else lambda side: find_ground(side, places, count)
         return ModelBody(markers, subject, method, ground, self._rate)
+
+    def _name_markers(self, positions: Array) -> dict[str, Array]:
+        """(n, 3) millimetres of each marker. positions: (n, k, 3) in the unit of the clip, in the order of markers."""
+        metres = metres_of(self._head)
+        whole = positions * (1.0 if metres is None else metres * _MILLIMETRES)
+        return {name: np.ascontiguousarray(whole[:, place]) for place, name in enumerate(self._markers.joints)}
 
     def _timeline(self, ids: Ids) -> tuple[NDArray[np.intp], int]:
         """(place of each frame in the recording, -1 for others; frames of the recording)."""
@@ -232,7 +273,9 @@ class GaitQuantities:
             yield f"lengths among the measures are taken as {subject.measures.unit}: so long are legs of people"
         stated = [measure for measure in self._stated_by_people[0] if measure[0] not in "LR" or measure[0] == name[0]]
         if stated and method != "landmarks" and part != "Pelvis":
-            yield f"measures from properties: {', '.join(stated)}"
+            title = standing_trial_of(self._head.properties, self._person or "")
+            source = f"the standing trial {title!r} and properties" if title else "properties"
+            yield f"measures from {source}: {', '.join(stated)}"
         if part in ("Pelvis", "Thorax", "Head", "FootProgress"):
             yield subject.travel_note
         if part in ("Ankle", "FootProgress") and method != "landmarks":

@@ -195,7 +195,7 @@ class Measurements:
             units = {each.name: each.unit for each in self._list_channels()}
             return units.get(name, "")
         quantity = self._find_stated(name)
-        return self._gait.unit(name) if quantity is None else self._unit_of(quantity)[0]
+        return self.gait.unit(name) if quantity is None else self._unit_of(quantity)[0]
 
     def _quantity(
         self,
@@ -207,16 +207,16 @@ class Measurements:
     ) -> Array:
         quantity = self._find_stated(label)
         if quantity is None:
-            lacks = self._gait.lacks(label)
+            lacks = self.gait.lacks(label)
             if lacks or find_positions is None:
                 raise NotFoundError(
                     f"The file of this document has no quantity {label!r}, and it cannot be computed: {lacks}.",
                     remedy="Add the missing markers or measures to the file, or ask for another quantity.",
                 )
             if lacks is None:
-                raise _name_error("quantity", label, list(self._quantities), _OF_MODEL)
+                raise _name_error("quantity", label, list(self.quantities), _OF_MODEL)
             find_ground = None if find_walker is None else lambda person: partial(self._ground, find_walker, person)
-            return self._gait.values(label, axis, ids, find_positions, find_ground)
+            return self.gait.values(label, axis, ids, find_positions, find_ground)
         if not quantity.has_rate(rate_of(self._head)):
             return np.full(len(ids), np.nan)
         samples = samples_at(quantity, ids)
@@ -225,9 +225,9 @@ class Measurements:
 
     def _find_stated(self, label: str) -> Quantity | None:
         """A quantity of the file, by its label or, if only one has it, by the label without the subject."""
-        if label in self._quantities:
-            return self._quantities[label]
-        same = [own for name, own in self._quantities.items() if name.rpartition(":")[2] == label]
+        if label in self.quantities:
+            return self.quantities[label]
+        same = [own for name, own in self.quantities.items() if name.rpartition(":")[2] == label]
         return same[0] if len(same) == 1 else None
 
     def _ground(
@@ -284,7 +284,7 @@ class Measurements:
     def _list_quantities(self) -> list[Measurement]:
         rate = rate_of(self._head)
         items = []
-        for label, quantity in self._quantities.items():
+        for label, quantity in self.quantities.items():
             known, (unit, notes) = quantity.has_rate(rate), self._unit_of(quantity)
             reason = "" if known else _other_rate(quantity.rate, rate)
             items.append(Measurement("quantity", label, AXES_OF_FILE, unit, quantity.group, None, known, reason, notes))
@@ -296,7 +296,7 @@ class Measurements:
                 "quantity", each.name, AXES_OF_FILE, each.unit, each.group, None, not each.reason, each.reason,
                 each.notes,
             )
-            for each in self._gait.describe(list(self._quantities))
+            for each in self.gait.describe(list(self.quantities))
         ]  # fmt: skip
 
     def _unit_of(self, quantity: Quantity) -> tuple[str, tuple[str, ...]]:
@@ -305,7 +305,7 @@ class Measurements:
 
     @cached_property
     def _are_per_kilogram(self) -> bool:
-        return are_per_kilogram(self._quantities.values())
+        return are_per_kilogram(self.quantities.values())
 
     def _list_channels(self) -> list[Measurement]:
         channels = self.channels
@@ -332,14 +332,14 @@ class Measurements:
         if any(item.known for item in items):
             items += [
                 Measurement(function, f"{person}:{side}".lstrip(":"), axes, unit, "FORCE_PLATFORM by foot", rate)
-                for person in self._gait.people or ("",)
+                for person in self.gait.people or ("",)
                 for side in SIDES
                 for function, (unit, axes) in _OF_PLATES.items()
             ]
         return items
 
     @cached_property
-    def _quantities(self) -> dict[str, Quantity]:
+    def quantities(self) -> dict[str, Quantity]:
         """By label, as the file writes it; of equal labels the first."""
         part = next((source for source in self._head.sources if source.part == "c3d"), None)
         labelled: dict[str, Quantity] = {}
@@ -348,7 +348,8 @@ class Measurements:
         return labelled
 
     @cached_property
-    def _gait(self) -> PeopleQuantities:
+    def gait(self) -> PeopleQuantities:
+        """Quantities that are computed from markers."""
         has_plates = bool(self._usable_plates) and not self.rate_difference
         return PeopleQuantities(self._head, self._file, has_plates=has_plates)
 

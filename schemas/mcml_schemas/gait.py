@@ -7,8 +7,12 @@ from typing import Literal, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field
 
 from mcml_schemas.examples import DOCUMENT, shown
+from mcml_schemas.jobs import Selection
+from mcml_schemas.request_body import RequestBody
 
 Side: TypeAlias = Literal["left", "right"]
+FootOption: TypeAlias = Literal["flat", "as it stands"]
+"""How a standing trial takes the foot: flat sets the heel to the height of the toe first."""
 
 _EVENT = {"side": "left", "kind": "strike", "time": 0.752, "frame": 76, "source": "label", "within": None}
 _STRIDE = {
@@ -215,3 +219,72 @@ class GaitComparison(BaseModel):
     own: GaitGroup
     compare: GaitGroup | None = Field(None, description="The other trials, such as those of another session")
     reference: GaitGroup | None = Field(None, description="The trials of the normal band")
+
+
+_MEASURE = {"name": "LThighRotation", "value": -0.01857, "unit": "rad", "source": "alignment device"}
+
+
+class StandingMeasure(BaseModel):
+    """name: of Plug-in Gait. source: stated by the file or by properties, or how the standing trial tells it."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_MEASURE))
+
+    name: str
+    value: float
+    unit: Literal["mm", "rad", "kg"]
+    source: Literal[
+        "stated", "markers", "alignment device", "medial knee marker", "medial ankle marker", "heel and toe"
+    ]
+
+
+class StandingTrial(BaseModel):
+    """The measures that a standing trial gives to walking trials of the same person, and assumptions."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown({"measures": [_MEASURE], "notes": ["marker diameter not stated, 14 mm assumed"]})
+    )
+
+    measures: list[StandingMeasure]
+    notes: list[str]
+
+
+class StandingTrialUse(RequestBody):
+    """The walking trials that take the measures of a standing trial."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"selection": {"documents": [DOCUMENT]}, "foot": "flat"}))
+
+    selection: Selection
+    foot: FootOption | None = Field(
+        None, description="How the foot is taken; default: as the offsets that the file states tell, else as it stands"
+    )
+    subject: str | None = Field(
+        None, max_length=1024, description="Prefix of a person's markers, if there are several people"
+    )
+
+
+class CalibratedTrial(BaseModel):
+    """A walking trial with the measures of a standing one. measures: that changed. notes: measures that stay."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {"id": DOCUMENT, "name": "walk", "revision": 2, "measures": ["LThighRotation"], "notes": []}
+        )
+    )
+
+    id: str
+    name: str
+    revision: int
+    measures: list[str]
+    notes: list[str]
+
+
+class CalibratedTrials(BaseModel):
+    """Walking trials that took the measures of a standing one, each as a revision."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {"items": [{"id": DOCUMENT, "name": "walk", "revision": 2, "measures": ["LThighRotation"], "notes": []}]}
+        )
+    )
+
+    items: list[CalibratedTrial]

@@ -173,6 +173,8 @@ def request_of(operation: Operation, things: Things, word: str) -> Asked | None:
             content = {"files": {"file": ("new.bvh", person(0, 8))}}
         if name == "restore_document":
             path["id"] = things.stored[2]
+        if name == "use_standing_trial":
+            content = {"json": {"selection": {"documents": [things.id]}}}
         if name == "retarget":
             content = {"json": {"skeleton": things.stored[1], "project": things.project}}
         return Asked("thing", path, query, content)

@@ -19,7 +19,7 @@ from tests.builders import bvh, one_kind, served
 ABOUT_PROJECT = {"change_project", "export_project", "invite", "set_member", "remove_member"}
 """Operations of the right to edit or more that change nothing in a project."""
 
-SHORT = ("suggest_labels", "get_analog", "get_matching_library")
+SHORT = ("suggest_labels", "get_analog", "get_standing_trial", "get_matching_library")
 """What reads and cannot be done with clips as short as these."""
 
 

@@ -84,6 +84,7 @@ UNFIT = {
     "undo_revision",
     "suggest_labels",
     "get_analog",
+    "get_standing_trial",
     "follow_path",
     "make_skeletons",
     "get_matching_library",

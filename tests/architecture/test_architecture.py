@@ -129,7 +129,7 @@ FRAMEWORK_CALLS = {"readinto", "writable", "handle_request", "dependencies", "in
 """Methods that another library calls."""
 SHAPES = {"property", "staticmethod", "classmethod", "cache", "lru_cache", "cached_property", "contextmanager"}
 """Decorators that hand what they decorate to nobody."""
-USERS_CALL = {"to_pandas", "open_store", "add_to", "read_plates", "plate_forces", "measure_gait"}
+USERS_CALL = {"to_pandas", "open_store", "add_to", "read_plates", "plate_forces", "measure_gait", "with_standing_trial"}
 """What users of the library call, and what is named in pyproject.toml or found by its name."""
 FOR_OTHERS = {ROOT / "mcml/testing.py", ROOT / "service/mcml_service/testing.py"}
 """What tests use, here and elsewhere."""

@@ -14,6 +14,8 @@ from mcml.formats import FORMATS
 from mcml_service.cli import app
 from mcml_service.demo import body
 from tests.builders import ASF, amc, bvh
+from tests.laboratory.gait_files import LENGTHS, WALKING, gait_file, stand
+from tests.laboratory.gait_files import walk as markers_of_walk
 
 Run = Callable[..., str]
 
@@ -328,3 +330,17 @@ def test_proposals(run: Run, walk: str) -> None:
     assert json.loads(run("proposal", "rebase", walk, "2", "--json"))["revision"] == 2
     assert json.loads(run("proposal", "close", walk, "2", "--json"))["state"] == "closed"
     assert "calmer (proposal 1 by" in run("history", walk)
+
+
+def test_a_standing_trial_is_shown_and_given_to_walks(run: Run) -> None:
+    Path("static.c3d").write_bytes(gait_file(stand(), LENGTHS))
+    Path("walk.c3d").write_bytes(gait_file(markers_of_walk(poses=WALKING), LENGTHS))
+    run("import", "static.c3d", "walk.c3d")
+    shown = run("standing-trial", "static")
+    assert "LThighRotation" in shown
+    assert "medial knee marker" in shown
+    assert "note: a standing trial" in shown
+    assert "walk" in run("standing-trial", "static", "walk", "--foot", "flat")
+    properties = json.loads(run("show", "walk", "--json"))["properties"]
+    assert "gait standing trial" in [item["name"] for item in properties]
+    assert "no standing trial" in run("standing-trial", "walk", code=1)

@@ -15,7 +15,7 @@ from mcml.formats.gait_properties import read_properties
 from mcml.formats.measurements import Measurement
 from mcml.motion.skeleton import Array
 from tests.c3d_writer import texts
-from tests.laboratory.gait_bodies import LENGTHS, LegPose, turn
+from tests.laboratory.gait_bodies import LegPose, turn
 from tests.laboratory.gait_files import FRAMES, POSES, gait_file, measures_of, two_people, walk
 from tests.laboratory.walkers import Gait, make_c3d, make_steps, true_events
 
@@ -187,8 +187,7 @@ def test_stored_offsets_tell_whether_medial_markers_were_used(read: Read, is_use
 
 def find_offsets(motion: Motion) -> dict[str, float]:
     """The measures that a standing trial tells, as a laboratory stores them."""
-    values = motion._measurements._gait.of(None)._subject.measures.values
-    return {name: value for name, value in values.items() if name[1:] not in LENGTHS and name not in LENGTHS}
+    return {each.name: each.value for each in motion.measure_standing().measures if each.is_offset}
 
 
 def test_properties_state_measures_that_a_file_lacks() -> None:

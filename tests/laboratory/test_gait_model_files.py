@@ -121,15 +121,24 @@ def test_moments_and_powers_of_the_file_are_those_expected(lab: Path, expected: 
 
 def test_the_static_trial_tells_its_own_offsets(lab: Path, expected: dict[str, Any]) -> None:
     motion, facts = read(lab / "s4_am_cal_01.c3d"), expected["s4_am_cal_01.c3d"]
-    measures = motion._measurements._gait.of(None)._subject.measures
+    measures = {each.name: each.value for each in motion.measure_standing().measures}
     for side in "LR":
         names = [f"{side}StaticPlantFlex", f"{side}StaticRotOff"]
-        found = [np.degrees(measures.values[name]) for name in names]
+        found = [np.degrees(measures[name]) for name in names]
         np.testing.assert_allclose(found, facts["static_offsets_deg"][side], atol=0.01)
         for name, degrees in facts["static_measures_deg"][side].items():
-            assert np.degrees(measures.values[side + name]) == pytest.approx(degrees, abs=0.01), name
+            assert np.degrees(measures[side + name]) == pytest.approx(degrees, abs=0.01), name
     (ankle,) = [each for each in motion.measurements if each.name == "cgm1:LAnkleAngles"]
     assert any("heel set to the height of the toe" in note for note in ankle.notes)
+
+
+def test_a_walk_takes_the_offsets_of_another_standing_trial(lab: Path) -> None:
+    walk = read(lab / "s4_am_gait04.c3d")
+    calibrated = walk.with_standing_trial(read(lab / "s4_am_cal_01.c3d"))
+    # The wand of this walk was measured in another standing trial, 3 degrees away.
+    turned = vectors(calibrated, "cgm1:LHipAngles")[:, 2] - vectors(walk, "cgm1:LHipAngles")[:, 2]
+    assert np.nanmedian(np.abs(turned)) == pytest.approx(4.6, abs=0.5)
+    np.testing.assert_array_equal(vectors(calibrated, "LHipAngles"), vectors(walk, "LHipAngles"))
 
 
 def test_measures_of_a_file(lab: Path, expected: dict[str, Any]) -> None:

@@ -12,8 +12,8 @@ from mcml.laboratory.gait_model import lower_body, upper_body
 from mcml.laboratory.gait_model.dynamics import JOINTS, Ground, Load, joint_loads
 from mcml.laboratory.gait_model.lower_body import SIGNS, Leg, Markers
 from mcml.laboratory.gait_model.segment_frames import along_z, column
-from mcml.laboratory.gait_model.static_pass import has_device, stand
-from mcml.laboratory.gait_model.subject import Subject, without_medial
+from mcml.laboratory.gait_model.static_pass import has_device, has_knee_axis, stand
+from mcml.laboratory.gait_model.subject import Subject, leave_out
 from mcml.laboratory.gait_model.upper_body import Arm
 from mcml.motion.landmarks.construction import harrington_hip
 from mcml.motion.skeleton import Array
@@ -75,7 +75,7 @@ class ModelBody:
         rate: float = np.nan,
     ) -> None:
         self.method = method
-        self._markers = markers if subject.has_medial else without_medial(markers)
+        self._markers = leave_out(subject.unused, markers)
         self._subject, self._find_ground, self._rate = subject, find_ground, rate
         self._legs: dict[str, Leg] = {}
         self._arms: dict[str, Arm] = {}
@@ -182,9 +182,10 @@ class ModelBody:
         measures, diameter = subject.measures, subject.diameter
         knee, ankle = self._own(side, "knee"), self._own(side, "ankle")
         with_device = subject.is_static and has_device(side, markers)
+        with_axis = subject.is_static and has_knee_axis(side, markers)
         needed, widths = ["ANK"], []
         if not with_device:
-            needed += ["KNE"] if knee is not None else ["KNE", "THI"]
+            needed += ["KNE"] if knee is not None or with_axis else ["KNE", "THI"]
         if ankle is None and not (subject.is_static and f"{side}MED" in markers):
             needed.append("TIB")
         widths += ["KneeWidth"] if knee is None or with_device else []

@@ -18,6 +18,7 @@ _SIDED: Final[Mapping[str, str]] = {
     "PSI": "psis",
     "THI": "thigh_tracking",
     "KNE": "knee_lateral",
+    "KNM": "knee_medial",
     "TIB": "shank_tracking",
     "ANK": "ankle_lateral",
     "MED": "ankle_medial",

@@ -1,8 +1,9 @@
 """The standing trial of the Conventional Gait Model 1: its angles, and the offsets that walking trials take from it.
 
 The sole of the foot is taken as level in standing: the line from heel to toe is the foot's x, and its angle to the line
-from ankle to toe is the offset. The knee's axis comes from an alignment device (KAX, KD1, KD2) where there is one, that
-of the ankle from a medial marker (MED). Source: Davis et al. 1991; the program is known as Plug-in Gait.
+from ankle to toe is the offset. The knee's axis comes from an alignment device (KAX, KD1, KD2) or a medial marker (KNM)
+where there is one, that of the ankle from a medial marker (MED). Source: Davis et al. 1991; the program is known as
+Plug-in Gait.
 """
 
 from __future__ import annotations
@@ -35,6 +36,9 @@ FootOption: TypeAlias = Literal["as it stands", "foot flat"]
 DEVICE: Final = ("KAX", "KD1", "KD2")
 """Markers of the knee alignment device, without the side."""
 
+MEDIAL: Final = ("KNM", "MED")
+"""Medial markers of knee and ankle, without the side."""
+
 
 @dataclass(frozen=True, eq=False)
 class StaticLeg:
@@ -48,6 +52,11 @@ class StaticLeg:
 def has_device(side: str, markers: Markers) -> bool:
     """Whether a side wears the knee alignment device."""
     return all(f"{side}{name}" in markers for name in DEVICE)
+
+
+def has_knee_axis(side: str, markers: Markers) -> bool:
+    """Whether the device or a medial marker tells the axis of a knee."""
+    return has_device(side, markers) or {f"{side}KNE", f"{side}KNM"} <= markers.keys()
 
 
 def find_knee(side: str, markers: Markers) -> Array:
@@ -75,21 +84,21 @@ def stand(
 ) -> StaticLeg:
     """Return a leg in a standing trial, and its offsets.
 
-    markers: with HEE. Where they have an alignment device or a medial marker of the ankle, rotations of thigh and shank
-    and torsion of the tibia come from these. up: (3,) of the laboratory. known: centres (n, 3) of knee and ankle that
-    are not to be constructed.
+    markers: with HEE. Where they have an alignment device or medial markers, rotations of thigh and shank and torsion
+    of the tibia come from these. up: (3,) of the laboratory. known: centres (n, 3) of knee and ankle that are not to be
+    constructed.
     """
     k = SIGNS[side]
     offsets: dict[str, float] = {}
-    if has_device(side, markers):
-        lateral = find_knee(side, markers)
-        radius = (measures.of(f"{side}KneeWidth", np.nan) + diameter) / 2
-        knee = place_centre(hip, lateral, markers[f"{side}KAX"], radius)
+    lateral = find_knee(side, markers) if has_device(side, markers) else markers[f"{side}KNE"]
+    if has_knee_axis(side, markers):
+        knee = _knee_on_axis(side, hip, lateral, markers, (measures.of(f"{side}KneeWidth", np.nan) + diameter) / 2)
+        if known[0] is not None and not has_device(side, markers):
+            knee = known[0]
         if f"{side}THI" in markers:
             turn = angle_about(hip - knee, lateral - knee, markers[f"{side}THI"] - knee)
             offsets[f"{side}ThighRotation"] = mean_of(k * turn)
     else:
-        lateral = markers[f"{side}KNE"]
         knee = knee_centre(side, hip, markers, measures, diameter) if known[0] is None else known[0]
     malleolus = markers[f"{side}ANK"]
     if f"{side}MED" in markers:
@@ -115,6 +124,14 @@ def stand(
     offsets[f"{side}StaticRotOff"] = mean_of(np.arcsin(np.clip(-k * sole[:, 1], -1.0, 1.0)))
     foot = foot_frame(heel - toe, left)
     return StaticLeg(Leg(hip, knee, ankle, thigh, torsioned, shank, foot), offsets)
+
+
+def _knee_on_axis(side: str, hip: Array, lateral: Array, markers: Markers, radius: float) -> Array:
+    """(n, 3) the centre of a knee on the axis of the device, or between hip, lateral and medial marker."""
+    if has_device(side, markers):
+        return place_centre(hip, lateral, markers[f"{side}KAX"], radius)
+    beyond = 2 * lateral - markers[f"{side}KNM"]
+    return place_centre(hip, lateral, beyond, radius)
 
 
 def mean_of(values: Array) -> float:

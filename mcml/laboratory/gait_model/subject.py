@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -17,7 +17,7 @@ from mcml.laboratory.gait_model.lower_body import (
 )
 from mcml.laboratory.gait_model.measures import USUAL_DIAMETER, Measures
 from mcml.laboratory.gait_model.segment_frames import column
-from mcml.laboratory.gait_model.static_pass import FootOption, has_device, stand
+from mcml.laboratory.gait_model.static_pass import MEDIAL, FootOption, has_knee_axis, stand
 from mcml.motion.skeleton import Array
 
 LEAST_TRAVEL: Final = 500.0
@@ -30,6 +30,9 @@ _SAME_DIAMETER: Final = 0.5
 """Millimetres between the diameters that both knees tell, at most."""
 _OFFSETS: Final = ("StaticPlantFlex", "StaticRotOff")
 _OPTIONS: Final[tuple[FootOption, ...]] = ("as it stands", "foot flat")
+_UNUSED: Final = ((), ("KNM",), ("MED",), MEDIAL)
+"""Medial markers that a program may leave alone, in the order in which they are tried."""
+_JOINTS: Final = {"KNM": "the knees", "MED": "the ankles"}
 _SAME_OFFSET: Final = 0.002
 _DIGITS: Final = 4
 """Radians to which stored offsets and those of a trial agree: to 0.1 degrees; of equal ones the first counts."""
@@ -40,7 +43,7 @@ class Subject:
     """measures: of the file, with those that a standing trial itself tells. diameter: of markers. width, depth:
     millimetres between the front spines, and from their middle to that of the back ones, NaN where unknown. laboratory:
     (3, 3) forward, left, up as columns. is_static: whether the trial is a standing one; then foot: how it takes the
-    foot, and has_medial: whether it takes the ankle's axis from a medial marker, if there is one.
+    foot; unused: its medial markers ("KNM", "MED") that tell no axis of a joint; offsets: the angles that it tells.
 
     travel_note, diameter_note, static_note: assumptions, "" for none.
     """
@@ -52,7 +55,8 @@ class Subject:
     laboratory: Array
     is_static: bool = False
     foot: FootOption = "as it stands"
-    has_medial: bool = True
+    unused: tuple[str, ...] = ()
+    offsets: Mapping[str, float] = field(default_factory=dict)
     travel_note: str = ""
     diameter_note: str = ""
     static_note: str = ""
@@ -130,36 +134,37 @@ def _with_static(subject: Subject, markers: Markers, options: Sequence[FootOptio
     """The same with offsets of this standing trial, in the variant that the stored offsets tell."""
     measures = subject.measures
     best, least = None, np.inf
-    for has_medial in (True, False):
-        own = markers if has_medial else without_medial(markers)
-        sides = [side for side in "LR" if _can_stand(side, own, subject)]
+    present = {name for name in MEDIAL if any(f"{side}{name}" in markers for side in "LR")}
+    for unused in (each for each in _UNUSED if set(each) <= present):
+        own = leave_out(unused, markers)
+        sides = [side for side in "LR" if not list_lacks(side, own, measures)]
         for option in options if sides else ():
             offsets = _offsets_of(subject, own, sides, option)
             errors = [abs(value - stored) for name, value in offsets.items()
                       if (stored := measures.get(name)) is not None]  # fmt: skip
             error = round(max(errors, default=0.0), _DIGITS)
             if error < least:
-                best, least = (has_medial, option, offsets), error
+                best, least = (unused, option, offsets), error
     if best is None:
         return subject
-    has_medial, option, offsets = best
+    unused, option, offsets = best
     is_told = least < _SAME_OFFSET and any(
         measures.get(f"{side}{name}") is not None for side in "LR" for name in _OFFSETS
     )
     how = "with the heel set to the height of the toe" if option == "foot flat" else "with heel and toe as they stand"
     why = "as the stored offsets tell" if is_told else "which the file does not tell"
     why = why if len(options) > 1 else "as a property states"
-    medial = "" if has_medial else ", without the medial markers of the ankles"
+    medial = f", without the medial markers of {' and '.join(_JOINTS[name] for name in unused)}" if unused else ""
     note = f"a standing trial: offsets of the feet are its own, {how}{medial}, {why}"
     return replace(
-        subject, measures=measures.with_values(offsets), is_static=True, foot=option, has_medial=has_medial,
-        static_note=note,
+        subject, measures=measures.with_values(offsets), is_static=True, foot=option, unused=unused,
+        offsets=offsets, static_note=note,
     )  # fmt: skip
 
 
-def without_medial(markers: Markers) -> dict[str, Array]:
-    """Markers without the medial ones of the ankles."""
-    return {name: places for name, places in markers.items() if name[1:] != "MED"}
+def leave_out(stems: Collection[str], markers: Markers) -> Markers:
+    """Markers without those of both sides with these names."""
+    return {name: places for name, places in markers.items() if name[1:] not in stems} if stems else markers
 
 
 def _offsets_of(subject: Subject, markers: Markers, sides: Sequence[str], option: FootOption) -> dict[str, float]:
@@ -173,13 +178,17 @@ def _offsets_of(subject: Subject, markers: Markers, sides: Sequence[str], option
     return {name: float(value) for name, value in offsets.items() if np.isfinite(value)}
 
 
-def _can_stand(side: str, markers: Markers, subject: Subject) -> bool:
-    needed = {f"{side}{name}" for name in ("ANK", "TOE", "HEE")}
-    knee = has_device(side, markers) or {f"{side}KNE", f"{side}THI"} <= markers.keys()
-    ankle = f"{side}MED" in markers or f"{side}TIB" in markers
-    measures = all(subject.measures.get(f"{side}{name}") is not None for name in ("KneeWidth", "AnkleWidth"))
-    legs = any(subject.measures.get(f"{each}LegLength") is not None for each in "LR")
-    return needed <= markers.keys() and knee and ankle and measures and legs
+def list_lacks(side: str, markers: Markers, measures: Measures) -> list[str]:
+    """The markers and measures without which a standing trial has no offsets of a side."""
+    needed = [name for name in ("ANK", "TOE", "HEE") if f"{side}{name}" not in markers]
+    if not has_knee_axis(side, markers):
+        needed += [name for name in ("KNE", "THI") if f"{side}{name}" not in markers]
+    if f"{side}MED" not in markers and f"{side}TIB" not in markers:
+        needed.append("TIB")
+    widths = [name for name in ("KneeWidth", "AnkleWidth") if measures.get(f"{side}{name}") is None]
+    if all(measures.get(f"{each}LegLength") is None for each in "LR"):
+        widths.append("LegLength")
+    return [f"marker {side}{name}" for name in needed] + [f"measure {side}{name}" for name in widths]
 
 
 def _find_diameter(measures: Measures, markers: Markers) -> tuple[float, str]:

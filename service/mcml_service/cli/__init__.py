@@ -38,6 +38,7 @@ BY_HAND = {
     "analog": "numbers:analog",
     "arrays": "numbers:arrays",
     "gait": "gait:gait",
+    "standing-trial": "gait:standing_trial",
     "measure": "measuring:measure",
     "compose": "edits.composing:compose",
     "retarget": "edits.composing:retarget",

@@ -1,4 +1,4 @@
-"""`mcml gait`: the gait of one document, or of several trials together, and its report."""
+"""`mcml gait`: the gait of one document, or of several trials together, and its report; `mcml standing-trial`."""
 
 from __future__ import annotations
 
@@ -85,6 +85,36 @@ def gait(
         raise RequestError(f"{output} is no report by its name.", remedy="End it in .pdf, or .csv for every cycle.")
     answer = client.call("get_gait_report", **asked, quantity=quantity or None, events=events, format=form)
     write_blocks(answer.blocks, output, force=force)
+
+
+def standing_trial(
+    standing: Annotated[str, typer.Argument(metavar="STANDING", help="The standing trial", show_default=False)],
+    trials: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[TRIAL...]", help="Walking trials, or collection:NAME", show_default=False),
+    ] = None,
+    foot: Annotated[
+        Literal["flat", "as it stands"] | None,
+        typer.Option(help="flat sets the heel to the height of the toe; default: as stated offsets tell"),
+    ] = None,
+    subject: Annotated[str | None, typer.Option(help="Prefix of a person's markers, if there are several")] = None,
+    as_json: JsonOption = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Show the measures that a standing trial gives to walking trials, or give them to these trials.
+
+    Each walking trial gets properties, such as `gait LThighRotation`, as one revision; `undo` takes it back.
+    """
+    client = open_client(database, server)
+    id = id_of(client, standing)
+    if not trials:
+        answer = client.call("get_standing_trial", id=id, foot=foot, subject=subject)
+        present(OPERATIONS["get_standing_trial"], answer, as_json)
+        return
+    use = {"selection": {"documents": _ids_of(client, trials)}, "foot": foot, "subject": subject}
+    answer = client.call("use_standing_trial", id=id, use=use)
+    present(OPERATIONS["use_standing_trial"], answer, as_json)
 
 
 def _ids_of(client: Client, texts: list[str]) -> list[str]:

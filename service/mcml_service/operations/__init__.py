@@ -108,6 +108,12 @@ _ROWS = [
     Operation("get_gait_report", "GET /gait/report", STREAMS, READ,
               "Get a gait report of several trials to print, or all of their cycles as a table.", "gait", queued=True),
 
+    Operation("get_standing_trial", "GET /documents/{id}/standing-trial", READS, READ,
+              "Get the measures that a standing trial gives to walking trials: offsets and lengths, with sources.",
+              "gait"),
+    Operation("use_standing_trial", "POST /documents/{id}/standing-trial", WRITES, EDIT,
+              "Use a standing trial: give its offsets and lengths to walking trials of the same person.", "gait"),
+
     # reference media
     Operation("put_media", "PUT /documents/{id}/media", WRITES, EDIT,
               "Attach reference video or audio to a document.", "media"),

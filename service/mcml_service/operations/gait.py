@@ -10,7 +10,14 @@ from pydantic import Field
 
 from mcml.answers import Content
 from mcml_schemas.examples import DOCUMENT
-from mcml_schemas.gait import GaitComparison, GaitMeasures
+from mcml_schemas.gait import (
+    CalibratedTrials,
+    FootOption,
+    GaitComparison,
+    GaitMeasures,
+    StandingTrial,
+    StandingTrialUse,
+)
 from mcml_service.operations.arguments import AtRevision, DocumentId, at_revision
 from mcml_service.operations.call import Call
 from mcml_service.operations.operation import gives
@@ -133,6 +140,45 @@ def get_gait_report(
             return Content(write_csv(batches, About()), "text/csv; charset=utf-8", f"{name}.csv")
         data = draw_gait(comparison)
     return Content(iter([data]), "application/pdf", f"{name}.pdf", size=len(data), shown=True)
+
+
+def get_standing_trial(
+    call: Call,
+    id: DocumentId,
+    foot: Annotated[
+        FootOption | None,
+        Field(description="flat sets the heel to the height of the toe; default: as stated offsets tell"),
+    ] = None,
+    subject: Annotated[
+        str | None,
+        Field(
+            max_length=1024, description="Prefix of a person's markers, if there are several people", examples=["Anna"]
+        ),
+    ] = None,
+    revision: AtRevision = None,
+) -> StandingTrial:
+    """Offsets of feet and wands, torsion of the tibia, and lengths, each with its source
+    (docs/analyses/gait_model.md). 422 if nobody stands in the trial, or markers or measures are missing.
+    """
+    from mcml_service.actions.composing.standing_trials import describe_standing
+
+    with call.database.read() as tx:
+        then, stored = at_revision(tx, id, revision)
+        return describe_standing(then, stored, foot, subject)
+
+
+def use_standing_trial(call: Call, id: DocumentId, use: StandingTrialUse) -> CalibratedTrials:
+    """Offsets replace those of the walking trials; their own measures of the body stay, and `notes` tells of
+    differences. Each trial gets properties, such as `gait LThighRotation`, as one revision, which `undo` takes back.
+    All trials are changed, or none.
+    """
+    from mcml_service.actions.composing.select_documents import select_documents
+    from mcml_service.actions.composing.standing_trials import use_standing
+
+    inputs, _ = select_documents(call.database, call.queries, use.selection)
+    with call.database.write(call.author) as tx:
+        items = use_standing(tx, tx.documents.get(id), [str(item["document"]) for item in inputs], use)
+    return CalibratedTrials(items=items)
 
 
 @contextmanager

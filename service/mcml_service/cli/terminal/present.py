@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from mcml_schemas.documents import ChangedDocuments, DocumentDetail
     from mcml_schemas.elements import ElementEdited
     from mcml_schemas.frames import CurveSamples, FramesEdited
-    from mcml_schemas.gait import GaitComparison, GaitMeasures
+    from mcml_schemas.gait import CalibratedTrials, GaitComparison, GaitMeasures, StandingTrial
     from mcml_schemas.names import AliasTable
     from mcml_schemas.querying.saved import Vocabulary
     from mcml_schemas.retarget import Mapping
@@ -300,6 +300,25 @@ def _comparison(found: GaitComparison) -> None:
             console.print(f"warning: {trial.name}: {warning}")
 
 
+def _standing(found: StandingTrial) -> None:
+    rows = table("measure", "value#", "unit", "source")
+    for item in found.measures:
+        rows.add_row(item.name, f"{item.value:.5g}", item.unit, item.source)
+    console.print(rows)
+    for note in found.notes:
+        console.print(f"note: {note}")
+
+
+def _standing_use(found: CalibratedTrials) -> None:
+    rows = table("id", "name", "revision#", "properties#")
+    for item in found.items:
+        rows.add_row(item.id, item.name, str(item.revision), str(len(item.measures)))
+    console.print(rows)
+    for item in found.items:
+        for note in item.notes:
+            console.print(f"note: {item.name}: {note}")
+
+
 def _decimal(value: float | None, digits: int) -> str:
     return "" if value is None else f"{value:.{digits}f}"
 
@@ -316,6 +335,8 @@ SHOW: dict[str, Callable[[Any], None]] = {
     "Calibration": _calibration,
     "GaitMeasures": _gait,
     "GaitComparison": _comparison,
+    "StandingTrial": _standing,
+    "CalibratedTrials": _standing_use,
     "Job": show_job,
     "Result": show_result,
 }

@@ -148,7 +148,7 @@ def get_frames(
     if tips and (space != "positions" or format == "json"):
         raise RequestError("Only positions have tips.", remedy="Ask with space=positions, in a format of numbers.")
     if quantity and (space != "channels" or format == "json" or reduce is not None):
-        raise RequestError("Quantities stand beside channels.", remedy="Ask with format=npz, arrow or csv, say.")
+        raise RequestError("Quantities stand beside channels.", remedy="Ask for another format, such as format=csv.")
     if character is not None and (quantity or format == "json" or reduce is not None or origin == "subtract"):
         raise RequestError(
             "A character has channels, positions and rotations alone.", remedy="Ask with format=block or npz."

@@ -468,6 +468,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/documents/{id}/standing-trial": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_standing_trial"];
+        put?: never;
+        post: operations["use_standing_trial"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/documents/{id}/media": {
         parameters: {
             query?: never;
@@ -2506,6 +2522,16 @@ export interface components {
             largest: number;
             /** @default 1 */
             frame: number;
+        };
+        CalibratedTrial: {
+            id: string;
+            name: string;
+            revision: number;
+            measures: string[];
+            notes: string[];
+        };
+        CalibratedTrials: {
+            items: components["schemas"]["CalibratedTrial"][];
         };
         Calibration: {
             unit: components["schemas"]["CalibrationValue"];
@@ -5489,6 +5515,23 @@ export interface components {
             width: number;
             depth: number;
         };
+        StandingMeasure: {
+            name: string;
+            value: number;
+            /** @enum {string} */
+            unit: "mm" | "rad" | "kg";
+            /** @enum {string} */
+            source: "stated" | "markers" | "alignment device" | "medial knee marker" | "medial ankle marker" | "heel and toe";
+        };
+        StandingTrial: {
+            measures: components["schemas"]["StandingMeasure"][];
+            notes: string[];
+        };
+        StandingTrialUse: {
+            selection: components["schemas"]["Selection"];
+            foot?: ("flat" | "as it stands") | null;
+            subject?: string | null;
+        };
         StoredFile: {
             part: string;
             name: string;
@@ -7280,6 +7323,104 @@ export interface operations {
                 content: {
                     "application/pdf": unknown;
                     "text/csv": unknown;
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_standing_trial: {
+        parameters: {
+            query?: {
+                foot?: ("flat" | "as it stands") | null;
+                subject?: string | null;
+                revision?: number | null;
+            };
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StandingTrial"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    use_standing_trial: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StandingTrialUse"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibratedTrials"];
                 };
             };
             503: {

@@ -17,11 +17,23 @@ interface Cycle {
 const PARTS = ["Pelvis", "Hip", "Knee", "Ankle"];
 const OF_SKELETON = ["hip-flexion", "knee-flexion", "ankle-dorsiflexion"];
 
+/** stated: the laboratory's own angles where the file has them. computed: those of the model that is computed beside. */
+export type Model = "stated" | "computed";
+const COMPUTED = /(^|:)cgm1:/;
+
+const namesOf = (measured: readonly Measured[]): string[] =>
+  measured.filter((each) => each.function === "quantity" && !each.reason).map((each) => each.name);
+
+/** Whether angles of the laboratory and computed ones are there. */
+export const hasBothModels = (measured: readonly Measured[]): boolean =>
+  namesOf(measured).some((name) => COMPUTED.test(name) && name.endsWith("Angles"));
+
 /** Angles of the laboratory's own model or of a computed one, else those of the skeleton; markers alone have none. */
-export function pairsOf(measured: readonly Measured[], axis: string, markers: boolean): Pair[] {
-  const names = measured.filter((each) => each.function === "quantity" && !each.reason).map((each) => each.name);
+export function pairsOf(measured: readonly Measured[], axis: string, markers: boolean, model: Model): Pair[] {
+  const names = namesOf(measured);
   const own = PARTS.flatMap((part) => {
-    const left = names.find((name) => (name.split(":").pop() ?? "") === `L${part}Angles`);
+    const of = names.filter((name) => (name.split(":").pop() ?? "") === `L${part}Angles`);
+    const left = of.find((name) => COMPUTED.test(name) === (model === "computed")) ?? of[0];
     const right = left?.replace(/L(\w+)$/, "R$1");
     return left && right && names.includes(right)
       ? [{ title: part, left: `quantity:${left},${axis}`, right: `quantity:${right},${axis}` }]

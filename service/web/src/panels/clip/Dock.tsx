@@ -49,7 +49,7 @@ export function Dock({ clip, reload }: { clip: Clip; reload: () => void }) {
         {open === "tree" && <Tree clip={clip} />}
         {open === "graph" && <Graph clip={clip} reload={reload} />}
         {open === "body" && <Body clip={clip} reload={reload} />}
-        {open === "gait" && <Gait clip={clip} />}
+        {open === "gait" && <Gait clip={clip} reload={reload} />}
         {open === "structure" && <Structure clip={clip} reload={reload} />}
         {open === "text" && <Text clip={clip} reload={reload} />}
         {open === "history" && <History clip={clip} reload={reload} />}

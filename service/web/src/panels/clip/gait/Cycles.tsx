@@ -1,7 +1,8 @@
 /** Curves over the gait cycle, from strike to strike: mean and standard deviation of each side. */
 import { useMemo } from "preact/hooks";
 import type { Schemas } from "../../../api/client";
-import { bandOf, meanOf, type Pair } from "../../../motion/body/gait";
+import { bandOf, meanOf, type Model, type Pair } from "../../../motion/body/gait";
+import { g } from "../../../ui/gait/words";
 import { Plot, type Curve, type Mark } from "../../../ui/Plot";
 import { w, type Word } from "../../../words";
 
@@ -9,26 +10,36 @@ import type { Compared } from "./Comparing";
 
 type Measures = Schemas["GaitMeasures"];
 const PERCENT = Array.from({ length: 101 }, (_, at) => at);
+const MODELS = [
+  ["stated", "label.ofLaboratory"],
+  ["computed", "label.computedAngles"],
+] as const;
 const PLANES: [string, Word][] = [
   ["x", "label.sagittal"],
   ["y", "label.frontal"],
   ["z", "label.transverse"],
 ];
 
+interface Choice<T extends string> {
+  value: T;
+  choose: (value: T) => void;
+}
+
+/** model: where the file has angles of its laboratory, and others are computed beside. */
 export function Cycles({
   gait,
   compared,
   pairs,
-  axis,
-  onAxis,
+  plane,
+  model,
   how,
   ofFile,
 }: {
   gait: Measures;
   compared: Compared | null;
   pairs: readonly Pair[];
-  axis: string;
-  onAxis: (axis: string) => void;
+  plane: Choice<string>;
+  model: Choice<Model> | null;
   how: string;
   ofFile: boolean;
 }) {
@@ -37,21 +48,36 @@ export function Cycles({
       <h3 class="row wrap">
         {w("label.gaitCycles")}
         <span class="tail" />
-        {ofFile && (
-          <div class="segments" role="group" aria-label={w("label.plane")}>
-            {PLANES.map(([each, word]) => (
-              <button type="button" key={each} aria-pressed={axis === each} onClick={() => onAxis(each)}>
-                {w(word)}
-              </button>
-            ))}
-          </div>
-        )}
+        {model && <Segments label={g("label.anglesFrom")} of={MODELS} choice={model} word={g} />}
+        {ofFile && <Segments label={w("label.plane")} of={PLANES} choice={plane} word={w} />}
       </h3>
       {ofFile && <p class="dim">{how ? w("help.computedAnglesHelp", { how }) : w("help.ownAnglesHelp")}</p>}
       {pairs.map((pair) => (
         <CycleOf key={pair.title} gait={gait} compared={compared} pair={pair} />
       ))}
     </section>
+  );
+}
+
+function Segments<T extends string, Key>({
+  label,
+  of,
+  choice,
+  word,
+}: {
+  label: string;
+  of: readonly (readonly [T, Key])[];
+  choice: Choice<T>;
+  word: (key: Key) => string;
+}) {
+  return (
+    <div class="segments" role="group" aria-label={label}>
+      {of.map(([each, key]) => (
+        <button type="button" key={each} aria-pressed={choice.value === each} onClick={() => choice.choose(each)}>
+          {word(key)}
+        </button>
+      ))}
+    </div>
   );
 }
 

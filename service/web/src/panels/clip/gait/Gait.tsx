@@ -1,7 +1,7 @@
 /** The gait of a clip: parameters by side, cycles of the joints, and the events that they rest on. */
 import { useMemo, useState } from "preact/hooks";
 import { get, type Schemas } from "../../../api/client";
-import { howComputed, pairsOf } from "../../../motion/body/gait";
+import { hasBothModels, howComputed, pairsOf, type Model, type Pair } from "../../../motion/body/gait";
 import type { Clip } from "../../../state/clip/clip";
 import { mayEdit } from "../../../state/session/me";
 import { Trouble } from "../../../ui/Trouble";
@@ -12,30 +12,35 @@ import { useMeasurements } from "../body/useMeasurements";
 import { Comparing, useCompared, type Others } from "./Comparing";
 import { Cycles } from "./Cycles";
 import { Parameters } from "./Parameters";
+import { StandingTrial } from "./StandingTrial";
 
 const SOURCES = { label: "label.fromLabel", plate: "label.fromPlate", positions: "label.fromPositions" } as const;
 
 export type Measures = Schemas["GaitMeasures"];
 
-export function Gait({ clip }: { clip: Clip }) {
+export function Gait({ clip, reload }: { clip: Clip; reload: () => void }) {
   const [axis, setAxis] = useState("x");
+  const [model, setModel] = useState<Model>("stated");
   const [others, setOthers] = useState<Others>({ compare: "", reference: "" });
   const listed = useMeasurements(clip);
   const items = listed.value?.items;
-  const pairs = useMemo(() => items && pairsOf(items, axis, clip.skeleton.view.markers), [items, axis, clip]);
+  const pairs = useMemo(
+    () => items && pairsOf(items, axis, clip.skeleton.view.markers, model),
+    [items, axis, clip, model],
+  );
   const loaded = useAsync(
     async (signal) => {
       if (!pairs) return null;
-      const quantity = pairs.flatMap((pair) => [pair.left, pair.right]);
-      const query = { revision: clip.detail.revision, quantity };
+      const query = { revision: clip.detail.revision, quantity: quantitiesOf(pairs) };
       return await get("/documents/{id}/gait", { path: { id: clip.id }, query, signal });
     },
     [clip, pairs],
   );
   const gait = loaded.value;
-  const compared = useCompared(clip, others, pairs?.flatMap((pair) => [pair.left, pair.right]) ?? []);
+  const compared = useCompared(clip, others, quantitiesOf(pairs));
   return (
     <div class="gait">
+      <StandingTrial clip={clip} reload={reload} />
       <Trouble error={listed.error ?? loaded.error ?? compared.error} retry={loaded.again} />
       {loaded.busy && !gait && <div class="busy" />}
       {gait && (
@@ -43,14 +48,14 @@ export function Gait({ clip }: { clip: Clip }) {
           <Summary gait={gait} />
           <Comparing clip={clip} others={others} choose={setOthers} />
           <Parameters gait={gait} compared={compared.value ?? null} />
-          {pairs && pairs.length > 0 && (
+          {items && pairs && pairs.length > 0 && (
             <Cycles
               gait={gait}
               compared={compared.value ?? null}
               pairs={pairs}
-              axis={axis}
-              onAxis={setAxis}
-              how={howComputed(items ?? [], pairs)}
+              plane={{ value: axis, choose: setAxis }}
+              model={hasBothModels(items) ? { value: model, choose: setModel } : null}
+              how={howComputed(items, pairs)}
               ofFile={Boolean(pairs[0]?.left.startsWith("quantity:"))}
             />
           )}
@@ -60,6 +65,8 @@ export function Gait({ clip }: { clip: Clip }) {
     </div>
   );
 }
+
+const quantitiesOf = (pairs: readonly Pair[] = []): string[] => pairs.flatMap((pair) => [pair.left, pair.right]);
 
 function Summary({ gait }: { gait: Measures }) {
   const kind = gait.running === null ? "" : w(gait.running ? "label.running" : "label.walking");
