@@ -167,9 +167,9 @@ class Measurements:
             upward: Array = forces.force @ forces.vertical
             return upward
 
-        loads = find_loads(list(plates.values()), walker)
-        surfaces = [self._plates[number - 1] for number in usable]
-        return find_step_events(loads, surfaces, walker, (channels.samples, channels.rate), read_upward)
+        forces, surfaces = list(plates.values()), [self._plates[number - 1] for number in usable]
+        sampling = channels.samples, channels.rate
+        return find_step_events(find_loads(forces, walker), surfaces, forces, walker, sampling, read_upward)
 
     def _at(self, whole: Array, ids: NDArray[np.int64] | Sequence[str]) -> Array:
         """Values of frames (n, …) from those of all frames of the file."""

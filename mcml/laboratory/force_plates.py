@@ -37,7 +37,8 @@ class Plate:
     channels: places of its channels in the file, from 0. factors: newtons, newton metres or metres of a unit of each
     channel; of type 4, of a unit of each product of calibration and channels. calibration: (6, 6) of type 4. reasons:
     why its forces cannot be computed. assumptions: about facts that the file does not state. baseline: of each channel,
-    in its own unit, to be subtracted; () for none.
+    in its own unit, to be subtracted; () for none. has_surface: False where the corners only surround the points of
+    the forces.
     """
 
     type: int
@@ -49,6 +50,7 @@ class Plate:
     reasons: tuple[str, ...] = ()
     assumptions: tuple[str, ...] = ()
     baseline: tuple[float, ...] = ()
+    has_surface: bool = True
 
     @cached_property
     def problems(self) -> tuple[str, ...]:

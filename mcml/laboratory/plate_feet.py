@@ -28,6 +28,9 @@ _SHORTEST: Final = 0.12
 _LEAST_PEAK: Final = 150.0
 """Newtons that a step reaches."""
 
+_MIDDLE: Final = 0.5
+"""Of the line from heel to toe."""
+
 _MOST_OF_OTHER: Final = 0.2
 """Share of a load in which the other foot may be nearer."""
 
@@ -99,22 +102,44 @@ def is_whole_step(load: Load, plate: Plate, paths: WalkerPaths) -> bool:
     return own and not plate.has_inside(middle).any()
 
 
+def is_rolled_over(load: Load, pressure: Array, paths: WalkerPaths) -> bool:
+    """Whether a load inside the record begins in the half of the heel and ends in that of the toe, the other foot away.
+
+    It tells whole steps where no surface of a plate is known. pressure: (n, 3) centre of pressure in all frames.
+    """
+    if load.side is None or load.first == 0 or load.end >= len(paths):
+        return False
+    other = SIDES[1 - SIDES.index(load.side)]
+    tenth = max(1, (load.end - load.first) // 10)
+    for some, is_end in ((slice(load.first, load.first + tenth), False), (slice(load.end - tenth, load.end), True)):
+        away, share = _distance(pressure[some], paths.heels[load.side][some], paths.toes[load.side][some], paths.up)
+        beside = _distance(pressure[some], paths.heels[other][some], paths.toes[other][some], paths.up)[0]
+        own = share[away <= NEAR]
+        if not len(own) or (np.median(own) >= _MIDDLE) != is_end or (beside <= NEAR).any():
+            return False
+    return True
+
+
 def find_step_events(
     loads: Sequence[Load],
     plates: Sequence[Plate],
+    forces: Sequence[PlateForces],
     paths: WalkerPaths,
     sampling: tuple[int, float],
     read_upward: Callable[[int, int], Array | None],
 ) -> list[GaitEvent]:
     """Find the strikes and offs of whole steps, at the rate of the plates, in seconds from the first frame.
 
-    sampling: samples of a plate in a frame, and in a second. read_upward: returns the upward force on a plate (its
-    place among the plates) in all samples of a frame and the following one, None where these do not follow in the file.
+    forces: on each plate in these frames, for plates without a known surface. sampling: samples of a plate in a frame,
+    and in a second. read_upward: returns the upward force on a plate (its place among the plates) in all samples of a
+    frame and the following one, None where these do not follow in the file.
     """
     samples, rate = sampling
     events = []
     for load in loads:
-        if load.side is None or not is_whole_step(load, plates[load.plate], paths):
+        plate, pressure = plates[load.plate], forces[load.plate].centre_of_pressure
+        is_whole = is_whole_step(load, plate, paths) if plate.has_surface else is_rolled_over(load, pressure, paths)
+        if load.side is None or not is_whole:
             continue
         kinds: tuple[tuple[Kind, int, int], ...] = (("strike", load.first, 1), ("off", load.end - 1, 0))
         for kind, at, before in kinds:
@@ -171,7 +196,7 @@ def _side_of(pressure: Array, first: int, paths: WalkerPaths) -> Side | None:
     """The foot whose line from heel to toe is near a centre of pressure (n, 3) from frame `first` on."""
     some = slice(first, first + len(pressure))
     away: Mapping[Side, Array] = {
-        side: _distance(pressure, paths.heels[side][some], paths.toes[side][some], paths.up) for side in SIDES
+        side: _distance(pressure, paths.heels[side][some], paths.toes[side][some], paths.up)[0] for side in SIDES
     }
     middle = slice(len(pressure) // 4, len(pressure) - len(pressure) // 4)
     for side, other in (SIDES, SIDES[::-1]):
@@ -185,12 +210,11 @@ def _side_of(pressure: Array, first: int, paths: WalkerPaths) -> Side | None:
     return None
 
 
-def _distance(points: Array, begin: Array, end: Array, up: Array) -> Array:
-    """(n,) level distances of points from the lines between two other points."""
+def _distance(points: Array, begin: Array, end: Array, up: Array) -> tuple[Array, Array]:
+    """(level distances (n,) of points from the lines between two other points; shares (n,) of these lines there)."""
     points, begin, end = (place - np.outer(place @ up, up) for place in (points, begin, end))
     line = end - begin
     with np.errstate(invalid="ignore", divide="ignore"):
         share = ((points - begin) * line).sum(axis=1) / (line * line).sum(axis=1)
     nearest = begin + np.clip(np.nan_to_num(share), 0.0, 1.0)[:, None] * line
-    distance: Array = np.linalg.norm(points - nearest, axis=1)
-    return distance
+    return np.linalg.norm(points - nearest, axis=1), share

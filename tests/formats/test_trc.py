@@ -173,6 +173,16 @@ def test_trailing_tabs_labels_two_columns_apart_and_blanks() -> None:
     assert "a missing sample cannot be seen" in notices(blanks)
 
 
+def test_facts_between_two_tabs() -> None:
+    lines = TEXT.split("\n")
+    lines[2] = " " + lines[2].replace("\t", "\t\t  ")
+    clip = clip_of("\n".join(lines))
+    assert clip.head.fields == clip_of().head.fields
+    assert clip.head.frame_time == clip_of().head.frame_time
+    assert frames(clip) == frames(clip_of())
+    assert written(FORMATS["trc"], clip)["trc"] == written(FORMATS["trc"], clip_of())["trc"]
+
+
 @pytest.mark.parametrize(
     ("text", "said", "line"),
     [

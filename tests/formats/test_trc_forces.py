@@ -15,8 +15,10 @@ import mcml
 from mcml.errors import FormatError
 from mcml.formats.c3d.parameters import read_statements
 from mcml.formats.trc.force_table import FramesOfTrial, align, has_forces, read_table
+from mcml.laboratory.gait_events import SIDES
 from mcml.motion.skeleton import Array
 from tests.force_trials import AXES, UNITS, Trial, make_trial
+from tests.laboratory.walkers import SAMPLES, Gait, make_c3d, make_walker, true_events
 
 
 def columns_of(motion: mcml.Motion, function: str, plate: int) -> Array:
@@ -204,3 +206,52 @@ def test_damaged_bytes_are_told_and_leave_the_markers(
     for item in motion.measurements:
         if item.function == "force" and item.known and item.name.isdigit():
             assert columns_of(motion, "force", int(item.name)).shape == (12, 3)
+
+
+def write_feet(gait: Gait, folder: Path) -> list[Path]:
+    """The markers of a walker as TRC, and all steps of each foot in columns of its own."""
+    (folder / "walk.c3d").write_bytes(make_c3d(gait))
+    (trc,) = mcml.convert(folder / "walk.c3d", folder / "walk.trc")
+    walker, rate = make_walker(gait), gait.rate * SAMPLES
+    frames = np.arange(len(walker)) / gait.rate
+    times = np.arange(len(walker) * SAMPLES) / rate
+    columns, names = [times], ["time"]
+    for side, letter in zip(SIDES, "LR", strict=True):
+        force, point = np.zeros((len(times), 3)), np.zeros((len(times), 3))
+        ends = (walker.heels[side], walker.toes[side])
+        heel, toe = (np.stack([np.interp(times, frames, axis) for axis in end.T], axis=1) for end in ends)
+        for strike in true_events(gait)[side, "strike"]:
+            share = (times - strike) / (gait.duty * gait.stride_time)
+            down = (share > 0) & (share < 1)
+            force[down] = 800 * np.sin(np.pi * share[down])[:, None] * walker.up
+            point[down] = (heel + share[:, None] * (toe - heel))[down]
+        point -= np.outer(point @ walker.up, walker.up)
+        for name, part in (("force_v", force), ("force_p", point), ("torque_", 0 * force)):
+            names += [f"{letter}_ground_{name}{axis}" for axis in AXES]
+            columns += list(part.T)
+    rows = ["\t".join(map(repr, row)) for row in np.stack(columns, axis=1).tolist()]
+    head = ["walk", "version=1", f"nRows={len(rows)}", f"nColumns={len(names)}", "inDegrees=yes", "endheader"]
+    (folder / "walk.mot").write_text("\n".join([*head, "\t".join(names), *rows]) + "\n")
+    return [trc, folder / "walk.mot"]
+
+
+@pytest.mark.parametrize("on_belt", [False, True])
+def test_all_steps_in_the_columns_of_a_foot_have_events(tmp_path: Path, on_belt: bool) -> None:
+    gait = Gait(seconds=6, on_belt=on_belt, up="Y", heading=20)
+    motion = mcml.read(write_feet(gait, tmp_path))
+    found = [event for event in motion.measure_gait().events if event.source == "plate"]
+    assert len(found) >= 18
+    for event in found:
+        assert min(abs(at - event.seconds) for at in true_events(gait)[event.side, event.kind]) < 0.01, event
+    for side in SIDES:
+        assert np.nanmax(motion.force(side, "y")) > 700
+
+
+def test_points_tell_the_foot_and_names_do_not(tmp_path: Path) -> None:
+    paths = write_feet(Gait(seconds=4, up="Y"), tmp_path)
+    plain = mcml.read(paths)
+    text = paths[1].read_text()
+    paths[1].write_text(text.replace("L_ground", "X_ground").replace("R_ground", "L_ground").replace("X_", "R_"))
+    swapped = mcml.read(paths)
+    for side in SIDES:
+        np.testing.assert_array_equal(swapped.force(side, "y"), plain.force(side, "y"))

@@ -34,7 +34,7 @@ class Channels:
     labels: unique, the second `Fx` is `Fx#2`. units: as the file writes them, "" where it states none. rate: samples a
     second, NaN if unknown. samples: of a channel in a frame. frames: of the file; first: number of the first one.
     scales, offsets: (channels,), SCALE × GEN_SCALE and OFFSET. unsigned: whether integers have no sign. assumptions:
-    about the force plates of all of them.
+    about the force plates of all of them. has_surfaces: whether the corners of the plates are their own.
     """
 
     stream: BinaryIO
@@ -51,6 +51,7 @@ class Channels:
     unsigned: bool
     notices: tuple[Notice, ...]
     assumptions: tuple[str, ...] = ()
+    has_surfaces: bool = True
 
     def __len__(self) -> int:
         return len(self.labels)

@@ -82,7 +82,10 @@ def _plate(channels: Channels, index: int, kind: int, count: int) -> Plate:
     if calibration is not None:
         # By columns, as all parameters of several dimensions.
         calibration = None if np.isnan(calibration).any() else calibration.reshape(6, 6).T
-    return Plate(kind, corners, origin, places, factors, calibration, tuple(reasons), tuple(assumptions))
+    return Plate(
+        kind, corners, origin, places, factors, calibration, tuple(reasons), tuple(assumptions),
+        has_surface=channels.has_surfaces,
+    )  # fmt: skip
 
 
 def _add_baseline(channels: Channels, plate: Plate, *, asked: bool) -> Plate:

@@ -132,6 +132,7 @@ def read_forces(head: ClipHead, stream: BinaryIO) -> Channels:
         unsigned=False,
         notices=(),
         assumptions=(_NO_CORNERS,),
+        has_surfaces=False,
         table=instants.read(seconds, columns),
     )
 

@@ -158,6 +158,10 @@ def _read_head(lines: Lines, notices: list[Notice]) -> _Head:
         raise FormatError(
             f"the head names {len([key for key in keys if key])} facts, {len(values)} follow", at=texts.at()
         )
+    filled = [value for value in values if value]
+    if len(values) > len(keys) and len(filled) == len([key for key in keys if key]):
+        # Some programs write two tabs between values.
+        keys, values = [key for key in keys if key], filled
     labels = _need(lines, "the labels of the markers")
     cells = _cells(labels)
     if not cells or not cells[0].lower().startswith("frame"):
