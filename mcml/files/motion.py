@@ -239,8 +239,10 @@ class Motion:
         trial = standing.measure_standing(foot, subject)
         if trial.lacks:
             raise ConversionError(f"{standing.name!r} is no standing trial: {trial.lacks}.", remedy=STANDING_REMEDY)
-        own = self._measurements
-        properties, notes = own.gait.of(subject).use_standing_trial(trial, standing.name, own.quantities)
+        if not self._measurements.gait.of(subject).has_pelvis:
+            raise ConversionError(f"{self.name!r} has no markers of a pelvis.", remedy="Read a trial of markers.")
+        own, positions = self._measurements, partial(read_marker_positions, self._clip)
+        properties, notes = own.gait.of(subject).use_standing_trial(trial, standing.name, own.quantities, positions)
         head = replace(self._clip.head, properties=tuple(properties))
         made = Motion(self.name, self._clip.with_head(head), self._original)
         made.notices += notes

@@ -6,10 +6,14 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Final, Literal, TypeAlias
 
+import numpy as np
+import orjson
+
 from mcml.formats.text.numbers import is_number
 from mcml.laboratory.gait_model.measures import ANGLES, BODY_MEASURES, NAMES, Measures, has_known_lengths
 from mcml.laboratory.gait_model.standing_trial import StandingTrial
 from mcml.laboratory.gait_model.static_pass import FootOption
+from mcml.laboratory.gait_model.virtual_markers import VIRTUAL, VirtualMarker
 from mcml.motion.landmarks.sizes import PREFIX, to_metres, to_radians
 
 Property: TypeAlias = tuple[str, str, str]
@@ -25,6 +29,8 @@ _STANDING: Final = "standing trial"
 _SAME: Final = 0.005
 """Relative difference of two measures that are told apart."""
 _MASS: Final = "Bodymass"
+_PLACES: Final = 3
+"""Decimals of millimetres."""
 _DIGITS: Final = 1e-6
 
 
@@ -67,6 +73,7 @@ def use_standing_trial(
     is_again = any(name == begin + _STANDING for name, _, _ in kept)
     stated = read_properties(kept, subject)[0]
     gone = {begin + _STANDING, *(begin + name for name in NAMES if name.endswith(ANGLES))}
+    gone |= {begin + side + stem for side in "LR" for stem in VIRTUAL}
     used: dict[str, Property] = {}
     notes = []
     for measure in trial.measures:
@@ -77,11 +84,28 @@ def use_standing_trial(
         elif not math.isclose(own, measure.value, rel_tol=_SAME):
             unit = unit_of_measure(name)
             notes.append(f"{name} stays {own:.4g} {unit}; the standing trial has {measure.value:.4g} {unit}")
+    for name, marker in trial.virtual.items():
+        places = {label: [round(number, _PLACES) for number in place] for label, place in marker.places.items()}
+        used[name] = (begin + name, orjson.dumps(places).decode(), "mm")
     wands = [item for item in state_measures(of_file, subject) if item[0] in {begin + name for name in _WANDS}]
     gone |= {begin + name for name in used}
     items = [item for item in kept if item[0] not in gone]
     items += [item for item in wands if item[0].removeprefix(begin) not in used]
     return [*items, *used.values(), (begin + _STANDING, title, "")], notes
+
+
+def read_virtual_markers(properties: Iterable[Property], subject: str = "") -> Iterator[tuple[str, VirtualMarker]]:
+    """Yield (name with its side, virtual marker) of properties; others are passed over."""
+    begin = _begin_of(subject)
+    for name, value, _ in properties:
+        if name.startswith(begin) and name.removeprefix(begin)[1:] in VIRTUAL:
+            try:
+                read = orjson.loads(value)
+                places = {str(label): tuple(map(float, place)) for label, place in read.items()}
+            except (ValueError, TypeError, AttributeError):
+                continue
+            if places and np.isfinite([*places.values()]).all() and {len(place) for place in places.values()} == {3}:
+                yield name.removeprefix(begin), VirtualMarker(places)
 
 
 def standing_trial_of(properties: Iterable[Property], subject: str = "") -> str:

@@ -8,7 +8,7 @@ that edits of them count.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final, TypeAlias
 
@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mcml.formats.c3d.analog import Channels
-from mcml.formats.c3d.quantities import decode_text
-from mcml.formats.c3d.subjects import read_measures, read_measures_of, read_sample
+from mcml.formats.c3d.subjects import read_measures, read_measures_of
+from mcml.formats.gait_markers import FindPositions, GaitMarkers
 from mcml.formats.gait_properties import Property, leave_out_equal, read_properties, standing_trial_of
 from mcml.formats.gait_properties import use_standing_trial as properties_with
 from mcml.laboratory.gait_model.dynamics import Ground
@@ -31,22 +31,18 @@ from mcml.laboratory.gait_model.model_body import (
     is_load,
     is_of_leg,
 )
-from mcml.laboratory.gait_model.model_markers import find_model_markers
 from mcml.laboratory.gait_model.segment_frames import make_continuous
 from mcml.laboratory.gait_model.standing_trial import StandingTrial, measure_standing
 from mcml.laboratory.gait_model.static_pass import FootOption
 from mcml.laboratory.gait_model.subject import Subject, find_subject, has_pelvis
 from mcml.laboratory.gait_model.upper_body import ARM, HEAD, TRUNK
+from mcml.laboratory.gait_model.virtual_markers import VirtualMarker, find_virtual_markers
 from mcml.motion.clip import ClipHead
 from mcml.motion.guesses import stated_up, up_of_head
 from mcml.motion.pictures.figures import axis_of
 from mcml.motion.skeleton import Array
-from mcml.motion.units import UNITS, metres_of
 
 Ids: TypeAlias = NDArray[np.int64] | Sequence[str]
-FindPositions: TypeAlias = Callable[[Sequence[int]], Array]
-"""Returns (n, k, 3) positions of joints of the skeleton in the frames asked for, in the unit of the clip."""
-
 FindGround: TypeAlias = Callable[[str, NDArray[np.intp], int], Ground]
 """Returns the reaction of the ground on "L" or "R" in (count,) frames of the file, of which the clip has these."""
 
@@ -61,7 +57,7 @@ _METHODS: Final[dict[Method, str]] = {
 _KINDS: Final = {"Angles": ("deg", "ANGLES"), "Moment": ("Nmm/kg", "MOMENTS"), "Power": ("W/kg", "POWERS")}
 """Unit and group by the end of a name; centres have no such end."""
 
-_MILLIMETRES: Final = 1000.0
+_TRAVEL_OF_CLIP: Final = "forward is the axis along which the pelvis travels in the clip, or that it faces"
 _SAMPLE: Final = 2000
 """Frames of a clip without a file that tell the axis up."""
 
@@ -92,7 +88,7 @@ class GaitQuantities:
         self._head, self._channels, self._has_plates = head, channels, has_plates
         self._file = channels if channels is not None and channels.layout.points else None
         self._person = person
-        self._markers = find_model_markers(head.skeleton, person)
+        self._markers = GaitMarkers(head, self._file, person)
         self._bodies: dict[Method, ModelBody] = {}
         self._bodies_of_file: dict[Method, ModelBody] = {}
         self._ids: Ids = []
@@ -100,10 +96,13 @@ class GaitQuantities:
     @property
     def are_asked(self) -> bool:
         """Whether the clip has markers of a pelvis and a knee, so that its quantities are listed."""
-        names = self._markers.joints
-        return bool(self._markers.problem) or (
-            has_pelvis(dict.fromkeys(names, np.empty(0))) and any(f"{side}KNE" in names for side in "LR")
-        )
+        knees = {f"{side}{name}" for side in "LR" for name in ("KNE", "KneeLateral")}
+        return bool(self._markers.found.problem) or (self.has_pelvis and not knees.isdisjoint(self._markers.names))
+
+    @property
+    def has_pelvis(self) -> bool:
+        """Whether the clip has the markers of a pelvis, without which no standing trial helps it."""
+        return has_pelvis(dict.fromkeys(self._markers.names, np.empty(0)))
 
     def describe(self, stated: Sequence[str]) -> Iterator[ComputedQuantity]:
         """Every quantity that the file lacks, and model 1 beside stated quantities. stated: names in the file."""
@@ -118,39 +117,47 @@ class GaitQuantities:
     def lacks(self, name: str) -> str | None:
         """Why a quantity cannot be computed, "" where it can, None for a name that is no quantity of the model."""
         _, bare = _split(name)
-        if bare not in QUANTITIES or not (self.are_asked or self._markers.joints):
+        if bare not in QUANTITIES or not (self.are_asked or self._markers.names):
             return None
         return self._describe(name).reason
 
     def measure_standing(self, find_positions: FindPositions, foot: FootOption | None = None) -> StandingTrial:
         """Measure the clip as a standing trial. foot: how it takes the foot; None as properties state, or to tell it by
         stored offsets."""
-        if self._markers.problem or not self._markers.joints:
-            return StandingTrial(lacks=self._markers.problem or "it has no markers of a person")
-        markers, up = self._sample, None
+        found = self._markers.found
+        if found.problem or not found.joints:
+            return StandingTrial(lacks=found.problem or "it has no markers of a person")
         if self._file is None:
-            names = list(self._markers.joints)
-            positions = find_positions([self._markers.joints[name] for name in names])
-            markers = self._name_markers(positions)
-            up = self._subject_of_clip(names, markers, positions).up
-        foot = foot or self._stated_by_people[1]
-        return measure_standing(self._measures, markers, self._subject.up if up is None else up, foot)
+            positions = find_positions(self._markers.joints)
+            markers = self._markers.name(positions)
+            up = self._subject_of_clip(markers, positions).up
+        else:
+            markers, up = self._markers.sample, self._subject.up
+
+        def find_virtual() -> dict[str, VirtualMarker]:
+            others = self._markers.label_all(find_positions)
+            return dict(find_virtual_markers(markers, others, self._markers.segments(), self._markers.labels))
+
+        return measure_standing(self._measures, markers, up, foot or self._stated_by_people[1], find_virtual)
 
     def use_standing_trial(
-        self, trial: StandingTrial, title: str, stated: Collection[str]
+        self, trial: StandingTrial, title: str, stated: Collection[str], find_positions: FindPositions
     ) -> tuple[list[Property], list[str]]:
         """(properties of the clip with the measures of a standing trial, notes).
 
         title: the name of that trial. stated: names of quantities in the file of the clip.
         """
-        properties, notes = properties_with(
-            self._head.properties, trial, title, self._measures_of_file, self._person or ""
+        virtual, notes = self._markers.choose_virtual(trial.virtual)
+        notes += self._markers.check_virtual(virtual, find_positions)
+        properties, more = properties_with(
+            self._head.properties, replace(trial, virtual=virtual), title, self._measures_of_file, self._person or ""
         )
+        notes += more
         markers = {"ThighRotation": "THI", "ShankRotation": "TIB", "StaticPlantFlex": "TOE"}
         for measure in trial.measures:
-            marker = measure.name[0] + markers.get(measure.name[1:], "")
-            if measure.name[1:] in markers and marker not in self._markers.joints:
-                notes.append(f"{measure.name} is not used: there is no marker {marker}")
+            needed = measure.name[0] + markers.get(measure.name[1:], "")
+            if measure.name[1:] in markers and needed not in self._markers.names:
+                notes.append(f"{measure.name} is not used: there is no marker {needed}")
         if any(name.endswith(f"{side}KneeAngles") for name in stated for side in "LR"):
             notes.append("the file has angles of its laboratory, which come first; those of this trial are computed "
                          "beside them, such as cgm1:LKneeAngles")  # fmt: skip
@@ -181,7 +188,7 @@ class GaitQuantities:
         """
         frames, angles = np.arange(len(degrees)), degrees
         if self._file is not None:
-            frames = self._read[1]
+            frames = self._markers.read[1]
             angles = self._body_of_file(method).quantity(name)[:, axis]
         continuous = make_continuous(angles[:, None])[:, 0]
         known = np.isfinite(continuous)
@@ -192,7 +199,7 @@ class GaitQuantities:
 
     def _body_of_file(self, method: Method) -> ModelBody:
         if method not in self._bodies_of_file:
-            self._bodies_of_file[method] = ModelBody(self._sample, self._subject, method)
+            self._bodies_of_file[method] = ModelBody(self._markers.sample, self._subject, method)
         return self._bodies_of_file[method]
 
     def _make_body(
@@ -203,21 +210,14 @@ class GaitQuantities:
         find_positions: FindPositions,
         find_ground: FindGround | None,
     ) -> ModelBody:
-        names = list(self._markers.joints)
-        positions = find_positions([self._markers.joints[name] for name in names])
-        whole = np.full((count, len(names), 3), np.nan)
+        positions = find_positions(self._markers.joints)
+        whole = np.full((count, *positions.shape[1:]), np.nan)
         known = places >= 0
         whole[places[known]] = positions[known]
-        markers = self._name_markers(whole)
-        subject = self._subject if self._file is not None else self._subject_of_clip(names, markers, positions)
+        markers = self._markers.name(whole)
+        subject = self._subject if self._file is not None else self._subject_of_clip(markers, positions)
         ground = None if find_ground is None else lambda side: find_ground(side, places, count)
         return ModelBody(markers, subject, method, ground, self._rate)
-
-    def _name_markers(self, positions: Array) -> dict[str, Array]:
-        """(n, 3) millimetres of each marker. positions: (n, k, 3) in the unit of the clip, in the order of markers."""
-        metres = metres_of(self._head)
-        whole = positions * (1.0 if metres is None else metres * _MILLIMETRES)
-        return {name: np.ascontiguousarray(whole[:, place]) for place, name in enumerate(self._markers.joints)}
 
     def _timeline(self, ids: Ids) -> tuple[NDArray[np.intp], int]:
         """(place of each frame in the recording, -1 for others; frames of the recording)."""
@@ -237,8 +237,8 @@ class GaitQuantities:
     def _describe(self, name: str) -> ComputedQuantity:
         prefix, bare = _split(name)
         unit, group = _kind_of(bare)
-        if self._markers.problem:
-            return ComputedQuantity(name, unit, group, self._markers.problem, ())
+        if self._markers.found.problem:
+            return ComputedQuantity(name, unit, group, self._markers.found.problem, ())
         method = self._method(prefix, bare)
         ground = _no_ground if self._has_plates else None
         body = ModelBody(self._instant, self._subject, method, ground, self._rate)
@@ -254,19 +254,24 @@ class GaitQuantities:
         own = {"Head": HEAD, "Neck": HEAD, "Thorax": TRUNK, "Spine": TRUNK}.get(
             part, [name[0] + marker for marker in ARM]
         )
-        return part == "Pelvis" or any(marker in self._markers.joints for marker in own)
+        return part == "Pelvis" or any(marker in self._markers.names for marker in own)
 
     def _notes(self, name: str, method: Method) -> Iterator[str]:
         subject, part = self._subject, name[1:].removesuffix("Angles")
         own = {"cgm1": (), "centres": ("FEP", "HJC"), "landmarks": ("HJC",)}[method]
-        has_hip = any(name[0] + centre in self._markers.joints for centre in own)
+        has_hip = any(name[0] + centre in self._markers.names for centre in own)
         yield _METHODS[method if is_of_leg(name) else "cgm1"]
         if is_of_leg(name) and method == "landmarks":
             yield "hips of the file" if has_hip else "hips by Harrington 2007"
+            virtual = [each for each in self._markers.virtual if each[0] == name[0]]
+            if virtual:
+                title = standing_trial_of(self._head.properties, self._person or "")
+                yield f"virtual markers by the standing trial {title!r}: {', '.join(virtual)}"
         elif subject.diameter_note and (is_of_leg(name) or part in ("Shoulder", "Elbow", "Wrist", "SJC", "EJC", "WJC")):
             yield subject.diameter_note
         if is_of_leg(name) and not has_hip and subject.measures.get("InterAsisDistance") is None:
-            yield f"InterAsisDistance not stated; {subject.width:.0f} mm, the mean distance of the markers"
+            width = f"{subject.width:.0f} mm, " if np.isfinite(subject.width) else ""
+            yield f"InterAsisDistance not stated; {width}the mean distance of the markers"
         if subject.measures.were_degrees and method != "landmarks" and is_of_leg(name):
             yield "angles among the measures are taken as degrees: one of them exceeds pi"
         if subject.measures.unit != "mm" and method != "landmarks" and is_of_leg(name):
@@ -277,8 +282,11 @@ class GaitQuantities:
             source = f"the standing trial {title!r} and properties" if title else "properties"
             yield f"measures from {source}: {', '.join(stated)}"
         if part in ("Pelvis", "Thorax", "Head", "FootProgress"):
-            yield subject.travel_note
-        if part in ("Ankle", "FootProgress") and method != "landmarks":
+            yield subject.travel_note if self._file is not None else _TRAVEL_OF_CLIP
+        if part in ("Ankle", "FootProgress") and method == "landmarks":
+            heel, toe = (self._markers.labels.get(name[0] + end, end) for end in ("Heel", "Toe"))
+            yield f"the foot is the line from {heel} to {toe}"
+        elif part in ("Ankle", "FootProgress"):
             if subject.static_note:
                 yield subject.static_note
             elif subject.measures.get(f"{name[0]}StaticPlantFlex") is None:
@@ -304,49 +312,18 @@ class GaitQuantities:
     @cached_property
     def _instant(self) -> dict[str, Array]:
         """The first frame of the sample: enough to try every quantity."""
-        return {name: places[:1] for name, places in self._sample.items()}
-
-    @cached_property
-    def _sample(self) -> dict[str, Array]:
-        """Markers (n, 3) in millimetres of the kept file; unknown in one frame without a file."""
-        labels, _, positions = self._read
-        places: dict[str, int] = {}
-        for index, label in enumerate(labels):
-            places.setdefault(label, index)
-        gone = np.full((max(1, len(positions)), 3), np.nan)
-        sources = self._markers.sources
-        return {
-            name: positions[:, places[label]] * self._to_millimetres if (label := sources[name].strip()) in places
-            else gone
-            for name in self._markers.joints
-        }  # fmt: skip
-
-    @cached_property
-    def _read(self) -> tuple[list[str], NDArray[np.intp], Array]:
-        """Labels, frames and positions of the file, as `read_sample` returns them."""
-        return ([], np.arange(0), np.empty((0, 0, 3))) if self._file is None else read_sample(self._file)
-
-    @property
-    def _to_millimetres(self) -> float:
-        """Of a unit of the file's points; millimetres where it states none."""
-        texts = [] if self._file is None else self._file.said.texts("POINT:UNITS")
-        return UNITS.get(decode_text(texts[0]).lower() if texts else "", 1 / _MILLIMETRES) * _MILLIMETRES
+        return {name: places[:1] for name, places in self._markers.sample.items()}
 
     @cached_property
     def _subject(self) -> Subject:
-        labels, _, read = self._read
-        places = {label: index for index, label in reversed(list(enumerate(labels)))}
-        positions = np.full((len(read), len(self._head.skeleton), 3), np.nan)
-        for index, joint in enumerate(self._head.skeleton.joints):
-            if (place := places.get(joint.source_name.strip())) is not None:
-                positions[:, index] = read[:, place]
-        return self._find_subject(self._sample, positions)
+        in_unit_of_file = self._markers.whole / self._markers.to_millimetres
+        return self._find_subject(self._markers.sample, in_unit_of_file)
 
-    def _subject_of_clip(self, names: Sequence[str], markers: dict[str, Array], positions: Array) -> Subject:
-        """The subject of a clip without a file. positions: (n, k, 3) of the markers of these names."""
+    def _subject_of_clip(self, markers: dict[str, Array], positions: Array) -> Subject:
+        """The subject of a clip without a file. positions: (n, k, 3) of the joints of the markers."""
         rows = np.unique(np.linspace(0, len(positions) - 1, min(len(positions), _SAMPLE)).astype(np.intp))
         sample = np.full((len(rows), len(self._head.skeleton), 3), np.nan)
-        sample[:, [self._markers.joints[name] for name in names]] = positions[rows]
+        sample[:, self._markers.joints] = positions[rows]
         return self._find_subject(markers, sample)
 
     def _find_subject(self, markers: dict[str, Array], positions: Array) -> Subject:
@@ -364,7 +341,7 @@ class GaitQuantities:
     def _measures_of_file(self) -> Measures:
         if self._file is None:
             return clean_measures({})
-        said, prefix = self._file.said, self._markers.prefix
+        said, prefix = self._file.said, self._markers.found.prefix
         return clean_measures(read_measures(said, prefix) if self._person is None else read_measures_of(said, prefix))
 
     @cached_property

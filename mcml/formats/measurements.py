@@ -20,8 +20,9 @@ from mcml.errors import NotFoundError
 from mcml.formats.c3d.analog import Channels
 from mcml.formats.c3d.plates import plates_of
 from mcml.formats.c3d.quantities import Quantity, kept_quantities, rate_of, samples_at
+from mcml.formats.gait_markers import FindPositions
 from mcml.formats.gait_properties import is_baseline_asked
-from mcml.formats.gait_quantities import FindPositions, Ids
+from mcml.formats.gait_quantities import Ids
 from mcml.formats.people_quantities import PeopleQuantities
 from mcml.formats.quantity_units import are_per_kilogram, explain_unit
 from mcml.laboratory.force_plates import Plate, PlateForces, plate_forces
@@ -99,9 +100,8 @@ class Measurements:
         """(n,) of the frames with these numbers in the file, NaN where it states none, or is of another frame rate.
 
         find_walker: returns the feet in these frames, in metres, for forces on "left" and "right" ("Anna:left" of
-        several people), and for moments and powers that the file lacks. find_positions: returns joints in these
-        frames, for computed quantities. Raises NotFoundError for a measurement that the file does not have,
-        RequestError for an unknown axis, and the errors of find_walker.
+        several people), and for computed loads. find_positions: returns joints in these frames. Raises NotFoundError
+        for a measurement that the file does not have, RequestError for an unknown axis, and the errors of find_walker.
         """
         asked.check_joints(())
         name, *rest = asked.arguments

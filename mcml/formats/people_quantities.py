@@ -8,7 +8,8 @@ from dataclasses import replace
 from typing import TypeAlias
 
 from mcml.formats.c3d.analog import Channels
-from mcml.formats.gait_quantities import ComputedQuantity, FindGround, FindPositions, GaitQuantities, Ids
+from mcml.formats.gait_markers import FindPositions
+from mcml.formats.gait_quantities import ComputedQuantity, FindGround, GaitQuantities, Ids
 from mcml.laboratory.gait_model.model_markers import find_people
 from mcml.motion.clip import ClipHead
 from mcml.motion.skeleton import Array

@@ -237,14 +237,29 @@ class StandingMeasure(BaseModel):
     ]
 
 
+_VIRTUAL = {"name": "LKneeMedial", "carriers": ["LTH1", "LTH2", "LTH3", "LKNE"]}
+
+
+class VirtualMarker(BaseModel):
+    """A marker that walking trials may lack, and the labels of those that carry it."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_VIRTUAL))
+
+    name: str
+    carriers: list[str]
+
+
 class StandingTrial(BaseModel):
-    """The measures that a standing trial gives to walking trials of the same person, and assumptions."""
+    """Measures, virtual markers and assumptions of a standing trial, for walking trials of the same person."""
 
     model_config = ConfigDict(
-        json_schema_extra=shown({"measures": [_MEASURE], "notes": ["marker diameter not stated, 14 mm assumed"]})
+        json_schema_extra=shown(
+            {"measures": [_MEASURE], "virtual": [_VIRTUAL], "notes": ["marker diameter not stated, 14 mm assumed"]}
+        )
     )
 
     measures: list[StandingMeasure]
+    virtual: list[VirtualMarker]
     notes: list[str]
 
 

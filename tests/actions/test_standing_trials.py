@@ -9,7 +9,8 @@ from fastapi.testclient import TestClient
 
 from mcml_service.storage.database import Database
 from tests.builders import one_kind, upload
-from tests.laboratory.gait_files import LENGTHS, WALKING, gait_file, stand, two_people, walk
+from tests.laboratory.gait_files import LENGTHS, STANDING, WALKING, gait_file, stand, two_people, walk
+from tests.laboratory.test_virtual_markers import person, without
 
 pytestmark = one_kind
 
@@ -98,3 +99,18 @@ def test_the_original_leaves_as_it_came(client: TestClient, trials: list[str], d
     use(client, trials[0], trials[1])
     exported = client.get(f"{API}/{trials[1]}/export", params={"format": "c3d"})
     assert exported.content == gait_file(walk(poses=WALKING, way=41.0), LENGTHS)
+
+
+def test_virtual_markers_are_listed_and_given(client: TestClient) -> None:
+    ids = [
+        upload(client, {f"{name}.c3d": gait_file(markers, {})})["documents"][0]["id"]
+        for name, markers in (("static", person(STANDING)), ("walk", without(person(WALKING, way=40.0), "Med", "Lat")))
+    ]
+    told = client.get(f"{API}/{ids[0]}/standing-trial").json()
+    virtual = {item["name"]: item["carriers"] for item in told["virtual"]}
+    assert virtual["LKneeLateral"] == ["L.Thigh.Upper", "L.Thigh.Front", "L.Thigh.Rear"]
+    (item,) = use(client, ids[0], ids[1])["items"]  # type: ignore[misc]
+    assert "gait RAnkleMedial" in item["measures"]
+    assert item["notes"] == []
+    found = client.get("/api/v1/xpath", params={"q": "count(//frame[mo:quantity('LKneeAngles', 'x') > 20])"}).json()
+    assert found["value"] == 30

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from mcml.motion.landmarks.centres import bodies_of, marker_labels
-from mcml.motion.landmarks.recognise import MarkerBody
+from mcml.motion.landmarks.recognise import MarkerBody, measured_markers
 from mcml.motion.landmarks.tables import key_of
 from mcml.motion.skeleton import Skeleton
 
@@ -35,15 +35,15 @@ _SIDED: Final[Mapping[str, str]] = {
 _BY_NAME: Final = ("KAX", "KD1", "KD2", "FEP", "FEO", "TIO", "HJC", "KJC", "AJC")
 """The alignment device of the knee, and centres of hip, knee and ankle that programs write among the markers: those of
 Plug-in Gait itself, and those of any model."""
-_PAIRS: Final[Mapping[str, str]] = {
-    "KneeLateral": "knee_lateral",
-    "KneeMedial": "knee_medial",
-    "AnkleLateral": "ankle_lateral",
-    "AnkleMedial": "ankle_medial",
-    "Heel": "heel",
-    "Toe": "mt2",
+_PAIRS: Final[Mapping[str, tuple[str, ...]]] = {
+    "KneeLateral": ("knee_lateral",),
+    "KneeMedial": ("knee_medial",),
+    "AnkleLateral": ("ankle_lateral",),
+    "AnkleMedial": ("ankle_medial",),
+    "Heel": ("heel",),
+    "Toe": ("mt2", "toe_tip", "big_toe"),
 }
-"""Points of any landmark set, by the name that the model gives them."""
+"""Points of any landmark set, the best first, by the name that the model gives them."""
 _SIDES: Final = {"L": "left", "R": "right"}
 
 
@@ -93,11 +93,28 @@ def find_model_markers(skeleton: Skeleton, person: str | None = None) -> ModelMa
         for name in _BY_NAME:
             if (index := own.get(key_of(side + name))) is not None:
                 joints[side + name] = index
-        for name, landmark in _PAIRS.items():
-            if (index := landmarks.get(f"{_SIDES[side]}_{landmark}")) is not None:
-                joints[side + name] = index
+        for name, ways in _PAIRS.items():
+            seen = [index for way in ways if (index := landmarks.get(f"{_SIDES[side]}_{way}")) is not None]
+            joints |= {side + name: seen[0]} if seen else {}
     sources = {name: skeleton.joints[index].source_name for name, index in joints.items()}
     return ModelMarkers(joints, sources, body.prefix)
+
+
+def find_segments(skeleton: Skeleton, prefix: str) -> dict[str, str]:
+    """Return "left_thigh" and such for the labels of markers that follow a segment, "" for labels without a meaning.
+
+    prefix: of the person's markers; labels are without it. Other markers are not listed.
+    """
+    segments: dict[str, str] = {}
+    labels = marker_labels(skeleton)
+    for body in (body for body in bodies_of(skeleton) if body.prefix == prefix):
+        for index in measured_markers(labels):
+            before, _, bare = labels[index].rpartition(":")
+            landmark = body.landmarks.get(index, "")
+            segment = landmark.removesuffix("_tracking")
+            if before.strip() == prefix and (not landmark or segment != landmark):
+                segments.setdefault(bare.strip(), segment)
+    return segments
 
 
 def _by_name(skeleton: Skeleton, body: MarkerBody, *, is_alone: bool) -> dict[str, int]:

@@ -8,8 +8,8 @@ places on the skin.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
@@ -18,6 +18,7 @@ from mcml.laboratory.gait_model.lower_body import Markers
 from mcml.laboratory.gait_model.measures import ANGLES, NAMES, Measures
 from mcml.laboratory.gait_model.static_pass import FootOption, has_device, mean_of
 from mcml.laboratory.gait_model.subject import find_subject, has_pelvis, is_standing, list_lacks
+from mcml.laboratory.gait_model.virtual_markers import VirtualMarker
 from mcml.motion.skeleton import Array
 
 Source: TypeAlias = Literal["stated", "markers", "alignment device", "medial knee marker", "medial ankle marker",
@@ -50,19 +51,26 @@ class StandingMeasure:
 
 @dataclass(frozen=True)
 class StandingTrial:
-    """measures: in the order of `measures.NAMES`. notes: assumptions. lacks: why there are no measures, "" where there
-    are."""
+    """measures: in the order of `measures.NAMES`. virtual: markers of knees and ankles that others carry, by names such
+    as "LKneeMedial". notes: assumptions. lacks: the reason if there is nothing of both, else ""."""
 
     measures: tuple[StandingMeasure, ...] = ()
+    virtual: Mapping[str, VirtualMarker] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     lacks: str = ""
 
 
-def measure_standing(measures: Measures, markers: Markers, up: Array, foot: FootOption | None) -> StandingTrial:
+def measure_standing(
+    measures: Measures,
+    markers: Markers,
+    up: Array,
+    foot: FootOption | None,
+    find_virtual: Callable[[], Mapping[str, VirtualMarker]] = dict,
+) -> StandingTrial:
     """Measure a standing trial.
 
     measures: stated by the file or by properties. markers: (n, 3) millimetres. up: (3,) an axis of the laboratory.
-    foot: as for `find_subject`.
+    foot: as for `find_subject`. find_virtual: returns the virtual markers, if somebody stands.
     """
     if not has_pelvis(markers):
         return StandingTrial(lacks="the markers LASI, RASI and LPSI, RPSI or SACR are missing")
@@ -71,7 +79,8 @@ def measure_standing(measures: Measures, markers: Markers, up: Array, foot: Foot
     taken = dict(_measure_lengths(measures, markers, find_subject(measures, markers, up).diameter))
     subject = find_subject(measures.with_values(taken), markers, up, foot)
     lacks = ", ".join(lack for side in "LR" for lack in list_lacks(side, markers, subject.measures))
-    if not subject.is_static:
+    virtual = find_virtual()
+    if not subject.is_static and not virtual:
         return StandingTrial(lacks=lacks)
     known = {name: StandingMeasure(name, value, "stated") for name, value in measures.values.items()}
     if measures.get("InterAsisDistance") is None:
@@ -79,8 +88,8 @@ def measure_standing(measures: Measures, markers: Markers, up: Array, foot: Foot
     known |= {name: StandingMeasure(name, value, "markers") for name, value in taken.items()}
     known |= {name: StandingMeasure(name, value, _source_of(name, markers)) for name, value in subject.offsets.items()}
     notes = [note for note in (subject.diameter_note, subject.static_note) if note]
-    notes += [f"one side has no offsets, missing: {lacks}"] if lacks else []
-    return StandingTrial(tuple(known[name] for name in NAMES if name in known), tuple(notes))
+    notes += [f"offsets are not known of both sides, missing: {lacks}"] if lacks else []
+    return StandingTrial(tuple(known[name] for name in NAMES if name in known), virtual, tuple(notes))
 
 
 def _measure_lengths(measures: Measures, markers: Markers, diameter: float) -> Iterator[tuple[str, float]]:

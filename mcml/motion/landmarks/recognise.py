@@ -46,11 +46,16 @@ class MarkerBody:
         return self.set_name in KEY_POINTS
 
 
-def recognise_markers(names: Sequence[str]) -> tuple[MarkerBody, ...]:
-    """Return the bodies of markers, in the order of their prefixes; none if nothing is recognised."""
+def measured_markers(names: Sequence[str]) -> list[int]:
+    """Indices of names that are no values or axes that a model computes."""
     measured = [index for index, name in enumerate(names) if name and not _COMPUTED.search(_bare(name))]
     axes = _virtual_axes([_bare(names[index]) for index in measured])
-    measured = [index for index in measured if _bare(names[index]) not in axes]
+    return [index for index in measured if _bare(names[index]) not in axes]
+
+
+def recognise_markers(names: Sequence[str]) -> tuple[MarkerBody, ...]:
+    """Return the bodies of markers, in the order of their prefixes; none if nothing is recognised."""
+    measured = measured_markers(names)
     by_prefix: dict[str, list[int]] = defaultdict(list)
     for index in measured:
         by_prefix[names[index].rpartition(":")[0].strip()].append(index)

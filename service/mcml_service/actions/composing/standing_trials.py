@@ -13,6 +13,7 @@ from mcml.formats.measurements import Measurements
 from mcml.laboratory.gait_model import standing_trial as standing
 from mcml.language.elements import to_head
 from mcml.motion.markers import read_marker_positions
+from mcml.motion.skeleton import Array
 from mcml_schemas import gait as wire
 from mcml_service.actions.editing.whole_document import change_document
 from mcml_service.clips.frame_quantities import read_measurements
@@ -33,7 +34,8 @@ def describe_standing(
         wire.StandingMeasure(name=each.name, value=each.value, unit=unit_of_measure(each.name), source=each.source)
         for each in trial.measures
     ]
-    return wire.StandingTrial(measures=measures, notes=list(trial.notes))
+    virtual = [wire.VirtualMarker(name=name, carriers=list(each.places)) for name, each in trial.virtual.items()]
+    return wire.StandingTrial(measures=measures, virtual=virtual, notes=list(trial.notes))
 
 
 def use_standing(
@@ -53,13 +55,15 @@ def use_standing(
         tx.documents.lock(walking.key)
         measurements = read_measurements(tx, walking)
         gait = _gait_of(measurements, walking, use.subject)
-        if not gait.are_asked:
+        if not gait.has_pelvis:
             raise DocumentError(
-                f"{walking.name!r} has no markers of a pelvis and a knee.",
+                f"{walking.name!r} has no markers of a pelvis.",
                 remedy="Select walking trials of markers alone.",
             )
         held = to_head(tx.heads.document(walking), walking.frame_time).properties
-        properties, notes = gait.use_standing_trial(trial, stored.name, measurements.quantities)
+        properties, notes = gait.use_standing_trial(
+            trial, stored.name, measurements.quantities, partial(_positions, tx, walking)
+        )
         changed = [item[0] for item in properties if item not in held]
         if changed or len(properties) != len(held):
             walking = change_document(
@@ -76,14 +80,17 @@ def use_standing(
 def _measure(
     tx: Transaction, stored: StoredDocument, foot: wire.FootOption | None, subject: str | None
 ) -> standing.StandingTrial:
-    clip = read_clip(tx, stored, labelled=False).clip
     option = None if foot is None else FOOT_OPTIONS[foot]
     trial = _gait_of(read_measurements(tx, stored), stored, subject).measure_standing(
-        partial(read_marker_positions, clip), option
+        partial(_positions, tx, stored), option
     )
     if trial.lacks:
         raise DocumentError(f"{stored.name!r} is no standing trial: {trial.lacks}.", remedy=standing.STANDING_REMEDY)
     return trial
+
+
+def _positions(tx: Transaction, stored: StoredDocument, joints: Sequence[int]) -> Array:
+    return read_marker_positions(read_clip(tx, stored, labelled=False).clip, joints)
 
 
 def _gait_of(measurements: Measurements, stored: StoredDocument, subject: str | None) -> GaitQuantities:

@@ -305,6 +305,11 @@ def _standing(found: StandingTrial) -> None:
     for item in found.measures:
         rows.add_row(item.name, f"{item.value:.5g}", item.unit, item.source)
     console.print(rows)
+    if found.virtual:
+        markers = table("virtual marker", "carried by")
+        for marker in found.virtual:
+            markers.add_row(marker.name, ", ".join(marker.carriers))
+        console.print(markers)
     for note in found.notes:
         console.print(f"note: {note}")
 

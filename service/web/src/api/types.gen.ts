@@ -5525,6 +5525,7 @@ export interface components {
         };
         StandingTrial: {
             measures: components["schemas"]["StandingMeasure"][];
+            virtual: components["schemas"]["VirtualMarker"][];
             notes: string[];
         };
         StandingTrialUse: {
@@ -5637,6 +5638,10 @@ export interface components {
             document?: string | null;
             frame?: number | null;
             time?: number | null;
+        };
+        VirtualMarker: {
+            name: string;
+            carriers: string[];
         };
         Vocabulary: {
             project: string;

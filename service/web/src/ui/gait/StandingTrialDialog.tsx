@@ -157,6 +157,11 @@ function Measures({ trial }: { trial: Schemas["StandingTrial"] }) {
           </tbody>
         </table>
       </div>
+      {trial.virtual.length > 0 && (
+        <p title={g("help.virtualMarkers")}>
+          {g("label.virtualMarkers", { names: trial.virtual.map((one) => one.name).join(", ") })}
+        </p>
+      )}
       {trial.notes.length > 0 && (
         <ul class="dim">
           {trial.notes.map((text) => (
