@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import struct
 
 import numpy as np
@@ -9,9 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mcml.errors import FormatError
 from mcml.formats.text.number_text import detect_style, number_tokens, rows_of_text
 from mcml.formats.text.numbers import (
     PARSER,
+    NumberStream,
     Orjson,
     Parser,
     bad_token,
@@ -126,3 +129,34 @@ def test_the_style_of_a_file_is_recognised(text: str, style: str) -> None:
 )
 def test_says_what_is_wrong_with_a_word(token: str, fault: str) -> None:
     assert fault in what_is_wrong(token)
+
+
+@given(
+    tokens=st.lists(st.floats(-1e6, 1e6).map(repr), min_size=1, max_size=60),
+    separators=st.lists(st.sampled_from([" ", "\n", "\r\n", "\r", "\t", "\v", "\f", "  "]), min_size=1, max_size=9),
+    block=st.integers(30, 90),
+    start=st.integers(0, 5),
+)
+def test_a_stream_of_numbers_gives_out_every_token_whole(
+    tokens: list[str], separators: list[str], block: int, start: int
+) -> None:
+    body = "".join(token + separators[place % len(separators)] for place, token in enumerate(tokens)).encode()
+    stream = NumberStream(io.BytesIO(b"#" * start + body), start, block)
+    pieces = []
+    while (piece := stream.next()) is not None:
+        text, offset = piece
+        assert (b"#" * start + body)[offset : offset + len(text)] == text
+        assert len(text) <= 3 * block
+        pieces.append(text)
+    assert b"".join(pieces) == body
+    assert [word for text in pieces for word in text.decode().split()] == tokens
+    assert stream.offset == start + len(body)
+
+
+def test_a_word_without_end_is_refused_with_its_place() -> None:
+    stream = NumberStream(io.BytesIO(b"1 2\n3 4\n" + b"9" * 1000), 0, 100)
+    assert stream.next() == (b"1 2\n3 4\n", 0)
+    with pytest.raises(FormatError, match="a single word is longer than 100 bytes") as error:
+        stream.next()
+    assert error.value.at is not None
+    assert error.value.at.line == 3

@@ -44,3 +44,19 @@ def test_an_interval_outside_of_the_frames_or_too_short_is_left_out(interval: tu
     cycles = normalise_cycles(np.arange(200.0), 100, [interval])
     assert cycles.curves.shape == (0, POINTS)
     assert cycles.gaps == 1
+
+
+def test_one_cycle_has_no_standard_deviation_and_none_has_no_mean() -> None:
+    curves = np.random.default_rng(0).normal(0, 10, (3, POINTS))
+    whole, one, none = (
+        mean_cycle(curves, np.array(kept))
+        for kept in ([1, 1, 1], [0, 1, 0], [0, 0, 0])
+        for kept in [np.array(kept, bool)]
+    )
+    np.testing.assert_allclose(whole.sd, curves.std(axis=0, ddof=1))
+    np.testing.assert_array_equal(one.mean, curves[1])
+    assert np.isnan(one.sd).all()
+    assert np.isnan(none.mean).all()
+    assert (whole.n, one.n, none.n) == (3, 1, 0)
+    two = mean_cycle(curves[:2])
+    np.testing.assert_allclose(two.sd, np.abs(curves[0] - curves[1]) / np.sqrt(2))

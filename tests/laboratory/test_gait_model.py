@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from mcml.laboratory.gait_model.measures import Measures, clean_measures
 from mcml.laboratory.gait_model.model_body import QUANTITIES, LackError, ModelBody, choose_method, is_load
 from mcml.laboratory.gait_model.segment_frames import joint_angles, wrap
-from mcml.laboratory.gait_model.subject import Subject, find_laboratory, find_subject
+from mcml.laboratory.gait_model.subject import Subject, find_laboratory, find_subject, is_standing
 from mcml.motion.landmarks.construction import place_centre
 from mcml.motion.skeleton import Array
 from tests.fuzz import examples
@@ -244,3 +244,38 @@ def test_moments_need_force_plates_and_a_mass() -> None:
             ModelBody(markers, subject_of(Measures({k: v for k, v in LENGTHS.items() if k != "Bodymass"}))).quantity(
                 name
             )
+
+
+def test_forward_is_level_also_where_the_way_goes_up() -> None:
+    markers = {
+        name: np.repeat(place, 20, axis=0) for name, place in make_body({"L": LegPose(), "R": LegPose()})[0].items()
+    }
+    for way, expected in (([-60.0, 5.0, 90.0], [-1, 0, 0]), ([4.0, 50.0, -80.0], [0, 1, 0])):
+        going = {name: place + np.outer(np.arange(20), way) for name, place in markers.items()}
+        axes, note = find_laboratory(going, np.array([0.0, 0.0, 1.0]))
+        np.testing.assert_array_equal(axes[:, 0], expected)
+        assert np.linalg.det(axes) == pytest.approx(1.0)
+        assert "travels" in note
+
+
+@pytest.mark.parametrize("name", ["LANK", "RANK", "LASI", "RASI"])
+def test_nobody_stands_whose_ankle_or_pelvis_moves(name: str) -> None:
+    markers = {
+        each: np.repeat(place, 40, axis=0) for each, place in make_body({"L": LegPose(), "R": LegPose()})[0].items()
+    }
+    assert is_standing(markers)
+    moving = {**markers, name: markers[name] + np.outer(np.linspace(0, 200, 40), [1.0, 0.0, 0.0])}
+    assert not is_standing(moving)
+    assert is_standing({**markers, name: markers[name] + np.outer(np.linspace(0, 60, 40), [1.0, 0.0, 0.0])})
+    assert not is_standing({**markers, name: np.full((40, 3), np.nan)})
+
+
+def test_width_and_depth_of_a_pelvis_are_stated_or_those_of_its_markers() -> None:
+    markers, measures, _ = make_body({"L": LegPose(), "R": LegPose()})
+    up = np.array([0.0, 0.0, 1.0])
+    wide = find_subject(measures.with_values({"InterAsisDistance": 250.0}), markers, up)
+    own = find_subject(
+        Measures({name: value for name, value in LENGTHS.items() if name != "InterAsisDistance"}), markers, up
+    )
+    assert (wide.width, own.width) == (250.0, pytest.approx(240.0))
+    assert own.depth == pytest.approx(180.0)

@@ -10,9 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcml.laboratory.gait_events import SIDES, WalkerPaths, find_events, times_of
+from mcml.laboratory.gait_events import SIDES, Side, WalkerPaths, find_events, times_of
 from mcml.laboratory.gait_parameters import (
+    EXCLUDED,
     PARAMETERS,
+    Exclusion,
+    exclude_strides,
     measure_belt,
     measure_strides,
     reject_outliers,
@@ -177,3 +180,31 @@ def test_any_paths_are_measured_without_failure(seed: int, frames: int, rate: fl
     strides = reject_outliers(measure_strides(walker, events, belt.speed if belt.is_belt else 0.0).strides, rate)
     for parameter in PARAMETERS:
         assert not any(np.isinf(getattr(stride, parameter.name)) for stride in strides)
+
+
+@pytest.mark.parametrize(("left", "right"), [(1.2, 1.0), (60.0, 64.0), (0.3, 0.3)])
+def test_symmetry_is_of_the_mean_of_both_sides(left: float, right: float) -> None:
+    assert symmetry(left, right) == pytest.approx(200 * (left - right) / (left + right), abs=1e-8)
+    assert symmetry(right, left) == -symmetry(left, right)
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "side", "expected"),
+    [
+        (150, 150, None, {"left", "right"}),
+        (150, 150, "left", {"left"}),
+        (210, 400, None, set()),
+        (0, 99, None, set()),
+        (0, 100, None, {"left", "right"}),
+        (200, 300, "right", {"right"}),
+    ],
+)
+def test_strides_that_share_time_with_frames_left_out_do_not_count(
+    first: int, last: int, side: Side | None, expected: set[str]
+) -> None:
+    gait = Gait(rate=100.0, stride_time=1.0, seconds=4)
+    (stride, *_) = measure_strides(make_walker(gait), events_of(gait)).strides
+    strides = [replace(stride, side=each, begin=1.0, end=2.0, rejected="") for each in SIDES]
+    marked = exclude_strides(strides, [Exclusion(first, last, side)], 100.0)
+    assert {each.side for each in marked if each.rejected} == expected
+    assert all(each.rejected in ("", EXCLUDED) for each in marked)

@@ -87,3 +87,31 @@ def test_changes_of_short_and_gappy_motions() -> None:
     spin = spin_of(turning, RATE)
     assert np.isnan(spin[49:52]).all()
     np.testing.assert_allclose(spin[:40, 2], np.radians(RATE), rtol=1e-3)
+
+
+@pytest.mark.parametrize("axis", "xyz")
+def test_the_spin_of_a_frame_is_about_its_axis(axis: str) -> None:
+    frames = np.stack([turn(axis, 90.0 * at / RATE) for at in range(FRAMES)])
+    expected = np.zeros(3)
+    expected["xyz".index(axis)] = np.pi / 2
+    np.testing.assert_allclose(spin_of(frames, RATE)[20:-20], np.tile(expected, (FRAMES - 40, 1)), atol=1e-3)
+    assert np.isnan(spin_of(frames[:1], RATE)).all()
+
+
+def test_power_is_of_the_spins_of_both_segments() -> None:
+    """Of a leg that turns as one about the ankle, the knee has a moment and no power; the ankle has both."""
+    leg, toe = standing_leg()
+    degrees = 8 * np.sin(2 * np.pi * np.arange(FRAMES) / RATE)
+    turns = np.stack([turn("y", value) for value in degrees])
+    still = np.repeat(np.eye(3)[None], FRAMES, axis=0)
+    swung = {
+        name: leg.ankle + (turns @ (getattr(leg, name) - leg.ankle)[:, :, None])[:, :, 0] for name in ("hip", "knee")
+    }
+    moving = Leg(swung["hip"], swung["knee"], leg.ankle, turns, turns, turns, still)
+    force = np.array([0.0, 0.0, 600.0]), np.array([0.05, 0.0, 0.0]), np.zeros(3)
+    loads = joint_loads("L", moving, turns, toe, ground(*force), MASS, RATE, UP)
+    inner = slice(60, -60)
+    assert np.abs(loads["Knee"].moment[inner]).max() > 50
+    np.testing.assert_allclose(loads["Knee"].power[inner], 0.0, atol=1e-9)
+    np.testing.assert_allclose(loads["Hip"].power[inner], 0.0, atol=1e-9)
+    assert np.abs(loads["Ankle"].power[inner]).max() > 0.1

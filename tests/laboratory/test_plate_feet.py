@@ -16,6 +16,7 @@ from mcml.laboratory.plate_feet import (
     Load,
     find_crossing,
     find_loads,
+    find_step_events,
     is_whole_step,
     prefer_plates,
     sum_forces,
@@ -175,3 +176,36 @@ def test_a_step_is_whole_where_one_foot_alone_is_on_the_plate_inside_the_record(
     assert not is_whole_step(step, board, beside)
     for first, end, side in ((0, 40, "left"), (10, FRAMES, "left"), (10, 40, None)):
         assert not is_whole_step(Load(0, first, end, side), board, feet(0.0, 0.5))  # type: ignore[arg-type]
+
+
+def test_the_first_of_several_crossings_strikes_and_the_last_leaves() -> None:
+    bouncing = np.array([0.0, 40.0, 0.0, 40.0, 500.0, 40.0, 0.0, 40.0, 0.0])
+    assert find_crossing(bouncing, rising=True) == 0.5
+    assert find_crossing(bouncing, rising=False) == 7.5
+    assert np.isnan(find_crossing(np.full(5, 500.0), rising=True))
+
+
+def test_a_step_whose_samples_cannot_be_read_keeps_the_other_end() -> None:
+    corners = np.array([[0.3, 0.2, 0], [0.3, 0.0, 0], [-0.1, 0.0, 0], [-0.1, 0.2, 0]])
+    board = Plate(2, corners, np.zeros(3), (0, 1, 2, 3, 4, 5), (1.0,) * 6)
+    loaded = plate(10, 40, np.array([0.1, 0.1, 0.0]))
+    paths = feet(0.0, 0.5)
+
+    def read_upward(place: int, at: int) -> Array | None:
+        return None if at < 20 else np.array([700.0, 500.0, 10.0, 0.0])
+
+    events = find_step_events(find_loads([loaded], paths), [board], [loaded], paths, (2, 2 * RATE), read_upward)
+    assert [(event.side, event.kind, event.source) for event in events] == [("left", "off", "plate")]
+    assert events[0].seconds == pytest.approx(
+        39 / RATE + find_crossing(np.array([700.0, 500.0, 10.0]), rising=False) / 200
+    )
+
+
+def test_both_feet_on_plates_share_nothing_and_one_plate_may_follow_another() -> None:
+    one, other = plate(10, 40, np.array([0.02, 0.1, 0.0])), plate(25, 50, np.array([0.2, 0.1, 0.0]), newtons=300.0)
+    found = sum_forces([one, other], find_loads([one, other], feet(0.0, 0.5)), "left")
+    assert found.force[15, 2] == 700.0
+    assert found.force[30, 2] == 1000.0
+    assert found.centre_of_pressure[30, 0] == pytest.approx((0.02 * 700 + 0.2 * 300) / 1000)
+    assert found.force[45, 2] == 300.0
+    assert np.isnan(found.force[55]).all()

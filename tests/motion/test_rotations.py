@@ -147,3 +147,26 @@ def test_slerp_goes_the_shorter_way_at_even_speed() -> None:
         assert np.abs(to_matrix(slerp(start, end, steps)) - expected).max() < 1e-12
         assert np.abs(to_matrix(slerp(start, -end, steps)) - expected).max() < 1e-12
     assert np.abs(slerp(IDENTITY, IDENTITY, np.array(0.5)) - IDENTITY).max() < 1e-15
+
+
+def test_slerp_of_many_pairs_is_that_of_each_pair() -> None:
+    random = np.random.default_rng(4)
+    start, end = (Rotation.random(40, random_state=seed).as_quat() for seed in (1, 2))
+    share = random.uniform(0, 1, 40)
+    found = slerp(start, end, share)
+    expected = [
+        Slerp([0.0, 1.0], Rotation.from_quat([one, other]))(at).as_matrix()
+        for one, other, at in zip(start, end, share, strict=True)
+    ]
+    np.testing.assert_allclose(to_matrix(found), expected, atol=1e-12)
+    # Rotations that are the same, or nearly so, have no arc between them.
+    np.testing.assert_allclose(slerp(start, -start, share), start, atol=1e-12)
+    near = start + 1e-11 * end
+    np.testing.assert_allclose(np.linalg.norm(slerp(start, near, share), axis=1), 1.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("start", [(0.0, 3.0, 0.0), (2.0, -1.0, 0.5), (0.0, 0.0, -4.0)])
+def test_opposite_directions_are_half_a_turn_apart(start: tuple[float, float, float]) -> None:
+    turn = shortest_arc(np.array(start), -2 * np.array(start))
+    assert np.linalg.norm(turn) == pytest.approx(1.0)
+    np.testing.assert_allclose(rotate(turn, np.array(start)), -np.array(start), atol=1e-12)
