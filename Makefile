@@ -17,7 +17,7 @@ PYTEST := $(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help install web run test slow check audit fix bench fuzz docs lock migration dist clean
+.PHONY: help install web run test slow check audit fix bench mutate fuzz docs lock migration dist clean
 
 help: ## Print this list
 	@grep -E '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -66,6 +66,12 @@ fix: $(STAMP) ## Mend style, and make generated files again
 
 fuzz: $(STAMP) ## Long campaigns with new seeds: kill tests, random documents, files, requests (again: SEED=…)
 	MCML_FUZZ_SEED=$(SEED) $(BIN)/python -m pytest -m "fuzz or hypothesis" --timeout=3600
+
+mutate: $(STAMP) ## Change lines of the program, and list changes that its tests do not find (some: NAMES='mcml.motion.rotations*')
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group mutation
+	@mkdir -p mutants/service mutants/schemas # Python looks for the folders when it starts.
+	PYTHONPATH=$(CURDIR)/mutants:$(CURDIR)/mutants/service:$(CURDIR)/mutants/schemas $(BIN)/mutmut run --max-children 2 $(NAMES)
+	$(BIN)/mutmut results
 
 bench: $(STAMP) ## Measure speed against named peers (installs them)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group bench

@@ -6,7 +6,7 @@ edits count.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import Final, TypeAlias
 
@@ -42,12 +42,16 @@ class GaitMarkers:
     def __init__(self, head: ClipHead, file: Channels | None, person: str | None) -> None:
         self._head, self._file = head, file
         self.found = find_model_markers(head.skeleton, person)
-        self._labels = {
+        self.virtual = self.choose_virtual(dict(read_virtual_markers(head.properties, person or "")))[0]
+
+    @cached_property
+    def _labels(self) -> dict[str, int]:
+        """Joints of the person's markers, by the part of their labels that is compared."""
+        return {
             key_of(joint.source_name.rpartition(":")[2]): index
-            for index, joint in reversed(list(enumerate(head.skeleton.joints)))
+            for index, joint in reversed(list(enumerate(self._head.skeleton.joints)))
             if joint.source_name.rpartition(":")[0].strip() == self.found.prefix
         }
-        self.virtual = self.choose_virtual(dict(read_virtual_markers(head.properties, person or "")))[0]
 
     def choose_virtual(self, virtual: Mapping[str, VirtualMarker]) -> tuple[dict[str, VirtualMarker], list[str]]:
         """(virtual markers that the clip lacks, by markers that it has; notes about others)."""
@@ -95,25 +99,19 @@ class GaitMarkers:
         """(n, 3) of each marker. positions: (n, k, 3) of `joints` in frames of the clip, in its unit."""
         metres = metres_of(self._head)
         scaled = positions * (1.0 if metres is None else metres * _MILLIMETRES)
-        by_joint = {joint: np.ascontiguousarray(scaled[:, place]) for place, joint in enumerate(self.joints)}
-        markers = {name: by_joint[joint] for name, joint in self.found.joints.items()}
-        for name, _, (places, _) in self._located(by_joint):
-            markers[name] = places
-        return markers
+        return self._name({joint: np.ascontiguousarray(scaled[:, place]) for place, joint in enumerate(self.joints)})
 
     @cached_property
     def sample(self) -> dict[str, Array]:
         """(n, 3) of each marker in the kept file; unknown in one frame without a file."""
-        by_joint = {joint: self.whole[:, joint] for joint in self.joints}
-        markers = {name: by_joint[joint] for name, joint in self.found.joints.items()}
-        for name, _, (places, _) in self._located(by_joint):
-            markers[name] = places
-        return markers
+        return self._name({joint: self.whole[:, joint] for joint in self.joints})
 
-    def _located(self, by_joint: Mapping[int, Array]) -> Iterator[tuple[str, VirtualMarker, tuple[Array, Array]]]:
+    def _name(self, by_joint: Mapping[int, Array]) -> dict[str, Array]:
+        markers = {name: by_joint[joint] for name, joint in self.found.joints.items()}
         for name, marker in self.virtual.items():
             carriers = {label: by_joint[self._labels[key_of(label)]] for label in marker.places}
-            yield name, marker, marker.locate(carriers)
+            markers[name] = marker.locate(carriers)[0]
+        return markers
 
     def label_all(self, find_positions: FindPositions | None) -> dict[str, Array]:
         """(n, 3) millimetres of all markers of the person, by their labels without a prefix.

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -136,15 +136,17 @@ def test_a_gap_of_one_marker_is_bridged_and_of_two_is_not(read: Read) -> None:
 def test_a_rigid_segment_carries_its_marker_anywhere(seed: int, count: int) -> None:
     rng = np.random.default_rng(seed)
     places = rng.normal(0, 90, (count, 3))
+    spread = np.linalg.svd(places - places.mean(axis=0), compute_uv=False)
+    assume(spread[1] > 40)
     marker = VirtualMarker({f"m{k}": tuple(place) for k, place in enumerate(places.tolist())})
     turns, shifts = Rotation.random(12, random_state=seed), rng.normal(0, 1500, (12, 3))
     seen = {f"m{k}": turns.apply(place) + shifts for k, place in enumerate(places)}
     found, away = marker.locate(seen)
-    np.testing.assert_allclose(found, shifts, atol=1e-8)
-    assert away.max() < 1e-8
-    # In a mirror there is no rotation that fits: the distance tells.
+    np.testing.assert_allclose(found, shifts, atol=1e-7)
+    assert away.max() < 1e-7
+    # In a mirror no rotation fits, unless all are in one plane: the distance tells.
     mirrored = {name: place * [1.0, 1.0, -1.0] for name, place in seen.items()}
-    if count > 3 and np.linalg.svd(places - places.mean(axis=0), compute_uv=False)[2] > 30:
+    if count > 3 and spread[2] > 40:
         assert marker.locate(mirrored)[1].min() > 5
 
 

@@ -110,9 +110,10 @@ _ROWS = [
 
     Operation("get_standing_trial", "GET /documents/{id}/standing-trial", READS, READ,
               "Get the measures that a standing trial gives to walking trials: offsets and lengths, with sources.",
-              "gait"),
+              "gait", queued=True),
     Operation("use_standing_trial", "POST /documents/{id}/standing-trial", WRITES, EDIT,
-              "Use a standing trial: give its offsets and lengths to walking trials of the same person.", "gait"),
+              "Use a standing trial: give its offsets and lengths to walking trials of the same person.", "gait",
+              queued=True),
 
     # reference media
     Operation("put_media", "PUT /documents/{id}/media", WRITES, EDIT,
