@@ -111,6 +111,14 @@ def test_a_marker_that_was_moved_is_told(read: Read) -> None:
     assert told[0].startswith("LKneeMedial may be wrong: the markers that carry it are ")
 
 
+def test_exchanged_labels_leave_the_joint_unknown_in_their_frames(read: Read) -> None:
+    walking = without(person(WALKING, way=40.0), "Med", "Lat")
+    thigh, shank = (walking[f"L.{name}.Rear"].copy() for name in ("Thigh", "Shank"))
+    walking["L.Thigh.Rear"][12:18], walking["L.Shank.Rear"][12:18] = shank[12:18], thigh[12:18]
+    knee = angles(read(walking, "walk").with_standing_trial(read(person(STANDING), "static")), "LKneeAngles")
+    assert np.flatnonzero(np.isnan(knee).any(axis=1)).tolist() == list(range(12, 18))
+
+
 def test_too_few_markers_of_a_segment_leave_it_unknown_and_are_told(read: Read) -> None:
     walking = without(person(WALKING, way=40.0), "Med", "Lat", "L.Thigh.Front", "L.Thigh.Rear")
     calibrated = read(walking, "walk").with_standing_trial(read(person(STANDING), "static"))

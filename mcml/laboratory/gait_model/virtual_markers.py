@@ -21,6 +21,9 @@ from mcml.motion.skeleton import Array
 LEAST: Final = 3
 """Markers that tell where a segment is."""
 
+LOST: Final = 20.0
+"""Millimetres (rms) from their places in standing from which markers carry nothing: labels were exchanged."""
+
 VIRTUAL: Final[Mapping[str, str]] = {
     "KneeLateral": "thigh", "KneeMedial": "thigh", "AnkleLateral": "shank", "AnkleMedial": "shank",
 }  # fmt: skip
@@ -49,7 +52,8 @@ class VirtualMarker:
     def locate(self, markers: Markers) -> tuple[Array, Array]:
         """((n, 3) the virtual marker, (n,) rms distance of the others from their places after the fit).
 
-        markers: (n, 3) by name. NaN in frames with fewer than three of them, or with all on one line.
+        markers: (n, 3) by name. The marker is NaN in frames with fewer than three of them, with all on one line, or
+        with a distance above LOST.
         """
         template = np.array([*self.places.values()])
         positions = np.stack([markers[name] for name in self.places], axis=1)
@@ -59,6 +63,7 @@ class VirtualMarker:
             rows = np.flatnonzero((known == pattern).all(axis=1))
             if _is_wide(template[pattern]):
                 found[rows], away[rows] = _fit(template[pattern], positions[rows][:, pattern])
+        found[away > LOST] = np.nan
         return found, away
 
 
