@@ -6,6 +6,7 @@ import { rowOf } from "../pages";
 import { note } from "../state/session/notes";
 import { go, route } from "../state/session/route";
 import { Icon } from "../ui/icons";
+import { stageOf } from "../ui/analyses/titles";
 import { w, type Word } from "../words";
 
 const running = (job: Job): boolean => !isOver(job);
@@ -77,7 +78,7 @@ function Row({ job, onDone }: { job: Job; onDone: () => void }) {
     <li class="job">
       <div class="row">
         <strong class="cut grow">{job.name ?? job.analysis}</strong>
-        <span class="dim">{STATES[job.state] ? w(entryOf(STATES, job.state)) : job.stage}</span>
+        <span class="dim">{STATES[job.state] ? w(entryOf(STATES, job.state)) : stageOf(job)}</span>
         {running(job) && (
           <button
             type="button"
@@ -90,7 +91,7 @@ function Row({ job, onDone }: { job: Job; onDone: () => void }) {
           </button>
         )}
       </div>
-      {running(job) && <progress value={job.share} aria-label={job.stage ?? ""} />}
+      {running(job) && <progress value={job.share} aria-label={stageOf(job)} />}
       {job.problem && (
         <p>
           {job.problem.detail ?? job.problem.title} {job.problem.remedy}

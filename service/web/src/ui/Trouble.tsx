@@ -2,6 +2,7 @@
 import { ApiError, type Problem } from "../api/client";
 import { w } from "../words";
 import { Icon } from "./icons";
+import { problemTitle } from "./problems/titles";
 
 export function Trouble({ error, retry }: { error: unknown; retry?: () => void }) {
   if (!error) return null;
@@ -15,7 +16,7 @@ export function Trouble({ error, retry }: { error: unknown; retry?: () => void }
     <div class="banner" role="alert">
       <Icon name="warn" />
       <div class="grow">
-        <strong>{problem?.title ?? (error as Error).message}</strong>
+        <strong>{problem ? problemTitle(problem) : (error as Error).message}</strong>
         {problem?.detail && problem.detail !== problem.title && <p>{problem.detail}</p>}
         {problem?.where && (
           <p class="dim">

@@ -5,7 +5,7 @@ import { windowOf, type PageRow } from "../../pages";
 import { subject } from "../../state/session/shell";
 import { runAnalysis, jobs, cancelJob, type Job } from "../../state/session/jobs";
 import { go } from "../../state/session/route";
-import { analysisHelp, analysisTitle } from "../../ui/analyses/titles";
+import { analysisHelp, analysisTitle, stageOf } from "../../ui/analyses/titles";
 import { ClipSelection, selectionNow, useMembers } from "../../ui/clips/ClipSelection";
 import { SchemaForm, type Values } from "../../ui/forms/SchemaForm";
 import { Trouble } from "../../ui/Trouble";
@@ -151,8 +151,8 @@ function Form({ info }: { info: Info }) {
         <div class="row analysis-run">
           {job ? (
             <>
-              <progress class="grow" value={job.share} aria-label={job.stage ?? ""} />
-              <span class="dim">{job.stage}</span>
+              <progress class="grow" value={job.share} aria-label={stageOf(job)} />
+              <span class="dim">{stageOf(job)}</span>
               <button type="button" class="button" onClick={() => void cancelJob(job)}>
                 {w("button.cancel")}
               </button>

@@ -6,7 +6,7 @@ import { param, setParams } from "../../state/session/route";
 import { cancelJob, isOver, jobs, placeOf, startAnalysis, type Job } from "../../state/session/jobs";
 import { refuse } from "../../state/session/notes";
 import { subject } from "../../state/session/shell";
-import { analysisTitle } from "../../ui/analyses/titles";
+import { analysisTitle, stageOf } from "../../ui/analyses/titles";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { duration, w, when } from "../../words";
@@ -167,8 +167,8 @@ function JobRow({ job, info, person }: { job: Job; info: Info | undefined; perso
         {a(`label.${job.state}`)}
         {job.state === "running" && (
           <>
-            <progress value={job.share} aria-label={job.stage} />
-            <span class="dim block">{job.stage}</span>
+            <progress value={job.share} aria-label={stageOf(job)} />
+            <span class="dim block">{stageOf(job)}</span>
           </>
         )}
         {job.attempt > 1 && <span class="dim block">{a("label.attempt", { n: job.attempt })}</span>}

@@ -11,6 +11,7 @@ import type { Bench } from "./bench";
 import { graphAt, parted, type Graph, type Node } from "./graph";
 import { GraphList } from "./GraphList";
 import { GraphView } from "./GraphView";
+import { stageOf } from "../../ui/analyses/titles";
 import { d } from "./words";
 
 const STEPS = 200; // of the threshold's slider
@@ -105,9 +106,9 @@ export function GraphPane({ bench }: { bench: Bench }) {
         )}
         {job ? (
           <>
-            <progress value={job.share} aria-label={job.stage ?? ""} />
+            <progress value={job.share} aria-label={stageOf(job)} />
             <span class="dim" role="status">
-              {d("label.making2", { stage: job.stage ?? "" })}
+              {d("label.making2", { stage: stageOf(job) })}
             </span>
             <button type="button" class="button dense" onClick={() => void cancelJob(job)}>
               {w("button.cancel")}

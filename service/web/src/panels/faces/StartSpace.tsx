@@ -9,6 +9,7 @@ import { EmptyState, useIsEmpty } from "../../ui/start/EmptyState";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when } from "../../words";
+import { stageOf } from "../../ui/analyses/titles";
 import { f } from "./words";
 
 const DEMO = "demo-face";
@@ -65,9 +66,9 @@ export function StartSpace() {
         <Trouble error={error} />
         {job && (
           <div class="row">
-            <progress class="grow" value={job.share} aria-label={job.stage ?? ""} />
+            <progress class="grow" value={job.share} aria-label={stageOf(job)} />
             <span class="dim" role="status">
-              {f("label.building", { stage: job.stage ?? "" })}
+              {f("label.building", { stage: stageOf(job) })}
             </span>
             <button type="button" class="button" onClick={() => void cancelJob(job)}>
               {w("button.cancel")}

@@ -3,9 +3,9 @@ import { useState } from "preact/hooks";
 import { ApiError } from "../../api/client";
 import { cancelJob, jobs, runAnalysis, type Job } from "../../state/session/jobs";
 import { go, route } from "../../state/session/route";
+import { stageOf } from "../../ui/analyses/titles";
 import { Trouble } from "../../ui/Trouble";
 import { number, w } from "../../words";
-import { isWord } from "./names";
 import { b } from "./words";
 
 export interface Fitting {
@@ -38,12 +38,11 @@ export function useFit(): Fitting {
 }
 
 export function FitProgress({ job }: { job: Job }) {
-  const stage = `label.stage_${job.stage ?? "waiting"}`;
   return (
     <div class="row fit-progress" role="status">
       <progress class="grow" value={job.share} aria-label={b("label.fitting")} />
       <span class="dim">
-        {isWord(stage) ? b(stage) : job.stage} {number((job.share ?? 0) * 100, 0)} %
+        {stageOf({ stage: job.stage ?? "waiting" })} {number((job.share ?? 0) * 100, 0)} %
       </span>
       <button type="button" class="button" onClick={() => void cancelJob(job)}>
         {w("button.cancel")}

@@ -5,6 +5,7 @@ import { jsonLines } from "../../api/lines";
 import * as library from "../../state/library/library";
 import { Dialog } from "../../ui/Dialog";
 import { Icon } from "../../ui/icons";
+import { problemTitle } from "../../ui/problems/titles";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { number, w } from "../../words";
@@ -265,7 +266,7 @@ function Result({ row }: { row: Row }) {
       </div>
       {problem && (
         <div class="refusal">
-          <strong>{problem.title}</strong>
+          <strong>{problemTitle(problem)}</strong>
           {problem.detail && problem.detail !== problem.title && <p>{problem.detail}</p>}
           {problem.remedy && <p>{problem.remedy}</p>}
         </div>

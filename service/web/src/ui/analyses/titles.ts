@@ -1,4 +1,4 @@
-/** Titles of analyses in the language of the studio; those of other packages are as their packages have them. */
+/** Titles and stages of analyses in the language of the studio; those of other packages are as these have them. */
 import { t, type AnalysisWord } from "./words";
 
 interface Described {
@@ -14,3 +14,6 @@ export const analysisTitle = ({ name, title }: Pick<Described, "name" | "title">
 
 export const analysisHelp = ({ name, description }: Pick<Described, "name" | "description">): string =>
   wordOf(`help.analysis_${name}`, description);
+
+export const stageOf = ({ stage }: { stage?: string | null | undefined }): string =>
+  stage ? wordOf(`label.stage_${stage.replaceAll(" ", "_")}`, stage) : "";
