@@ -3,7 +3,8 @@ import { wordsOf } from "../../words/table";
 
 export const t = wordsOf(
   {
-    "label.stage_waiting": "waiting", "label.stage_cancelling": "cancelling",
+    "label.stage_waiting": "waiting", "label.stage_starting": "starting",
+    "label.stage_starting_a_worker": "starting a worker", "label.stage_cancelling": "cancelling",
     "label.stage_reading": "reading clips", "label.stage_reading_clips": "reading clips",
     "label.stage_sampling": "normalising time", "label.stage_components": "finding components",
     "label.stage_cross-validation": "choosing width and ridge", "label.stage_errors": "cross-validating",
@@ -29,7 +30,8 @@ export const t = wordsOf(
     "help.analysis_reach": "A model that makes a reach for any age, height and hip point, or any other numbers that label clips.",
   },
   {
-    "label.stage_waiting": "대기 중", "label.stage_cancelling": "취소하는 중",
+    "label.stage_waiting": "대기 중", "label.stage_starting": "시작하는 중",
+    "label.stage_starting_a_worker": "작업 프로세스 시작 중", "label.stage_cancelling": "취소하는 중",
     "label.stage_reading": "클립 읽는 중", "label.stage_reading_clips": "클립 읽는 중",
     "label.stage_sampling": "시간 정규화 중", "label.stage_components": "성분 찾는 중",
     "label.stage_cross-validation": "너비와 능선값 고르는 중", "label.stage_errors": "교차 검증 중",
@@ -55,7 +57,8 @@ export const t = wordsOf(
     "help.analysis_reach": "나이, 키, 엉덩이 위치나 클립에 붙은 다른 수치에 맞는 손 뻗기 동작을 만드는 모델입니다.",
   },
   {
-    "label.stage_waiting": "待機中", "label.stage_cancelling": "キャンセル中",
+    "label.stage_waiting": "待機中", "label.stage_starting": "開始中",
+    "label.stage_starting_a_worker": "ワーカーを起動中", "label.stage_cancelling": "キャンセル中",
     "label.stage_reading": "クリップを読み取り中", "label.stage_reading_clips": "クリップを読み取り中",
     "label.stage_sampling": "時間を正規化中", "label.stage_components": "成分を計算中",
     "label.stage_cross-validation": "幅とリッジを選択中", "label.stage_errors": "交差検証中",
