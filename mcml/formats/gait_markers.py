@@ -54,16 +54,20 @@ class GaitMarkers:
         }
 
     def choose_virtual(self, virtual: Mapping[str, VirtualMarker]) -> tuple[dict[str, VirtualMarker], list[str]]:
-        """(virtual markers that the clip lacks, by markers that it has; notes about others)."""
+        """(virtual markers that the clip lacks, by markers that it has; notes about others).
+
+        No note about a joint whose lateral marker and wand the clip has: the gait model needs no more.
+        """
         chosen, notes = {}, []
         for name, marker in virtual.items():
             if name in self.found.joints:
                 continue
             own = {self._bare(label): place for label, place in marker.places.items() if key_of(label) in self._labels}
             known = VirtualMarker(own).known_by(own)
-            if known is None:
+            joint = {f"{name[0]}{each}" for each in (("KNE", "THI") if "Knee" in name else ("ANK", "TIB"))}
+            if known is None and not joint <= self.found.joints.keys():
                 notes.append(f"{name} stays unknown: fewer than three markers of its segment are in both trials")
-            else:
+            elif known is not None:
                 chosen[name] = known
         return chosen, notes
 

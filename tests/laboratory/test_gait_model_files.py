@@ -135,6 +135,7 @@ def test_the_static_trial_tells_its_own_offsets(lab: Path, expected: dict[str, A
 def test_a_walk_takes_the_offsets_of_another_standing_trial(lab: Path) -> None:
     walk = read(lab / "s4_am_gait04.c3d")
     calibrated = walk.with_standing_trial(read(lab / "s4_am_cal_01.c3d"))
+    assert not any("stays unknown" in note for note in calibrated.notices)
     # The wand of this walk was measured in another standing trial, 3 degrees away.
     turned = vectors(calibrated, "cgm1:LHipAngles")[:, 2] - vectors(walk, "cgm1:LHipAngles")[:, 2]
     assert np.nanmedian(np.abs(turned)) == pytest.approx(4.6, abs=0.5)
