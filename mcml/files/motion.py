@@ -230,8 +230,8 @@ class Motion:
     ) -> Motion:
         """Return the motion with the measures of a standing trial of the same person, as properties.
 
-        Its own measures of the body stay. Raises ConversionError if nobody stands in that trial, or if it lacks markers
-        or measures.
+        Measures of the body that the motion has stay. Raises ConversionError if the other motion is no standing trial,
+        or if it lacks markers or measures.
 
         >>> read("walk.c3d").with_standing_trial(read("static.c3d")).quantity("LKneeAngles", "x").shape
         (215,)

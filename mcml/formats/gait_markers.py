@@ -56,7 +56,7 @@ class GaitMarkers:
     def choose_virtual(self, virtual: Mapping[str, VirtualMarker]) -> tuple[dict[str, VirtualMarker], list[str]]:
         """(virtual markers that the clip lacks, by markers that it has; notes about others).
 
-        No note about a joint whose lateral marker and wand the clip has: the gait model needs no more.
+        A joint whose lateral marker and wand the clip has gets no note, because the gait model needs no more.
         """
         chosen, notes = {}, []
         for name, marker in virtual.items():
@@ -101,8 +101,7 @@ class GaitMarkers:
 
     def name(self, positions: Array) -> dict[str, Array]:
         """(n, 3) of each marker. positions: (n, k, 3) of `joints` in frames of the clip, in its unit."""
-        metres = metres_of(self._head)
-        scaled = positions * (1.0 if metres is None else metres * _MILLIMETRES)
+        scaled = positions * self._clip_to_millimetres
         return self._name({joint: np.ascontiguousarray(scaled[:, place]) for place, joint in enumerate(self.joints)})
 
     @cached_property
@@ -125,8 +124,7 @@ class GaitMarkers:
         joints = list(self._labels.values())
         whole = self.whole[:, joints]
         if self._file is None and find_positions is not None:
-            metres = metres_of(self._head)
-            whole = find_positions(joints) * (1.0 if metres is None else metres * _MILLIMETRES)
+            whole = find_positions(joints) * self._clip_to_millimetres
         return {self._bare(key): whole[:, place] for place, key in enumerate(self._labels)}
 
     def _bare(self, label: str) -> str:
@@ -153,6 +151,12 @@ class GaitMarkers:
     def read(self) -> tuple[list[str], NDArray[np.intp], Array]:
         """Labels, frames and positions of the file, as `read_sample` returns them."""
         return ([], np.arange(0), np.empty((0, 0, 3))) if self._file is None else read_sample(self._file)
+
+    @property
+    def _clip_to_millimetres(self) -> float:
+        """Of a unit of the clip; of millimetres where it states none."""
+        metres = metres_of(self._head)
+        return 1.0 if metres is None else metres * _MILLIMETRES
 
     @property
     def to_millimetres(self) -> float:

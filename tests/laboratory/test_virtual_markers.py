@@ -90,14 +90,14 @@ def test_markers_without_telling_names_are_known_by_their_places(read: Read) -> 
     names = {f"{side}.{part}.{word}": f"Q{side}{part[0]}{number}" for side in "LR" for part in ("Thigh", "Shank")
              for number, word in enumerate(CLUSTERS)}  # fmt: skip
 
-    def renamed(markers: Mapping[str, Array]) -> dict[str, Array]:
+    def rename(markers: Mapping[str, Array]) -> dict[str, Array]:
         return {names.get(name, name): place for name, place in markers.items()}
 
     whole = person(WALKING, way=40.0)
-    standing = read(renamed(person(STANDING)), "static")
+    standing = read(rename(person(STANDING)), "static")
     carriers = standing.measure_standing().virtual["LKneeMedial"].places
     assert set(carriers) == {"QLT0", "QLT1", "QLT2", "L.Knee.Lat"}
-    calibrated = read(renamed(without(whole, "Med")), "walk").with_standing_trial(standing)
+    calibrated = read(rename(without(whole, "Med")), "walk").with_standing_trial(standing)
     expected = angles(read(whole, "whole"), "landmarks:LKneeAngles")
     np.testing.assert_allclose(angles(calibrated, "LKneeAngles"), expected, atol=0.01)
 
